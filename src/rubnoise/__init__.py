@@ -93,6 +93,8 @@ def __getattr__(name: str) -> object:
         message = f"module {__name__!r} has no attribute {name!r}"
         if name.startswith("read_"):
             message += '; rubnoise.Trace("trace.csv") reads a measurement, rubnoise.open a result'
+        elif near := next((each for each in __all__ if each in name.split("_")), ""):
+            message += f"; did you mean rubnoise.{near}?"
         raise AttributeError(message)
     return getattr(import_module("rubnoise.api"), name)
 

@@ -1,10 +1,19 @@
-"""Regular files opened for reading: no device, pipe or socket is opened, and no read waits for ever."""
+"""Regular files opened for reading: no device, pipe or socket is opened, and no read waits for ever.
+
+The path - is standard input, which is copied into a file first.
+"""
 
 import errno
 import os
 import stat
+import sys
+import tempfile
+from functools import cache
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, Final
+
+STANDARD_INPUT: Final = "-"
+MOST_INPUT_BYTES: Final = 1 << 32
 
 PIECE_BYTES = 1 << 20
 
@@ -30,6 +39,8 @@ class NotRegular(OSError):  # noqa: N818  (says what the path is)
 
 def open_regular(path: str | os.PathLike[str]) -> int:
     """Return a descriptor of a regular file, for reading; raises NotRegular, or OSError where it cannot be opened."""
+    if os.fspath(path) == STANDARD_INPUT:
+        return os.open(_standard_input().name, _READING)
     try:
         # To open a device can already do something, so a name is asked first; another file may bear it a moment later.
         _check(Path(path).stat(), path)
@@ -66,12 +77,37 @@ def read_at_most(path: str | os.PathLike[str], count: int) -> bytes:
     return bytes(content)
 
 
+def size_of(path: str | os.PathLike[str]) -> int:
+    """Return how many bytes a regular file has; raises as `open_regular` does."""
+    descriptor = open_regular(path)
+    try:
+        return os.fstat(descriptor).st_size
+    finally:
+        os.close(descriptor)
+
+
 def is_folder(path: Path) -> bool:
     """Whether a path is a folder; False where it may not be looked at, which opening it then says."""
     try:
         return path.is_dir()
     except OSError:
         return False
+
+
+@cache
+def _standard_input() -> "tempfile._TemporaryFileWrapper[bytes]":
+    """Return a file with all of standard input, which lasts as long as this process; raises OSError if it is too long.
+
+    A reader may ask for it several times, and from any place in it.
+    """
+    file = tempfile.NamedTemporaryFile(prefix="rubnoise-input-")  # noqa: SIM115  (kept open: its end deletes it)
+    copied = 0
+    while part := sys.stdin.buffer.read(PIECE_BYTES):
+        copied += file.write(part)
+        if copied > MOST_INPUT_BYTES:
+            raise OSError(errno.EFBIG, "is longer than 4 GiB", STANDARD_INPUT)
+    file.flush()
+    return file
 
 
 def _check(about: os.stat_result, path: str | os.PathLike[str]) -> None:

@@ -40,6 +40,27 @@ def test_the_seed_is_the_one_of_the_file_option_or_setting(here: Path) -> None:
     assert seven["trace/real_contact_area"] != columns(here / "other.h5")["trace/real_contact_area"]
 
 
+def _fed(given: bytes, *words: str | Path) -> Answer:
+    """Return the answer of a command that reads its file from standard input."""
+    done = subprocess.run(command(*words), input=given, capture_output=True, check=False)
+    return Answer(code=done.returncode, out=done.stdout.decode(), err=done.stderr.decode())
+
+
+def test_a_scenario_and_a_trace_may_come_through_a_pipe(here: Path) -> None:
+    text = CONTACT + "[run]\nseed = 7\n"
+    (here / "seven.toml").write_text(text, encoding="utf-8")
+    assert call("run", "seven.toml").code == 0
+    assert _fed(text.encode(), "run", "-").out.startswith("rubnoise.h5: ")
+    assert columns(here / "rubnoise.h5") == columns(here / "seven.h5")
+    assert "-:2: error: bad: " in _fed(b"format = 1\nbad = 2\n", "check", "-").err
+
+    assert call("export", "seven.h5", "--to", "csv", "--group", "trace", "-o", "trace.csv").code == 0
+    asked = ("infer", "--speed", "1 mm/s", "--zero", "known", "--json", "--column", "real_contact_area_um2")
+    named, piped = call(*asked, "trace.csv"), _fed((here / "trace.csv").read_bytes(), *asked, "-")
+    assert (piped.code, piped.out) == (named.code, named.out.replace("trace.csv", "-"))
+    assert piped.err == named.err.replace("trace.csv", "-")
+
+
 def test_settings_are_numbers_quoted_texts_or_plain_texts(here: Path) -> None:
     settings = ["interface.mean_junction_count=5", 'sliding.distance="50 um"', "output.tick=1 um", "title=set by hand"]
     assert call("run", SHORT, *(word for text in settings for word in ("--set", text))).code == 0

@@ -162,7 +162,8 @@ def tracked() -> set[str]:
 def test_it_holds_every_module_and_nothing_of_the_workshop(wheel: zipfile.ZipFile) -> None:
     modules = {path.relative_to(ROOT / "src").as_posix() for path in (ROOT / "src" / "rubnoise").rglob("*.py")}
     held = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    assert held >= modules | {"rubnoise/py.typed"}
+    pages = {f"rubnoise/docs/{path.name}" for path in (ROOT / "docs").glob("*.md")}
+    assert held >= modules | pages | {"rubnoise/py.typed", "rubnoise/docs/pictures/drawn/sketch.svg"}
     assert all(name.startswith("rubnoise/") and "__pycache__" not in name for name in held)
 
 
@@ -205,3 +206,5 @@ def test_it_runs_where_nothing_but_the_wheel_is(dist: Path, tmp_path: Path) -> N
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "mean diameter" in done.stdout
+    done = subprocess.run([*command[:-2], "docs"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, (tmp_path / "rubnoise.html").stat().st_size < 2_000_000) == (0, True), done.stderr

@@ -156,7 +156,7 @@ def test_a_picture_takes_the_place_of_axes(record: rubnoise.Record) -> None:
     [
         ({"what": "force"}, "no picture of a run; there are trace, lives"),
         ({"what": "trace", "of": "velocity"}, 'is for "psd"'),
-        ({"what": "psd", "of": "speed"}, 'is for "psd"'),
+        ({"what": "psd", "of": "speed"}, "no such spectrum"),
         ({"what": "trace", "beside": 1}, 'another run goes with "slider"'),
         ({"what": "trace", "start": 100.0, "stop": 50.0}, "nothing lies in 100 to 50 um"),
     ],

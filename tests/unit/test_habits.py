@@ -61,6 +61,16 @@ sweep.to_pandas().head()
 sweep.plot("displacement_std")
 len(run.junctions)
 run.junctions.where("diameter > 5.5 um")["diameter"].mean()
+sc.to_dict()["interface"]["mean_junction_count"]
+run.summary[0].z
+run.psd("velocity").plot()
+trace.acf(longest="10 ms").plot()
+sweep.plot("psd", of="velocity", size="single", style="paper")
+run.trace.to_pandas().describe()
+run.trace["distance"] * 1e-3
+run.to_xarray()["trace"]["real_contact_area"].sel(distance=100.0, method="nearest")
+run.compare().to_pandas()
+rubnoise.exact(sc).autocovariance([0.0, 5.0])
 [run.trace["friction_force"].units, run.junctions.to_pandas().attrs["units"]]
 """.strip().splitlines()
 
@@ -77,6 +87,11 @@ sc.replace({"sliding.speed": "2 mm"}) -> um/s
 sc.replace({"sliding.spead": "2 mm/s"}) -> speed
 sc.replace(damping_ratio="2 %") -> 0.02
 rubnoise.simulate("fig5") -> paper/fig5
+rubnoise.simulate("paper/fig5", distance="1 mm") -> .replace(distance='1 mm')
+rubnoise.load_scenario("paper/fig5") -> rubnoise.load?
+run.trace.columns -> .names
+run.junctions[17] -> run.junction(17)
+run.junction(-1) -> junctions 0 to
 rubnoise.open("paper/fig5") -> rubnoise.simulate
 run.plot("spectrum") -> "psd"
 run.trace["velocity"] -> run.slider
@@ -140,7 +155,7 @@ def test_habits_that_work(desk):
 @pytest.mark.parametrize("line", REFUSED, ids=lambda line: line.partition(" -> ")[0])
 def test_habits_that_are_refused_with_the_right_call(desk, line):
     call, _, words = line.partition(" -> ")
-    with pytest.raises((rubnoise.RubnoiseError, KeyError, AttributeError)) as refused:
+    with pytest.raises((rubnoise.RubnoiseError, KeyError, IndexError, AttributeError)) as refused:
         eval(call, desk)  # noqa: S307  (the list above)
     assert words in str(refused.value)
 

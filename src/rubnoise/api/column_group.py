@@ -1,7 +1,7 @@
 """The columns of one group of a result, by name."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -41,6 +41,8 @@ class Columns:
         if name not in self._columns:
             homes = [group.name for group in schema.GROUPS if any(each.name == name for each in group.columns)]
             other = f"; run.{homes[0]}[{name!r}] has it, if the run has it" if homes else ""
+            if isinstance(name, int | slice):
+                other = f"; a column has the rows: [{self.names[-1]!r}][{name!r}], and run.junction(17) is one junction"
             raise KeyError(f"/{self.name} has no column {name!r}; it has {', '.join(self.names)}{other}")
         return self._columns[name]
 
@@ -49,7 +51,9 @@ class Columns:
         columns = self.__dict__.get("_columns", {})
         if name in columns:
             return columns[name]
-        raise AttributeError(f"/{self.__dict__.get('name', '')} has no column {name!r}; it has {', '.join(columns)}")
+        hint = "; .names lists the columns, len() counts the rows" if name in ("columns", "shape", "size") else ""
+        known = f"it has {', '.join(columns)}{hint}"
+        raise AttributeError(f"/{self.__dict__.get('name', '')} has no column {name!r}; {known}")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._columns]
@@ -147,3 +151,16 @@ class Columns:
     def _repr_html_(self) -> str:
         rows = [(name, each.units, each.long_name) for name, each in self._columns.items()]
         return as_html(f"/{self.name}: {self.long_name}, {len(self):,} rows", ("column", "unit", "meaning"), rows)
+
+
+GROUP_HEADS: Final = ("group", "rows", "columns")
+
+
+def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:
+    """Return name, number of rows and columns of each group, as texts."""
+    return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]
+
+
+def listed(groups: Mapping[str, Columns]) -> list[str]:
+    """Return the groups as lines of a text."""
+    return [f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups)]

@@ -19,6 +19,7 @@ from rubnoise.units import in_unit
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from rubnoise.api.result import Contents
 
@@ -78,6 +79,15 @@ class PowerSpectrum:
         """Return the same as an xarray Dataset with units."""
         return _dataset(*self._table(), {"title": self.name})
 
+    def plot(self) -> "Figure":
+        """Draw the density with the exact one, if theory knows it, on logarithmic axes, and return the figure."""
+        from rubnoise.api.pictures import drawn_estimate
+
+        curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
+        place = "frequency" if self.place_units == "Hz" else "wavenumber"
+        labels = f"{place} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
+        return drawn_estimate(self.place[1:], curves, labels, logarithmic=True)
+
     def _table(self) -> tuple[str, str, Doubles, dict[str, tuple[Doubles, str]]]:
         columns = {"density": (self.density, self.units), "standard_error": (self.standard_error, self.units)}
         if self.exact is not None:
@@ -120,6 +130,13 @@ class Autocovariance:
     def to_xarray(self) -> "xr.Dataset":
         """Return the same as an xarray Dataset with units."""
         return _dataset("lag", self.lag_units, self.lag, self._columns(), {"title": self.name})
+
+    def plot(self) -> "Figure":
+        """Draw the covariance over the lag, and return the figure."""
+        from rubnoise.api.pictures import drawn_estimate
+
+        labels = f"lag ({self.lag_units})", f"autocovariance of {self.name}\n({self.units})"
+        return drawn_estimate(self.lag, {"estimated": self.covariance}, labels, logarithmic=False)
 
     def _columns(self) -> dict[str, tuple[Doubles, str]]:
         return {"covariance": (self.covariance, self.units), "correlation": (self.correlation, "1")}

@@ -1,7 +1,7 @@
 """Pictures of runs and of the paper, drawn from Python as by `rubnoise plot` and `rubnoise figures`."""
 
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 from rubnoise.api.estimates import SHORT
 from rubnoise.api.trace import Trace
+from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.inference.inference import Inference
 from rubnoise.units import LENGTH, QuantityError, in_unit, read_quantity
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from rubnoise.api.result import Contents
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.figures.catalogue import Appearance
+    from rubnoise.figures.motion_spectrum import Heard
 
 AREA: Final = "area"
 OTHER_WORDS: Final = {
@@ -52,19 +54,17 @@ def drawn(
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Contents.plot)."""
     from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, drawing
-    from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.stretch import Stretch
 
     if what not in PICTURES:
         near = OTHER_WORDS.get(what) or next(iter(get_close_matches(what, PICTURES, n=1)), "")
         hint = f'; did you mean "{near}"?' if near else ""
         raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
-    of = next((short for short, whole in SHORT.items() if whole == of), of)
     if isinstance(beside, str | os.PathLike):
         beside = Trace(beside)
-    heard = None if of == AREA else of
-    if heard is not None and (what not in HEARD or heard not in get_args(Heard)):
-        raise Refused(f'of={of!r}: is for "psd" and "spectrogram", and "area", {", ".join(map(repr, get_args(Heard)))}')
+    heard = heard_of(of)
+    if heard is not None and what not in HEARD:
+        raise Refused(f'of={of!r}: is for "psd" and "spectrogram"')
     if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and not (what == "psd" and heard):
         raise Refused('beside: another run goes with "slider", "phase", and "psd" of force, displacement or velocity')
     if isinstance(beside, Trace) and what != "psd":
@@ -76,7 +76,7 @@ def drawn(
     return drawing(
         what,
         stretch,
-        heard=cast("Heard | None", heard),
+        heard=heard,
         beside=other,
         measured=measured,
         look=appearance(size, style, title=title),
@@ -139,16 +139,50 @@ def drawn_columns(place: tuple[Any, str], curves: Sequence[tuple[Any, str]]) -> 
         return figure
 
 
-def drawn_sweep(sweep: "SweepResult", quantity: str | None) -> "Figure":
-    """Draw a quantity of a sweep and return its figure (see SweepResult.plot)."""
-    from rubnoise.figures.study import study_of_sweep
-    from rubnoise.figures.study_picture import draw_study
-    from rubnoise.figures.style import house_style
+def drawn_estimate(
+    place: Doubles, curves: Mapping[str, Doubles], labels: tuple[str, str], *, logarithmic: bool
+) -> "Figure":
+    """Draw curves over their places by name, "estimated" and "exact", and return the figure."""
+    from rubnoise.figures import style
 
-    known = ("displacement_std", "real_contact_area_std")
-    name = quantity or next((each for each in known if each in sweep.runs), known[-1])
-    with house_style():
-        return draw_study(study_of_sweep(sweep, name))
+    colours = {"estimated": style.BLUE, "exact": style.VERMILION}
+    with style.house_style():
+        figure = style.new_figure(7.0, 3.8)
+        axes = figure.subplots()
+        for name, values in curves.items():
+            axes.plot(place, values, color=colours[name], lw=1.0, label=name)
+        if logarithmic:
+            style.logarithmic(axes.xaxis)
+            style.logarithmic(axes.yaxis)
+        axes.set_xlabel(labels[0])
+        axes.set_ylabel(labels[1])
+        style.legend_above(axes)
+        return figure
+
+
+def drawn_sweep(
+    sweep: "SweepResult",
+    what: str | None,
+    *,
+    of: str = AREA,
+    size: str | None = None,
+    title: bool = True,
+    style: str = "screen",
+) -> "Figure":
+    """Draw a quantity of a sweep, or the spectra of its points, and return the figure (see SweepResult.plot)."""
+    from rubnoise.figures.catalogue import sweep_drawing
+
+    return sweep_drawing(sweep, what, heard=heard_of(of), look=appearance(size, style, title=title))
+
+
+def heard_of(of: str) -> "Heard | None":
+    """Return whose spectrum is asked for, None for that of the area; raises Refused for a word that is neither."""
+    from rubnoise.figures.motion_spectrum import Heard
+
+    of = next((short for short, whole in SHORT.items() if whole == of), of)
+    if of != AREA and of not in get_args(Heard):
+        raise Refused(f'of={of!r}: no such spectrum; there are "area", {", ".join(map(repr, get_args(Heard)))}')
+    return None if of == AREA else cast("Heard", of)
 
 
 def measured_spectrum(trace: Trace, heard: str | None) -> Any:

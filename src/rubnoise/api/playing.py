@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, cast
 from rubnoise.analysis.summary import summarise
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Tee
+from rubnoise.record.sink import Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
@@ -105,20 +105,30 @@ def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False)
     scenario = record.scenario
     if scenario is None:
         raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
-    model, tally = scenario.model(), Tally.of(scenario.model())
     check_locks(path)
     check_output(path, force=force)
     check_disk_space(scenario, expected(scenario), path)
     command = [Path(sys.argv[0]).name, *sys.argv[1:]]
     with RunWriter(path, describe(scenario, path, command, record.intervention), force=force) as writer:
-        sink = Tee((writer, tally))
-        for group, columns in record.groups.items():
-            rows = next(iter(columns.values())).size
-            for first in range(0, rows, ROWS_AT_ONCE):
-                last = min(first + ROWS_AT_ONCE, rows)
-                sink.write(group, first, {name: values[first:last] for name, values in columns.items()})
-        writer.publish(_figures(model, tally))
+        _play_again(record, writer)
+        writer.publish(figures_of(record, scenario.model()))
     return writer.written
+
+
+def figures_of(record: "Record", model: Model) -> dict[str, float | int | str]:
+    """Return what a file keeps in /summary of a run in memory."""
+    tally = Tally.of(model)
+    _play_again(record, tally)
+    return _figures(model, tally)
+
+
+def _play_again(record: "Record", sink: Sink) -> None:
+    """Hand all rows of a run in memory to a sink, some at a time."""
+    for group, columns in record.groups.items():
+        rows = next(iter(columns.values())).size
+        for first in range(0, rows, ROWS_AT_ONCE):
+            last = min(first + ROWS_AT_ONCE, rows)
+            sink.write(group, first, {name: values[first:last] for name, values in columns.items()})
 
 
 def _figures(model: Model, tally: Tally) -> dict[str, float | int | str]:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from rubnoise.api.column_group import Columns
+from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.api.column_group import GROUP_HEADS, Columns, group_rows, listed
 from rubnoise.api.columns import Column
-from rubnoise.api.result import GROUP_HEADS, Contents, Run, group_rows, listed
+from rubnoise.api.result import Contents, Run
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
@@ -62,6 +63,13 @@ class Record(MemoryRecord, Contents):
     def provenance(self) -> Mapping[str, float | int | str]:
         """Scenario and seed of the run, by the names that they have in a file; raises Refused without a scenario."""
         return MemoryReader(self).provenance
+
+    @property
+    def summary(self) -> list[Agreement]:
+        """What was measured beside what is exact, as a file keeps it; raises Refused without a scenario."""
+        from rubnoise.api.playing import figures_of
+
+        return from_attributes(figures_of(self, self.model()))
 
     def groups_by_name(self) -> Mapping[str, Columns]:
         """Return every group of columns by name."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column_group import Columns
+from rubnoise.api.column_group import GROUP_HEADS, Columns, group_rows, listed
 from rubnoise.api.columns import Column
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
@@ -91,6 +91,10 @@ class Junction:
         return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
 
 
+INSIDE: Final = frozenset({"reader", "write", "groups_by_name", "extent", "pulse"})
+"""Names of a run that no user needs."""
+
+
 class Contents(ABC):
     """The groups of a result and what can be made of them."""
 
@@ -107,6 +111,10 @@ class Contents(ABC):
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return {}
+
+    def __dir__(self) -> list[str]:
+        """Return what an editor completes: all but what other modules of rubnoise alone ask for."""
+        return sorted(set(super().__dir__()) - INSIDE)
 
     @property
     def junctions(self) -> Columns:
@@ -354,19 +362,6 @@ class Run(Opened, Contents):
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return self.attributes
-
-
-GROUP_HEADS: Final = ("group", "rows", "columns")
-
-
-def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:
-    """Return name, number of rows and columns of each group, as texts."""
-    return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]
-
-
-def listed(groups: Mapping[str, Columns]) -> list[str]:
-    """Return the groups as lines of a text."""
-    return [f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups)]
 
 
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)

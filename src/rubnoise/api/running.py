@@ -2,18 +2,18 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from operator import index
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from rubnoise.api.playing import describe, play
 from rubnoise.api.record import Record
 from rubnoise.api.result import Run
 from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.api.scenarios import load
-from rubnoise.errors import ScenarioRefused
+from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, extent
@@ -37,6 +37,7 @@ def simulate(
     engine: Engine | None = None,
     observe: Observer | None = None,
     intervene: Intervention | None = None,
+    **unknown: Any,
 ) -> Record:
     """Run a scenario and keep the result in memory: ``simulate("paper/fig5").trace["real_contact_area"]``.
 
@@ -53,6 +54,7 @@ def simulate(
     >>> len(record.trace), record.trace["real_contact_area"].units
     (200001, 'um^2')
     """
+    _refuse(unknown)
     scenario = _seeded(load(scenario), seed)
     if engine is not None:
         scenario = scenario.replace(engine=engine)
@@ -77,6 +79,7 @@ def run(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
     durable: bool = True,
+    **unknown: Any,
 ) -> Run:
     """Run a scenario into a result file and open it. If an unfinished run of the scenario is there, resume that run.
 
@@ -94,6 +97,7 @@ def run(
     ...     run.provenance["seed"]
     7
     """
+    _refuse(unknown)
     check_locks(path)
     check_output(path, force=force, unfinished=True)
     scenario = _seeded(load(scenario), seed)
@@ -118,6 +122,13 @@ def exact(scenario: Scenario | str | os.PathLike[str]) -> Exact:
     204.6736
     """
     return exact_of_model(load(scenario).model())
+
+
+def _refuse(unknown: Mapping[str, Any]) -> None:
+    """Refuse keywords that there are not: those of a scenario belong to `Scenario.replace`."""
+    for name, value in unknown.items():
+        form = f'right form: rubnoise.load("paper/fig5").replace({name}={value!r}), and run that'
+        raise Refused(f"{name}=: is no keyword here; {form}")
 
 
 def _engine(scenario: Scenario) -> Engine:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.analysis.replicates import Estimate
+    from rubnoise.api.kinds import Style
     from rubnoise.scenario import Scenario
 
 INDEX: Final = "index.h5"
@@ -216,15 +217,25 @@ class SweepResult(Opened):
         rows = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
         return as_html(f"{self.path}: {self.title}", ("key", "values"), rows, f"{len(self.points):,} points, {states}")
 
-    def plot(self, quantity: str | None = None) -> "Figure":
+    def plot(
+        self,
+        quantity: str | None = None,
+        *,
+        of: str = "area",
+        size: str | None = None,
+        title: bool = True,
+        style: "Style" = "screen",
+    ) -> "Figure":
         """Draw a quantity, such as "displacement_std", against what is swept, with intervals and the exact curve.
 
-        Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. Raises Refused
-        for a quantity that the sweep does not have, PicturesMissing without matplotlib.
+        Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. "psd" draws
+        the spectra of its points, each a decade above the one before: ``of`` is "area", "force", "displacement" or
+        "velocity". ``size``, ``title`` and ``style`` are as in `Run.plot`. Raises Refused for a quantity that the sweep
+        does not have, PicturesMissing without matplotlib.
         """
         from rubnoise.api.pictures import drawn_sweep
 
-        return drawn_sweep(self, quantity)
+        return drawn_sweep(self, quantity, of=of, size=size, title=title, style=style)
 
     def _columns(self, group: str) -> Columns:
         rows = self._file.rows(group)

@@ -50,6 +50,7 @@ COMMANDS: Final = {
     "new": "new.command",
     "schema": "new.print_schema",
     "cite": "version.cite",
+    "docs": "docs.command",
 }
 """The module of this package and the function of each command."""
 
@@ -58,7 +59,7 @@ PANELS: Final = {
     "Look at a result": ("info", "view", "plot", "junction", "junctions", "report", "animate", "listen", "export"),
     "Compare": ("theory", "compare", "verify", "figures", "claims"),
     "Measure": ("infer", "surface", "contact"),
-    "Teach and cite": ("teach", "cite", "schema"),
+    "Teach and cite": ("teach", "docs", "cite", "schema"),
 }
 """The commands under the headings of --help."""
 
@@ -73,7 +74,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         name="rubnoise",
         cls=Commands,
         help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
-        "Begin with: rubnoise new contact.toml",
+        "Begin with: rubnoise run paper/fig5, then rubnoise view fig5.h5. All pages: rubnoise docs",
         no_args_is_help=True,
         pretty_exceptions_enable=False,
     )

@@ -64,7 +64,7 @@ def command(
     trace: Annotated[
         str,
         typer.Argument(
-            help="A measured trace: CSV, TSV, WAV, MATLAB 5, a result, or FILE.h5:PATH for a dataset.",
+            help="A measured trace: CSV, TSV, WAV, MATLAB 5, a result, FILE.h5:PATH, or - for standard input.",
             metavar="TRACE",
             show_default=False,
         ),

@@ -16,7 +16,6 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from rubnoise.api.sweep_result import SweepResult
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.style import Format
@@ -38,9 +37,6 @@ class SpectrumOf(StrEnum):
 RECORDS = (".csv", ".tsv", ".txt")
 """Ends of names of records of the user's own, which are laid over spectra."""
 
-DEFAULTS = ("displacement_std", "real_contact_area_std")
-"""The quantity of a sweep that is drawn where none is named: the first of these that it has."""
-
 
 def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
@@ -56,7 +52,8 @@ def command(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, the quantity, such as displacement_std.",
+            help=f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, a quantity, such as displacement_std,"
+            " or psd for the spectra of its points.",
             metavar="WHAT",
             autocompletion=complete,
             show_default="trace, or displacement_std or real_contact_area_std",
@@ -111,7 +108,8 @@ def command(
     overview shows the run at a glance, contact the junctions from above at --from; sizes, life_distances and gaps are
     histograms beside their laws. lifelines has a bar from birth to death for each junction. slider is its motion in
     time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks. Of a sweep a
-    quantity is drawn against what is swept, with intervals and the exact curve.
+    quantity is drawn against what is swept, with intervals and the exact curve; psd draws the spectra of its points,
+    one above the other.
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
@@ -121,16 +119,15 @@ def command(
     except (OSError, ValueError) as problem:
         reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
         raise RunFileRefused(f"{file}: {reason.lower()}") from problem
-    if is_folder(file):
-        if ends != (None, None) or beside or size or not title or (of, style) != (SpectrumOf.AREA, "screen"):
-            options = "--from, --to, --of, --with, --size, --style and --no-title"
-            raise typer.BadParameter(f"{options} are for the pictures of one run")
-        _plot_sweep(file, what, output, force=force)
-    else:
-        from rubnoise.api.pictures import appearance
+    from rubnoise.api.pictures import appearance
 
-        look = appearance(size, style, title=title)
+    look = appearance(size, style, title=title)
+    if not is_folder(file):
         _plot_run(file, _picture(what), of, ends, beside, output, look, force=force)
+        return
+    if ends != (None, None) or beside:
+        raise typer.BadParameter("--from, --to and --with are for the pictures of one run")
+    _plot_sweep(file, what, of, output, look, force=force)
 
 
 def _picture(what: str | None) -> Kind:
@@ -158,7 +155,7 @@ def _plot_run(
     from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
 
-    heard = None if of is SpectrumOf.AREA else cast("Heard", of.value)
+    heard = _heard(of)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
     if heard is not None and what not in HEARD:
         raise typer.BadParameter(f"--of is for psd and spectrogram, not for {what}")
@@ -166,7 +163,7 @@ def _plot_run(
         raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what}")
     if beside is not None and not has_measured and what not in OVERLAID and not (what == "psd" and heard):
         raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
-    path = output or Path(f"{file.stem}_{what}{'' if heard is None else f'_{heard}'}.png")
+    path = output or Path(f"{file.stem}_{what}{_ending(heard)}.png")
     check_picture(path, force=force)
     with finished_run(file) as run, ExitStack() as opened:
         stretch = Stretch.of(run, *ends)
@@ -181,24 +178,33 @@ def _plot_run(
         write_picture(path, draw, force=force)
 
 
-def _plot_sweep(folder: Path, what: str | None, output: Path | None, *, force: bool) -> None:
+def _plot_sweep(
+    folder: Path, what: str | None, of: SpectrumOf, output: Path | None, look: "Appearance", *, force: bool
+) -> None:
     from rubnoise import api
-    from rubnoise.figures.study import study_of_sweep
-    from rubnoise.figures.study_picture import study_picture
+    from rubnoise.figures.catalogue import SPECTRA, first_quantity, sweep_drawing
+    from rubnoise.figures.style import as_bytes, house_style
 
-    with api.open_sweep(folder) as sweep:
-        quantity = what or _first(sweep)
-        path = output or Path(f"{folder.resolve().name}_{quantity}.png")
-        check_picture(path, force=force)
+    heard = _heard(of)
+    if heard is not None and what != SPECTRA:
+        raise typer.BadParameter(f"--of is for psd, not for {what or 'a quantity of a sweep'}")
+    with api.open_sweep(folder) as sweep, house_style(look.style):
+        shown = what or first_quantity(sweep)
+        path = output or Path(f"{folder.resolve().name}_{shown}{_ending(heard)}.png")
+        kind = check_picture(path, force=force)
         try:
-            study = study_of_sweep(sweep, quantity)
+            content = as_bytes(sweep_drawing(sweep, shown, heard=heard, look=look), kind)
         except Refused as refusal:
             raise type(refusal)(f"{folder}: {refusal}") from refusal
-    write_picture(path, lambda kind: study_picture(study, kind), force=force)
+    write_picture(path, lambda _: content, force=force)
 
 
-def _first(sweep: "SweepResult") -> str:
-    return next((name for name in DEFAULTS if name in sweep.runs), DEFAULTS[-1])
+def _heard(of: SpectrumOf) -> "Heard | None":
+    return None if of is SpectrumOf.AREA else cast("Heard", of.value)
+
+
+def _ending(heard: "Heard | None") -> str:
+    return "" if heard is None else f"_{heard}"
 
 
 def distance(option: str, text: str | None) -> float | None:

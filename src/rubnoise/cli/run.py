@@ -14,6 +14,7 @@ from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, line, sentence, size
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
+from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from rubnoise.api import Run
@@ -30,7 +31,10 @@ def engines() -> tuple[str, ...]:
 
 @interrupted_at_once
 def command(
-    file: Annotated[Path, typer.Argument(help="The scenario, a TOML file.", metavar="FILE", show_default=False)],
+    file: Annotated[
+        Path,
+        typer.Argument(help="The scenario, a TOML file; - is standard input.", metavar="FILE", show_default=False),
+    ],
     *,
     output: Annotated[
         Path | None,
@@ -67,7 +71,8 @@ def command(
     from rubnoise.cli.loading import overrides, scenario_of
 
     scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
-    path = Path(f"{file.stem}.h5") if output is None else output
+    stem = "rubnoise" if str(file) == STANDARD_INPUT else file.stem
+    path = Path(f"{stem}.h5") if output is None else output
     if dry_run:
         _print_forecast(scenario, path, force=force, as_json=as_json, quiet=quiet)
     else:

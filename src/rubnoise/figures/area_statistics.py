@@ -194,7 +194,7 @@ def psd_figure(stretch: Stretch) -> "Figure":
     The last has the aliases of the ticks and the leakage of the window in it. Raises Refused for a stretch of too few
     ticks.
     """
-    seen = _estimate(stretch)
+    seen = area_spectrum(stretch)
     figure = new_figure(7.2, 5.4)
     segments = f"{seen.segments} segments of {seen.ticks * stretch.model.tick:.4g} µm"
     add_title(figure, stretch, f"The spectrum of the real contact area ({segments})")
@@ -215,7 +215,8 @@ def psd_figure(stretch: Stretch) -> "Figure":
     return figure
 
 
-def _estimate(stretch: Stretch) -> Spectrum:
+def area_spectrum(stretch: Stretch) -> Spectrum:
+    """Return Welch's estimate of S(k) over a stretch; raises Refused for too few ticks and for a constant area."""
     first, last = stretch.rows("trace")
     tick = stretch.model.tick
     longest = int(LONGEST_LIVES * stretch.model.mean_life_distance / tick)

@@ -1,11 +1,13 @@
-"""The pictures of a run, by name."""
+"""The pictures of a run, by name, and those of a sweep."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from rubnoise.api.kinds import Kind, Style
+from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
 from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
 from rubnoise.figures.contact import contact_figure
@@ -15,6 +17,8 @@ from rubnoise.figures.population import gaps_figure, life_distances_figure, size
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
 from rubnoise.figures.spectrogram import spectrogram_figure
 from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.study import study_of_sweep
+from rubnoise.figures.study_picture import draw_study
 from rubnoise.figures.style import (
     INK,
     Format,
@@ -26,6 +30,7 @@ from rubnoise.figures.style import (
     one_line,
     shortened,
 )
+from rubnoise.figures.waterfall import waterfall_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,6 +113,38 @@ def drawing(
     """
     with house_style(look.style), in_place_of(ax), of_size(look.inches):
         figure = _figure(name, stretch, heard, beside, measured)
+        if not look.title:
+            without_titles(figure)
+        return figure
+
+
+SPECTRA: Final = "psd"
+"""The name of the picture of a sweep that is none of its quantities: the spectra of its points."""
+
+FIRST_QUANTITIES: Final = ("displacement_std", "real_contact_area_std")
+"""The quantity of a sweep that is drawn where none is named: the first of these that it has."""
+
+
+def first_quantity(sweep: SweepResult) -> str:
+    """Return the quantity of a sweep that is drawn if none is named."""
+    return next((name for name in FIRST_QUANTITIES if name in sweep.runs), FIRST_QUANTITIES[-1])
+
+
+def sweep_drawing(
+    sweep: SweepResult, what: str | None, *, heard: Heard | None = None, look: Appearance = AS_IT_IS
+) -> "Figure":
+    """Return a quantity of a sweep against what is swept, or with "psd" the spectra of its points, as a figure.
+
+    heard: whose spectra are drawn, in place of the area's; look: size, style, and whether there are titles. Raises
+    Refused for what the sweep does not have.
+    """
+    if heard is not None and what != SPECTRA:
+        raise Refused(f"of {heard}: is for psd, the spectra of a sweep's points")
+    with house_style(look.style), of_size(look.inches):
+        if what == SPECTRA:
+            figure = waterfall_figure(sweep, heard)
+        else:
+            figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)))
         if not look.title:
             without_titles(figure)
         return figure

@@ -123,7 +123,8 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
         return figure
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
     draw_spectra(above, pairs, heard)
-    _draw_ratio(below, *compared, heard, above.get_xlim()[1])
+    whose = labels_of(motions)[pairs.index(compared)] if beside is not None else "simulated"
+    _draw_ratio(below, *compared, heard, above.get_xlim()[1], whose)
     above.set_xlabel("")
     return figure
 
@@ -139,14 +140,14 @@ def _is_expected(motion: Motion, heard: Heard) -> bool:
         return False
 
 
-def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, highest: float) -> None:
+def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, highest: float, whose: str) -> None:
     """Draw the estimate up to a frequency in Hz over what theory and the window let one expect."""
     last = int(np.searchsorted(seen.wavenumber, 2.0 * pi * highest, side="right")) - 1
     exact = partial(QUANTITIES[heard].exact, motion.model)
     expected = through_window(exact, motion.apart, hann(seen.ticks), last)[FIRST:]
     frequency = seen.wavenumber[FIRST : last + 1] / (2.0 * pi)
     error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
-    draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error)
+    draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error, whose)
     axes.set_xlabel("frequency (Hz)")
 
 

@@ -19,6 +19,7 @@ from rubnoise.figures.style import (
     logarithmic,
     new_figure,
     one_line,
+    put_title,
     shortened,
 )
 
@@ -149,4 +150,4 @@ def _add_title(figure: "Figure", study: Study) -> None:
     name = shortened(one_line(study.title))
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
     whose = f"sweep {name}" if name else ""
-    figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], whose))), x=0.01, ha="left", fontsize=10.0)
+    put_title(figure, shown[0].upper() + shown[1:], whose)

@@ -228,9 +228,13 @@ def add_title(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch
     """Put a title over a figure: what it shows, then the file, what is in contact, or which run is laid over it."""
     file = file_label(stretch)
     whose = f"{file}: {contact_label(stretch.model)}" if beside is None else f"{file}, and over it {file_label(beside)}"
+    put_title(figure, *shown.splitlines(), whose)
+
+
+def put_title(figure: "Figure", *texts: str) -> None:
+    """Put lines of a title over a figure; one that is wider than the figure is broken."""
     room = max(20, int(CHARACTERS_PER_INCH * figure.figure.get_figwidth()))
-    lines = [line for text in (*shown.splitlines(), whose) for line in wrap(text, room)]
-    figure.suptitle("\n".join(lines), x=0.01, ha="left")
+    figure.suptitle("\n".join(line for text in texts for line in wrap(text, room)), x=0.01, ha="left")
 
 
 def contact_label(model: "Model") -> str:
@@ -270,10 +274,11 @@ NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
 """Correlation of values so many places apart under a Hann window: the squares of 2/3 and 1/6."""
 
 
-def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float) -> None:
+def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float, whose: str = "simulated") -> None:
     """Draw an estimate over what it is expected to be, in bins of a logarithmic axis.
 
-    ``error`` is the standard error of one value; the band about 1 is two standard errors of the mean of a bin's values.
+    ``whose`` is the label of the estimate. ``error`` is the standard error of one value; the band about 1 is two
+    standard errors of the mean of a bin's values.
     """
     bins = np.floor(BINS_PER_DECADE * np.log10(place / place[0])).astype(np.int64)
     _, first, count = np.unique(bins, return_index=True, return_counts=True)
@@ -284,7 +289,7 @@ def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float) -> No
     label = "± 2 std errors of a bin"
     axes.fill_between(middle, 1.0 - band, 1.0 + band, color=VERMILION, alpha=0.2, lw=0.0, label=label)
     axes.axhline(1.0, color=VERMILION, lw=1.0)
-    axes.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label="simulated over expected")
+    axes.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label=f"{whose} over expected")
     axes.set_ylim(0.0, 2.0 + 2.0 * error)
     axes.set_ylabel("ratio")
     legend_above(axes)

@@ -69,6 +69,10 @@ class Scenario:
 
         return replaced(self, {**(changes or {}), **keys})
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return every key with its value, defaults too; `rubnoise.build` makes the scenario of it again."""
+        return self.resolved()
+
     def to_toml(self) -> str:
         """Return the scenario as the text of a file with every key, which reads back to the same bits.
 

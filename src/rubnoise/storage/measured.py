@@ -18,7 +18,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.regular_file import open_regular, read_at_most
+from rubnoise.regular_file import open_regular, read_at_most, size_of
 from rubnoise.storage.measured_text import read_text
 from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
 from rubnoise.storage.sandbox import MEMORY_BYTES, sandboxed
@@ -59,8 +59,8 @@ def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate
         if not dataset:
             raise Refused(f"{path}: which dataset? {path}:PATH names one")
         return _of_dataset(path, dataset)
-    if path.stat().st_size > LARGEST:
-        raise Refused(f"{path}: has {path.stat().st_size:,} bytes; traces of up to {LARGEST:,} are read")
+    if (held := size_of(path)) > LARGEST:
+        raise Refused(f"{path}: has {held:,} bytes; traces of up to {LARGEST:,} are read")
     kind = path.suffix.lower()
     if kind == ".wav":
         return _of_wave(path, column)

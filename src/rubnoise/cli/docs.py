@@ -1,0 +1,29 @@
+"""`rubnoise docs`: the documentation as one web page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rubnoise.cli.layout import sentence, size
+
+
+def command(
+    *,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")] = Path(
+        "rubnoise.html"
+    ),
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write the documentation of this version as one web page, which needs no network.
+
+    Example: rubnoise docs -o rubnoise.html
+    """
+    from rubnoise.pages.manual import manual
+    from rubnoise.storage.output import check_output, whole_file
+
+    check_output(output, force=force)
+    text = manual()
+    with whole_file(output, force=force) as part:
+        part.write_text(text, encoding="utf-8")
+    print(sentence(f"{output}: {size(output.stat().st_size)}; a browser opens it, with or without a network"))
