@@ -43,6 +43,7 @@ NESTED: Final = {
     "docs/command-line": ("commands", "docs/sweeps", "docs/json"),
     "docs/api": ("python", "notebooks/README"),
     "docs/scenarios": ("scenarios",),
+    "docs/your-data": ("docs/laboratory",),
     "docs/theory": ("docs/two-way", "docs/family", "docs/load", "docs/surfaces"),
     "docs/comparing": ("docs/paper", "docs/field", "docs/references"),
     "CONTRIBUTING": ("docs/design", "docs/reproducibility", "docs/performance", "docs/survival"),

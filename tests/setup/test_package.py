@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.terminal import call
+
 # The locks are complete, hashed, and say nothing about the machine they were made on.
 ROOT = Path(__file__).resolve().parents[2]
 PIN = re.compile(r"([a-z0-9-]+)==([\w.!+-]+)( ; [^\\]+)? \\")
@@ -184,6 +186,11 @@ def test_the_page_has_no_link_into_the_checkout(wheel: zipfile.ZipFile) -> None:
     page = wheel.read(metadata).decode().partition("\n\n")[2]
     assert page.startswith("# rubnoise")
     assert "](docs/" not in page
+    assert "tools/" not in page
+    commands = re.findall(r"^ {4}rubnoise (\w+)", page, re.MULTILINE)
+    assert commands == ["run", "view", "plot", "docs"]
+    said = call("--help").out
+    assert all(command in said for command in commands)
 
 
 @pytest.mark.parametrize("tool", ["twine check --strict", "check_wheel_contents"])

@@ -74,7 +74,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         name="rubnoise",
         cls=Commands,
         help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
-        "Begin with: rubnoise run paper/fig5, then rubnoise view fig5.h5. All pages: rubnoise docs",
+        "Begin with: rubnoise run paper/fig5, rubnoise view fig5.h5, rubnoise plot fig5.h5. All pages: rubnoise docs",
         no_args_is_help=True,
         pretty_exceptions_enable=False,
     )

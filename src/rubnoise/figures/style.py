@@ -193,7 +193,14 @@ def logarithmic(axis: "Axis") -> None:
     scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
     scale("log")
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if _is_narrow(axis) else _power_of_ten(value)))
-    axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if _is_narrow(axis) else ""))
+    axis.set_minor_formatter(FuncFormatter(lambda value, _: _between_powers(axis, value)))
+
+
+def _between_powers(axis: "Axis", value: float) -> str:
+    """Return the label of a value between powers of ten: on a narrow axis of 2, 3 and 5 times one, which have room."""
+    if not _is_narrow(axis) or f"{value:.0e}"[0] not in "1235":
+        return ""
+    return f"{value:g}"
 
 
 def _is_narrow(axis: "Axis") -> bool:
