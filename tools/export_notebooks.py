@@ -100,10 +100,16 @@ def _indented(text: str) -> str:
     return "\n".join(f"    {line}" if line.strip() else line for line in text.splitlines())
 
 
+def _shown_once(cell: Cell) -> list[str]:
+    """Return the lines of a cell without a figure as its last one: Jupyter shows a figure of pyplot by itself."""
+    lines = cell.text.splitlines(keepends=True)
+    return lines[:-1] if lines[-1:] == ["_figure\n"] else lines
+
+
 def plain_notebook(cells: list[Cell]) -> str:
     """Return a notebook of format 4.5, without outputs."""
     made: list[dict[str, Any]] = [
-        {"cell_type": cell.kind, "id": f"cell-{number}", "metadata": {}, "source": cell.text.splitlines(keepends=True)}
+        {"cell_type": cell.kind, "id": f"cell-{number}", "metadata": {}, "source": _shown_once(cell)}
         | ({"execution_count": None, "outputs": []} if cell.kind == "code" else {})
         for number, cell in enumerate(cells)
     ]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from tests.architecture.sources import ROOT
-from tools.export_notebooks import Cell, cells_of, plain_notebook, static_page
+from tools.export_notebooks import cells_of, plain_notebook, static_page
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
 NEEDED = ("marimo", "matplotlib", "h5netcdf", "xarray", "SurfaceTopography")
@@ -45,6 +45,7 @@ def test_the_plain_notebook_is_made_of_its_source(notebook: Path) -> None:
     cells = json.loads(text)["cells"]
     assert not any("marimo" in line or "mo." in line for cell in cells for line in code_of(cell))
     assert {cell["cell_type"] for cell in cells} == {"markdown", "code"}
+    assert "_figure\n" not in [line for cell in cells for line in code_of(cell)]  # Jupyter would show it twice
     for cell in cells:
         compile("".join(code_of(cell)), notebook.name, "exec")
 
@@ -54,14 +55,14 @@ def code_of(cell: dict[str, Any]) -> list[str]:
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_page_of_the_plain_notebook_has_its_results_and_loads_nothing(
+def test_a_page_of_a_notebook_has_its_results_and_loads_nothing(
     notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    cells = json.loads(notebook.with_suffix(".ipynb").read_text(encoding="utf-8"))["cells"]
-    page = static_page("title", [Cell(cell["cell_type"], "".join(cell["source"])) for cell in cells])
+    cells = cells_of(notebook.read_text(encoding="utf-8"))
+    page = static_page("title", cells)
     assert page.count("data:image/png;base64,") >= 3
-    assert page.count("<pre class=code>") == sum(cell["cell_type"] == "code" for cell in cells)
+    assert page.count("<pre class=code>") == sum(cell.kind == "code" for cell in cells)
     assert re.findall(r"""(?:src|href)\s*=\s*["']?(?!data:)[^"' >]+|url\([^)]*\)|@import|<script""", page) == []
     assert ("data:audio/wav;base64,UklGR" in page) == (notebook.stem in ("noise", "surfaces"))
     assert list(tmp_path.iterdir()) == []
