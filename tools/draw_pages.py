@@ -130,6 +130,40 @@ def couplings() -> Figure:
     return figure
 
 
+def family() -> Figure:
+    """Draw the spectra of the family's members on the same axes, each over the square of its mean."""
+    figure, axes = plt.subplots(figsize=(8.0, 4.6))
+    k = np.geomspace(0.01, 6.0, 500)
+    contact = rubnoise.build(
+        {
+            "format": 1,
+            "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20, "calibration": "exact"},
+            "sliding": {"distance": "1 mm"},
+        }
+    )
+    rough = {"pulse.shape": "parabola", "diameter.law": "weibull", "diameter.spread": "52.2723 %"}
+    for changes, colour, style, words in (
+        ({}, mpl.rcParams["text.color"], "-", "the paper: lenses at random"),
+        ({"birth.law": "clustered", "birth.cluster_size": 3, "birth.cluster_width": "2 um"}, ORANGE, "-", "clustered"),
+        ({"birth.law": "gamma", "birth.shape": 4}, BLUE, "-", "gamma gaps, shape 4"),
+        ({"birth.law": "jittered", "birth.jitter": "30 %"}, GREEN, "-", "jittered"),
+        ({"pulse.shape": "triangle"}, PALE, "-", "Rice and Moslehy: triangles at random"),
+        (rough | {"interface.calibration": "matched"}, ORANGE, "--", "two rough surfaces: parabolas"),
+    ):
+        theory = rubnoise.exact(contact.replace(changes))
+        level = theory.spectral_density(k) / theory.area.mean**2
+        axes.loglog(k, level, color=colour, linestyle=style, label=words)
+        if not changes:
+            axes.axhline(level[0], color=PALE, linestyle=":", label="Kilburn: white noise")
+    axes.annotate(
+        "no noise: Bowden and Tabor, Block (mean alone),\nRabinowicz (regular triangles), Greenwood and Williamson",
+        (0.012, 2e-8),
+    )
+    axes.set(xlabel="wavenumber $k$ (rad/µm)", ylabel="spectrum over mean$^2$ (µm)", ylim=(1e-8, 10.0))
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.36), ncols=2)
+    return figure
+
+
 def corner() -> Figure:
     """Draw the spectra of the friction force of three contacts of one mean area."""
     figure, axes = plt.subplots(figsize=(8.0, 3.6))
@@ -180,6 +214,7 @@ PICTURES: Final[dict[str, Callable[[], Figure]]] = {
     "shot_noise": shot_noise,
     "couplings": couplings,
     "corner": corner,
+    "family": family,
     "tree": tree,
 }
 

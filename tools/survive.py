@@ -2,6 +2,7 @@
 
 With --two-way the runs are those with a slider, and it pushes back: its rows and landmarks grow beside the part.
 With --off-centre the junctions of the runs miss each other's centre line.
+With --family the runs have other births, lives and sizes, one after another.
 With --growing the rows of /slider are not counted beforehand: they grow beside the part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
@@ -24,7 +25,7 @@ from survival.cost import cost  # noqa: E402
 from survival.full import full  # noqa: E402
 from survival.kills import kills, signals  # noqa: E402
 from survival.moments import flips, power, sweeps, writes  # noqa: E402
-from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, off_centre, two_way, under_load  # noqa: E402
+from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, of_family, off_centre, two_way, under_load  # noqa: E402
 
 Torture = Callable[..., Outcome]
 TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {
@@ -52,6 +53,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="seed of every choice (1)")
     parser.add_argument("--two-way", action="store_true", help="torture runs with two-way coupling")
     parser.add_argument("--off-centre", action="store_true", help="torture runs with pulse.offset = uniform")
+    parser.add_argument("--family", action="store_true", help="torture runs of other births, lives and sizes")
     parser.add_argument("--under-load", action="store_true", help="torture runs under a load that weighs")
     parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
     asked = parser.parse_args()
@@ -64,7 +66,14 @@ def main() -> int:
         parser.error("--off-centre is for runs with one-way coupling, and of a torture without runs of its own")
     if asked.under_load and (asked.two_way or asked.off_centre or not stories):
         parser.error("--under-load is for runs with one-way coupling, and of a torture without runs of its own")
-    asking = ((asked.two_way, two_way), (asked.off_centre, off_centre), (asked.under_load, under_load))
+    if asked.family and (asked.two_way or asked.off_centre or asked.under_load or not stories):
+        parser.error("--family is for runs with one-way coupling, and of a torture without runs of its own")
+    asking = (
+        (asked.two_way, two_way),
+        (asked.off_centre, off_centre),
+        (asked.under_load, under_load),
+        (asked.family, of_family),
+    )
     chosen = next((kind(stories) for wanted, kind in asking if wanted), stories)
     task = _Task(torture, chosen, grown=asked.growing)
     began = time.monotonic()

@@ -122,10 +122,11 @@ def test_numbers_are_those_of_the_theory(lesson, expected):
 def test_numbers_outside_of_the_lessons():
     lens = swing(contact(20)) * sqrt(20)
     triangle = swing(exact("lessons/poisson", "pulse.shape=triangle")) * sqrt(20)
+    parabola = swing(exact("lessons/poisson", "pulse.shape=parabola")) * sqrt(20)
     off_centre = swing(exact("lessons/poisson", "pulse.offset=uniform")) * sqrt(20)
     written = [text for text in other_numbers() if "." in text]
-    values = (lens, triangle, off_centre)
-    assert [is_shown_as(value, text) for value, text in zip(values, written, strict=True)] == [True] * 3
+    values = (lens, triangle, parabola, off_centre)
+    assert [is_shown_as(value, text) for value, text in zip(values, written, strict=True)] == [True] * 4
 
 
 def test_constant_speed_is_fair_from_the_speed_that_is_named():

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from survival import cost, full, kills, moments
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story, growing, off_centre, two_way, under_load
+from survival.stories import SHORT, SMALL, Story, growing, of_family, off_centre, two_way, under_load
 
 from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
@@ -173,6 +173,14 @@ def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0
     assert "junctions/lateral_offset" in moving.expected.keys() - MOVING.expected.keys()
+
+
+def test_runs_of_other_births_lives_and_sizes_are_no_more_easily_lost() -> None:
+    stories = of_family((MOVING,))
+    assert len({story.expected["junctions/birth_distance"] for story in stories}) == len(stories)
+    outcome = kills.kills(len(stories), seed=3, stories=stories)
+    assert outcome.findings == []
+    assert outcome.counts["commits"] > 0
 
 
 def test_runs_under_a_load_are_no_more_easily_lost() -> None:

@@ -57,6 +57,14 @@ SLIDER: Final = {
     "strength": {"mean": "250 MPa"},
     "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
 }
+FAMILY: Final[Mapping[str, Mapping[str, Any]]] = {
+    "gamma": {"birth": {"law": "gamma", "shape": 4}},
+    "clustered": {"birth": {"law": "clustered", "cluster_size": 3, "cluster_width": "2 um"}},
+    "jittered": {"birth": {"law": "jittered", "jitter": "30 %"}},
+    "parabolas off the centre line": {"pulse": {"shape": "parabola", "offset": "uniform"}},
+    "measured sizes": {"diameter": {"law": "empirical", "values": [3.1, 4.4, 5.0, 8.2], "sampled": "alive"}},
+}
+"""Members of the family of models, by the tables of a scenario that make one."""
 ORIGIN: Final = ("scenario_toml", "seed", "stream_version", "propagator_constants")
 """Attributes of /provenance that do not depend on when and where a run was made."""
 
@@ -71,6 +79,7 @@ class Story:
     coupling: str = "one-way"
     offset: str = "none"
     weighs: bool = False
+    member: str = ""
     compression: str = "none"
     distance: str = "2400 um"
     tick: str = "2 um"
@@ -92,6 +101,7 @@ class Story:
             sections["load"] = {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05}
         if self.offset != "none":
             sections["pulse"] = {"offset": self.offset}
+        sections |= FAMILY.get(self.member, {})
         if self.slider:
             sections |= SLIDER | {"slider": SLIDER["slider"] | {"coupling": self.coupling}}
         return sections
@@ -152,6 +162,13 @@ def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
 def off_centre(stories: Sequence[Story]) -> tuple[Story, ...]:
     """Return the runs with junctions that miss each other's centre line, with a slider or without one."""
     return tuple(replace(story, name=f"{story.name}, off-centre", offset="uniform") for story in stories)
+
+
+def of_family(stories: Sequence[Story]) -> tuple[Story, ...]:
+    """Return the runs with other births, lives and sizes, each with all of them in turn."""
+    return tuple(
+        replace(story, name=f"{story.name}, {member}", member=member) for member in FAMILY for story in stories
+    )
 
 
 def under_load(stories: Sequence[Story]) -> tuple[Story, ...]:
