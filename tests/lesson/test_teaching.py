@@ -298,6 +298,8 @@ def test_what_a_scenario_lacks_is_borrowed_and_said() -> None:
     [
         ({"diameter": {"law": "gamma", "spread": "1 um"}}, "diameter.law"),
         ({"strength": {"law": "normal", "mean": "250 MPa", "spread": "20 %"}}, "strength.law"),
+        ({"pulse": {"shape": "parabola", "offset": "uniform"}}, "pulse.offset"),
+        ({"birth": {"law": "gamma", "shape": 4.0}}, "birth.law"),
     ],
 )
 def test_what_the_page_cannot_draw_is_refused(table: dict[str, object], said: str) -> None:

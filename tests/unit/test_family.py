@@ -1,7 +1,8 @@
 """Older models beside this one: published figures of each, limits, and what is refused."""
 
+import json
 from dataclasses import replace
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from rubnoise.theory.asperities import height_integral
 from rubnoise.theory.base_excitation import base_response
 from rubnoise.theory.response import response
 from rubnoise.theory.velocity_weakening import velocity_weakening
-from rubnoise.theory.white_noise import white_noise
+from rubnoise.theory.white_noise import white_displacement_spectrum, white_force_spectrum, white_noise
 from tests.models import model
 from tests.unit.scenarios import WHOLE, refusal
 
@@ -32,6 +33,71 @@ def test_white_noise_has_its_published_figures() -> None:
     assert found.displacement_std / own.displacement_std == pytest.approx(1.129, abs=5e-4)
     assert found.velocity_std / own.velocity_std == pytest.approx(1.143, abs=5e-4)
     assert white_noise(replace(model(births="gamma"), pulse=one_size().pulse)).wavenumber is None
+
+
+def test_the_spectrum_that_white_noise_leaves_has_its_variances() -> None:
+    run = one_size()
+    found, w = white_noise(run), np.linspace(0.0, 20_000.0, 400_001)
+    density = white_displacement_spectrum(run, w)
+    assert np.trapezoid(density, w) / pi == pytest.approx(found.displacement_std**2, rel=1e-4)
+    assert np.trapezoid(density * w * w, w) / pi == pytest.approx(found.velocity_std**2, rel=5e-3), "its tail is long"
+    assert white_force_spectrum(run, w[:2]).tolist() == pytest.approx([found.force_density] * 2, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "sizes",
+    [
+        {"law": "empirical", "values": [4.0, 5.0, 8.5]},
+        {"law": "mixture", "weights": [1.0, 2.0], "parts": [{"law": "fixed", "mean": 4}, {"law": "fixed", "mean": 9}]},
+    ],
+)
+def test_lists_of_sizes_are_the_same_when_read_again(sizes: dict[str, object]) -> None:
+    """An unfinished run goes on if its stored scenario equals the one that is asked for."""
+    asked = {"interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}, "diameter": sizes}
+    resolved = rubnoise.build({"format": 1, "sliding": {"distance": 1000.0}} | asked).resolved()
+    assert json.loads(json.dumps(resolved)) == resolved
+
+
+BIRTHS: dict[str, tuple[dict[str, object], list[float], float]] = {
+    "poisson": ({}, [22975.8, 22065.5, 15847.1, 211.268], 0.27499),
+    "gamma 4": ({"law": "gamma", "shape": 4.0}, [5743.97, 5517.70, 3970.29, 54.0872], 0.13771),
+    "gamma 0.5": ({"law": "gamma", "shape": 0.5}, [45951.3, 44097.5, 31485.9, 400.571], 0.38737),
+    "clustered": (
+        {"law": "clustered", "cluster_size": 3.0, "cluster_width": "2 um"},
+        [91875.7, 85666.4, 49015.4, 222.876],
+        0.48902,
+    ),
+}
+"""Tables of births, spectral densities at k = 0.01, 0.1, 0.3 and 1 rad/um, and std over mean of the area."""
+
+
+@pytest.mark.parametrize("name", BIRTHS)
+def test_births_have_their_spectra_to_every_digit(name: str) -> None:
+    """By a second program, for lenses of 5.530012635 um of which 20 are alive on average."""
+    table, densities, spread = BIRTHS[name]
+    asked = {"interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0, "calibration": "paper"}}
+    theory = rubnoise.exact(rubnoise.build({"format": 1, "sliding": {"distance": 1000.0}, "birth": table} | asked))
+    assert theory.mean_diameter == pytest.approx(5.530012635, rel=1e-9)
+    assert theory.spectral_density(np.array([0.01, 0.1, 0.3, 1.0])) == pytest.approx(densities, rel=5e-6)
+    assert theory.area.std / theory.area.mean == pytest.approx(spread, rel=2e-3), "kept to what its brute sums resolve"
+
+
+def test_parabolas_of_rough_surfaces_need_a_matched_mean() -> None:
+    asked = {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}
+    rough = {
+        "format": 1,
+        "sliding": {"distance": 1000.0},
+        "pulse": {"shape": "parabola"},
+        "diameter": {"law": "weibull", "spread": f"{100.0 * sqrt(4.0 / pi - 1.0)!r} %"},
+    }
+    matched, exact = (
+        rubnoise.exact(rubnoise.build(rough | {"interface": asked | {"calibration": name}}))
+        for name in ("matched", "exact")
+    )
+    assert matched.mean_diameter == pytest.approx(sqrt(10.0), rel=1e-9)
+    assert matched.area.mean == pytest.approx(200.0, rel=1e-9)
+    assert sqrt(20.0) * matched.area.std / matched.area.mean == pytest.approx(sqrt(2.0), rel=1e-9)
+    assert exact.area.mean / 200.0 == pytest.approx(1.9099, abs=5e-5)
 
 
 @pytest.mark.parametrize(("count", "times"), [(20.0, 1.0), (0.2, 0.1)])

@@ -167,7 +167,7 @@ def off_centre(stories: Sequence[Story]) -> tuple[Story, ...]:
 def of_family(stories: Sequence[Story]) -> tuple[Story, ...]:
     """Return the runs with other births, lives and sizes, each with all of them in turn."""
     return tuple(
-        replace(story, name=f"{story.name}, {member}", member=member) for member in FAMILY for story in stories
+        replace(story, name=f"{story.name}, {member}", member=member) for story in stories for member in FAMILY
     )
 
 

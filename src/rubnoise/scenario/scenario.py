@@ -145,11 +145,14 @@ def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
 
 def _explicit(section: sections.Section) -> dict[str, Any]:
     values = {name: getattr(section, name) for name in type(section).model_fields}
-    return {
-        name: value.as_text() if isinstance(value, Quantity) else value
-        for name, value in values.items()
-        if value is not None
-    }
+    return {name: _plain(value) for name, value in values.items() if value is not None}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON gives it back, so that what is stored equals what it was stored from."""
+    if isinstance(value, Quantity):
+        return value.as_text()
+    return list(value) if isinstance(value, tuple) else value
 
 
 TOLERANCE: Final = 1e-9
