@@ -93,7 +93,7 @@ def _white_as_json(model: "Model") -> dict[str, Any]:
     if white is None:
         return {}
     stds = {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}
-    return {"white_noise": {name: value if isfinite(value) else None for name, value in stds.items()}}
+    return {"white_noise": {key: std if isfinite(std) else None for key, std in stds.items()}}
 
 
 def _white_in_words(model: "Model") -> Iterator[str]:
