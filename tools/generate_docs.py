@@ -50,6 +50,7 @@ NEEDS: dict[Feature | None, str] = {
     "two-way": 'with `slider.coupling = "two-way"`',
     "offset": 'with `pulse.offset = "uniform"`',
     "load": "with `[load]`",
+    "free": 'with `load.motion = "free"`',
 }
 
 
@@ -98,6 +99,7 @@ def _group(group: Group) -> Iterator[str]:
     yield f"### /{group.name}"
     yield ""
     yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {_present(group)}."
+    yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
     yield f"Dimension scale: `{scale}`. Drawn by viewers: `{group.plotted}` against it."
     yield ""
     yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
@@ -105,7 +107,8 @@ def _group(group: Group) -> Iterator[str]:
 
 
 def _present(group: Group) -> str:
-    return NEEDS[group.needs] if group.lacks is None else NEEDS[group.lacks].replace("with ", "without ", 1)
+    lacking = " and ".join(NEEDS[each].replace("with ", "without ", 1) for each in group.lacks)
+    return lacking or " or ".join(NEEDS[each] for each in group.needs) or NEEDS[None]
 
 
 def _column(column: Column) -> tuple[str, ...]:

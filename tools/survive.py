@@ -25,7 +25,19 @@ from survival.cost import cost  # noqa: E402
 from survival.full import full  # noqa: E402
 from survival.kills import kills, signals  # noqa: E402
 from survival.moments import flips, power, sweeps, writes  # noqa: E402
-from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, of_family, off_centre, two_way, under_load  # noqa: E402
+from survival.stories import (  # noqa: E402
+    LONG,
+    SHORT,
+    SMALL,
+    Outcome,
+    Story,
+    free,
+    growing,
+    of_family,
+    off_centre,
+    two_way,
+    under_load,
+)
 
 Torture = Callable[..., Outcome]
 TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {
@@ -55,6 +67,7 @@ def main() -> int:
     parser.add_argument("--off-centre", action="store_true", help="torture runs with pulse.offset = uniform")
     parser.add_argument("--family", action="store_true", help="torture runs of other births, lives and sizes")
     parser.add_argument("--under-load", action="store_true", help="torture runs under a load that weighs")
+    parser.add_argument("--free", action="store_true", help="torture runs whose slider may leave its contact")
     parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
     asked = parser.parse_args()
     torture, usual, stories = TORTURES[asked.what]
@@ -68,11 +81,15 @@ def main() -> int:
         parser.error("--under-load is for runs with one-way coupling, and of a torture without runs of its own")
     if asked.family and (asked.two_way or asked.off_centre or asked.under_load or not stories):
         parser.error("--family is for runs with one-way coupling, and of a torture without runs of its own")
+    alone = asked.two_way or asked.off_centre or asked.growing or asked.under_load or asked.family
+    if asked.free and (alone or not stories):
+        parser.error("--free goes with no other kind of run, and not with a torture that has runs of its own")
     asking = (
         (asked.two_way, two_way),
         (asked.off_centre, off_centre),
         (asked.under_load, under_load),
         (asked.family, of_family),
+        (asked.free, free),
     )
     chosen = next((kind(stories) for wanted, kind in asking if wanted), stories)
     task = _Task(torture, chosen, grown=asked.growing)

@@ -73,11 +73,25 @@ class Separation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FreeSeparation:
+    """A separation that may leave the contact: m z'' + c z' = P - W, P from the encounters in contact; c may be 0.
+
+    Exactly one loss is given: restitution e, by which the force of an overlap that shrinks is e^2 times as large; or
+    impact_damping beta in s/um, the force then being max(0, 1 + beta r) times that of the overlap, r its rate (um/s).
+    """
+
+    held: Separation
+    restitution: float | None = None
+    impact_damping: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
     """Everything a run or the theory needs to know, and nothing else.
 
     A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), sliding distance and tick (um);
-    hardness H (MPa) where A_rm is that of a load.
+    hardness H (MPa) where A_rm is that of a load. A load that weighs moves the separation, of first order or free: then
+    everything that is asked of the model as such is at constant separation.
     Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
     """
 
@@ -97,11 +111,17 @@ class Model:
     pulse: Pulse = LENS
     hardness: float | None = None
     separation: Separation | None = None
+    free: FreeSeparation | None = None
 
     @property
     def load(self) -> float | None:
         """W = H A_rm in uN (Bowden and Tabor), or None without a hardness."""
         return None if self.hardness is None else self.hardness * self.mean_real_contact_area
+
+    @property
+    def held(self) -> Separation | None:
+        """What a load that weighs holds, of either motion."""
+        return self.separation if self.free is None else self.free.held
 
     @property
     def mean_life_distance(self) -> float:

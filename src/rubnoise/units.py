@@ -62,12 +62,13 @@ MASS = Kind(name="mass", unit="kg", dimension=(0, 1, 0), example="5 g")
 STRESS = Kind(name="stress", unit="MPa", dimension=(-1, 1, -2), example="250 MPa")
 STIFFNESS = Kind(name="stiffness", unit="N/m", dimension=(0, 1, -2), example="300 N/m")
 DAMPING = Kind(name="damping", unit="N*s/m", dimension=(0, 1, -1), example="0.05 N*s/m")
+INVERSE_SPEED = Kind(name="inverse speed", unit="s/um", dimension=(-1, 0, 1), example="60 s/m")
 TIME = Kind(name="time", unit="s", dimension=(0, 0, 1), example="0.5 s")
 RATIO = Kind(name="ratio", unit="%", dimension=(0, 0, 0), example="20 %")
 FORCE = Kind(name="force", unit="uN", dimension=(1, 1, -2), example="0.5 mN")
 FREQUENCY = Kind(name="frequency", unit="Hz", dimension=(0, 0, -1), example="20 kHz")
 DENSITY = Kind(name="density", unit="1/um^2", dimension=(-2, 0, 0), example="300 1/mm^2")
-KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO, FORCE, FREQUENCY, DENSITY)
+KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO, FORCE, FREQUENCY, DENSITY, INVERSE_SPEED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +105,7 @@ USUAL_UNITS: dict[str, Unit] = {
     **_usual(STIFFNESS, {"N/mm": "1e3"}),
     **_usual(DAMPING, _FORCES, "*s/m"),
     **_usual(DAMPING, _FORCES, " s/m"),
+    **_usual(INVERSE_SPEED, {"s/um": "1", "s/mm": "1e-3", "s/m": "1e-6"}),
     **_usual(TIME, {"us": "1e-6", "ms": "1e-3", "s": "1"}),
     **_usual(RATIO, {"%": "1e-2"}),
     **_usual(FORCE, {"uN": "1", "mN": "1e3", "N": "1e6", "kN": "1e9"}),

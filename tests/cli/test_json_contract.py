@@ -134,6 +134,7 @@ BASE = tuple(
 WEAKENING = ("--set", "slider.excitation=velocity-weakening", "--set", "slider.slope=0.1 N*s/m")
 SURFACE = ("--radius", "50 um", "--height", "0.5 um", "--density", "300 1/mm^2", "--modulus", "100 GPa")
 GREENWOOD = (*SURFACE, "--load", "1 N")
+FREE = ("elastic.toml", "damped.toml")
 LONGER = ("--set", "sliding.distance=700 um")
 
 
@@ -160,6 +161,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         "format = 1" + under + '[strength]\nmean = "250 MPa"\n[sliding]\nspeed = "1 mm/s"\ndistance = "1 mm"\n',
         encoding="utf-8",
     )
+    bounced = (here / "carried.toml").read_text(encoding="utf-8").replace("[load]", '[load]\nmotion = "free"')
+    (here / "elastic.toml").write_text(bounced.replace("[load]", "[load]\nrestitution = 1.0"), encoding="utf-8")
+    (here / "damped.toml").write_text(bounced.replace("[load]", '[load]\nimpact_damping = "60 s/m"'), encoding="utf-8")
     one_size = WITH_SLIDER.partition("[diameter]")[0] + WITH_SLIDER[WITH_SLIDER.index("[strength]") :]
     (here / "based.toml").write_text(one_size, encoding="utf-8")
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
@@ -181,6 +185,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("check", ("check", "loaded.toml", "--json")),
         ("check", ("check", "carried.toml", "--json")),
         ("theory", ("theory", "carried.toml", "--json")),
+        *((command, (command, name, "--json")) for command in ("check", "theory") for name in FREE),
         ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
         ("dry run", ("run", full, "--dry-run", "--set", "slider.coupling=two-way", "--json")),

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from survival import cost, full, kills, moments
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story, growing, of_family, off_centre, two_way, under_load
+from survival.stories import SHORT, SMALL, Story, free, growing, of_family, off_centre, two_way, under_load
 
 from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
@@ -173,6 +173,15 @@ def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0
     assert "junctions/lateral_offset" in moving.expected.keys() - MOVING.expected.keys()
+
+
+def test_a_slider_that_leaves_its_contact_is_no_more_easily_lost() -> None:
+    small, moving = free((SMALL[0], replace(MOVING, distance="4 mm")))
+    outcome = kills.kills(4, seed=3, stories=(moving,))
+    outcome.add(moments.power(8, seed=3, stories=(small,)))
+    assert outcome.findings == []
+    assert outcome.counts["commits"] > 0
+    assert {"landmarks/impact_speed", "junctions/encounter", "load/separation"} <= moving.expected.keys()
 
 
 def test_runs_of_other_births_lives_and_sizes_are_no_more_easily_lost() -> None:

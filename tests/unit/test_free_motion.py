@@ -59,7 +59,7 @@ def test_verlet_goes_the_same_way(live, loss):
 def test_a_slider_along_the_surface_is_pushed_by_unequal_strengths():
     """x'' + g x' + k x = F, solved anew by scipy for the force that stands in the ticks."""
     drag, spring, tick = 0.3, 4.0, 0.002
-    contact = FreeContact(live=2.0, speed=SPEED, tick=tick, restitution=0.7, slider=(drag, spring))
+    contact = FreeContact(live=2.0, speed=SPEED, tick=tick, restitution=0.7, slider=(drag, spring, 0.0))
     strengths = law_for(250.0, Spread(relative=0.6, law="lognormal"))
     ticks, rows = _ticks(contact, 3, 16_000, strengths=strengths)
     touches = np.concatenate([each.touches for each in rows], axis=1)

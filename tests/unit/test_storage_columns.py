@@ -15,6 +15,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.coupled import layout
+from rubnoise.simulation.free.motion import CONTACT_LOST, CONTACT_MADE
 from rubnoise.storage import columns, disk
 from rubnoise.storage.columns import ColumnFile, Mark
 from rubnoise.storage.layout import STRUCTURE_BYTES, Place, expected_bytes, row_count, stored_columns, stored_groups
@@ -289,9 +290,9 @@ def test_names_are_unique_and_texts_are_there() -> None:
 def test_every_column_has_the_unit_of_its_quantity() -> None:
     """Of what a column is, told by its symbol: a length in um is an area in um^2 when it is squared, and so on."""
     units = {
-        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x", "z", "delta"},
+        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x", "z", "delta", "delta_max"},
         "um^2": {"A_r", "A_jmax"},
-        "um/s": {"x'", "z'"},
+        "um/s": {"x'", "z'", "v_imp"},
         "s": {"t", "t_birth", "t_death", "t_stick"},
         "um*s": {"I_x"},
         "um^2*s": {"I_xx"},
@@ -299,7 +300,7 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
         "uN*um": {"W", "W_-"},
         "MPa": {"psi"},
         "uN": {"F_s", "F_-", "F_+", "P"},
-        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "b/d", "a", "n", "phase", "kind"},
+        "1": {"i", "j", "state", "N_j", "k", "j_0", "i_0", "u", "b/d", "a", "n", "phase", "kind"},
     }
     found: dict[str, set[str]] = {}
     for group in GROUPS:
@@ -319,6 +320,7 @@ def test_values_are_those_of_the_motion() -> None:
     (kind,) = (column for column in LANDMARKS.columns if column.name == "kind")
     assert dict(kind.values) == {
         layout.STICK: "stick", layout.BREAKAWAY: "slip", layout.REVERSAL: "reversal", layout.FORWARD: "forward",
+        CONTACT_LOST: "contact_lost", CONTACT_MADE: "contact_made",
     }  # fmt: skip
 
 

@@ -5,7 +5,18 @@ from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-NAMES = ("detection", "family", "inference", "load", "run_cost", "surface_levels", "surfaces", "sweep_cost", "two_way")
+NAMES = (
+    "detection",
+    "family",
+    "free_motion",
+    "inference",
+    "load",
+    "run_cost",
+    "surface_levels",
+    "surfaces",
+    "sweep_cost",
+    "two_way",
+)
 
 
 def main() -> int:

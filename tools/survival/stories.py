@@ -65,6 +65,11 @@ FAMILY: Final[Mapping[str, Mapping[str, Any]]] = {
     "measured sizes": {"diameter": {"law": "empirical", "values": [3.1, 4.4, 5.0, 8.2], "sampled": "alive"}},
 }
 """Members of the family of models, by the tables of a scenario that make one."""
+BOUNCING: Final = {
+    "interface": {"load": "0.05 N", "hardness": "1 GPa", "mean_junction_count": 0.5},
+    "strength": {"mean": "250 MPa"},
+    "load": {"height_scale": "5 um", "mass": "5 g", "motion": "free", "restitution": 0.7},
+}
 ORIGIN: Final = ("scenario_toml", "seed", "stream_version", "propagator_constants")
 """Attributes of /provenance that do not depend on when and where a run was made."""
 
@@ -77,6 +82,7 @@ class Story:
     engine: str = "events"
     slider: bool = True
     coupling: str = "one-way"
+    free: bool = False
     offset: str = "none"
     weighs: bool = False
     member: str = ""
@@ -102,6 +108,8 @@ class Story:
         if self.offset != "none":
             sections["pulse"] = {"offset": self.offset}
         sections |= FAMILY.get(self.member, {})
+        if self.free:
+            sections |= BOUNCING | {"sliding": {"distance": self.distance, "speed": "1 m/s"}}
         if self.slider:
             sections |= SLIDER | {"slider": SLIDER["slider"] | {"coupling": self.coupling}}
         return sections
@@ -174,6 +182,20 @@ def of_family(stories: Sequence[Story]) -> tuple[Story, ...]:
 def under_load(stories: Sequence[Story]) -> tuple[Story, ...]:
     """Return the runs under a load that weighs, with a slider or without one."""
     return tuple(replace(story, name=f"{story.name}, under a load", weighs=True) for story in stories)
+
+
+def free(stories: Sequence[Story]) -> tuple[Story, ...]:
+    """Return the runs with a slider that may leave its contact, on more of its way: there are fewer junctions."""
+    return tuple(
+        replace(
+            story,
+            name=f"{story.name}, free",
+            free=True,
+            distance=f"{story.distance.partition(' ')[0]}0 {story.distance.partition(' ')[2]}",
+            tick=f"{story.tick.partition(' ')[0]}0 um" if story.tick != "0.5 um" else "5 um",
+        )
+        for story in stories
+    )
 
 
 @contextmanager

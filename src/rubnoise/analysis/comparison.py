@@ -8,6 +8,7 @@ from rubnoise.analysis.comparing.asked import Cubes, asked_findings
 from rubnoise.analysis.comparing.births import Births, birth_findings
 from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
 from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, comparison
+from rubnoise.analysis.comparing.free import free_comparison
 from rubnoise.analysis.comparing.lives import Lives, life_findings
 from rubnoise.analysis.comparing.load import first_still_tick, load_findings
 from rubnoise.analysis.comparing.motion import (
@@ -36,6 +37,8 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     The run is read twice, /trace and /junctions once each (and /slider), in chunks. Raises RecordTooShort, carrying the
     mean area, for a run from which not even that can be judged, RunFileRefused for damaged rows.
     """
+    if model.free is not None:
+        return free_comparison(model, model.free, rows, bound)
     trace = read_trace(model, rows)
     missing = missing_length(model, trace)
     if missing is not None:

@@ -17,6 +17,7 @@ from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows
+from rubnoise.record.rows import refuse_touches
 from rubnoise.storage.life_curve import stored_pulse
 
 CHUNK_ROWS: Final = 1 << 18
@@ -190,8 +191,9 @@ def neighbours(file: Reader, number: int, start: float, stop: float) -> Neighbou
     """Return all rows but ``number`` that live anywhere between two distances in um; a chunk is held at a time.
 
     Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
-    RunFileRefused if one of the rows found is no life.
+    RunFileRefused if one of the rows found is no life, Refused for the touches of free motion, which are none.
     """
+    refuse_touches(file.columns["junctions"])
     total = file.rows("junctions")
     found = [np.zeros(0, dtype=np.int64)]
     for first in range(0, total, CHUNK_ROWS):

@@ -16,6 +16,7 @@ from rubnoise.record.tally import Tally
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
 from rubnoise.theory.drive import separation_of
+from rubnoise.theory.free_motion import free_motion
 from rubnoise.theory.load import load_errors, load_motion
 from rubnoise.theory.motion_errors import (
     expected_mean_displacement,
@@ -86,9 +87,9 @@ def _standard_errors(model: Model) -> dict[str, float]:
     """Return the standard errors by column and part.
 
     A run that starts empty gets none: its record is not stationary from the beginning. Births that are not a Poisson
-    process have them for means alone.
+    process have them for means alone. Free motion has no theory of errors.
     """
-    if model.start != "stationary":
+    if model.start != "stationary" or model.free is not None:
         return {}
     found = {"junction_count_mean": mean_count_error(model)}
     found |= _errors("real_contact_area", model, mean_area_error, standard_errors)
@@ -181,7 +182,7 @@ def _decays(model: Model) -> float | None:
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or slider.damping == 0.0:
         return None
-    if model.is_two_way and coupling(model).unknown is not None:
+    if model.free is not None or (model.is_two_way and coupling(model).unknown is not None):
         return None
     return model.distance / speed / slowest_decay(slider)
 
@@ -204,6 +205,14 @@ def expected_figure(model: Model, name: str) -> float:
     figure = FIGURES.get(name)
     if figure is None or not figure.is_of(model):
         return nan
+    if model.free is not None:
+        known = free_motion(model)
+        means = {
+            "load": known.load_mean,
+            "real_contact_area": known.area_mean,
+            "friction_force": known.force_mean,
+        }
+        return means.get(figure.column, nan) / figure.over(model) if figure.part == "mean" else nan
     if figure.needs == "slider" and model.is_two_way and coupling(model).unknown is not None:
         return nan
     return figure.exact(model) / figure.over(model)
@@ -299,7 +308,7 @@ FIGURES: Final[dict[str, Figure]] = {
             column=column,
             part="std",
             unit=unit,
-            needs="separation",
+            needs="held",
             exact=partial(_of_motion, name),
         )
         for column, unit, name in (
@@ -308,7 +317,7 @@ FIGURES: Final[dict[str, Figure]] = {
             ("load", "uN", "load_std"),
         )
     },
-    "load_mean": Figure(column="load", part="mean", unit="uN", needs="separation", exact=_load),
+    "load_mean": Figure(column="load", part="mean", unit="uN", needs="held", exact=_load),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
     "one_way_validity": Figure(
         column="velocity",

@@ -22,7 +22,7 @@ from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader, Rows
-from rubnoise.record.rows import JunctionState
+from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import OpenFile, RunFile, open_run
@@ -135,8 +135,9 @@ class Contents(ABC):
         return groups["slider"]
 
     def junction(self, number: int) -> Junction:
-        """Return one junction by its row number, reading that row; raises IndexError where there is no such row."""
+        """Return one junction by its row number, reading it; raises IndexError for no row, Refused for a touch."""
         columns, number = self.junctions, index(number)
+        refuse_touches(columns)
         if not 0 <= number < len(columns):
             there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
             raise IndexError(f"junction {number}: the run has {there}")
@@ -146,8 +147,7 @@ class Contents(ABC):
     def compare(self, bound: float | None = None) -> "Comparison":
         """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
 
-        ``bound`` is the largest |z| of a figure that agrees; by default all figures of 99.9 % of right runs keep it.
-        Raises Refused for a run that is unfinished or too short for any comparison.
+        ``bound``: the largest |z|, by default what all in 99.9 % of right runs keep. Refuses unfinished and short runs.
         """
         from rubnoise.api.answers import compared
 
@@ -157,8 +157,7 @@ class Contents(ABC):
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
 
         ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
-        random numbers cannot be drawn again. A run in memory is saved into a temporary file. Raises Refused for an
-        unfinished run.
+        random numbers cannot be drawn again. A run in memory is saved first. Raises Refused for an unfinished run.
         """
         from rubnoise.api.answers import verified
 

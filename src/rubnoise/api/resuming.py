@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -11,6 +11,7 @@ from rubnoise.api.playing import named_constants, play
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
+from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.reread import as_made
@@ -195,10 +196,9 @@ def _obstacles(scenario: Scenario, description: RunDescription) -> Iterator[str]
 
 def _has_its_rows(scenario: Scenario, description: RunDescription) -> bool:
     """Whether a part has as many rows as its run."""
-    rows, here = description.extent, counted_rows(scenario, description.extent)
-    return here is not None and here == (
-        replace(rows, slider=None, landmarks=here.landmarks) if here.slider is None else rows
-    )
+    here = counted_rows(scenario, description.extent)
+    growing: dict[str, Any] = {each.name: None for each in fields(Extent) if getattr(here, each.name, 0) is None}
+    return here is not None and here == replace(description.extent, **growing)
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:

@@ -109,8 +109,9 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
 
 
 def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
+    counted_by = "this seed" if scenario.model().free is None else "at constant separation"
     return [
-        line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks (this seed)"),
+        line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks ({counted_by})"),
         *(
             [line("slider", f"{grouped(cost['slider_rows_at_most'])} rows at most")]
             if "slider_rows_at_most" in cost

@@ -201,6 +201,8 @@ def _motion(theory: Exact) -> dict[str, Any]:
 
 def _load(theory: Exact) -> dict[str, Any]:
     """Return the motion under a load that weighs, its covariances and its third octaves; nothing without one."""
+    if theory.free is not None:
+        return {"load": load_as_json(theory)}
     if theory.load is None:
         return {}
     bands, motion = third_octaves(theory.model), theory.load

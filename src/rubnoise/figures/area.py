@@ -54,8 +54,9 @@ def trace_figure(stretch: Stretch) -> "Figure":
 
 
 def _draw_area(axes: "Axes", stretch: Stretch) -> None:
-    area = area_cumulants(stretch.model)
-    exact_band(axes, area.mean, area.std)
+    if stretch.model.free is None:
+        area = area_cumulants(stretch.model)
+        exact_band(axes, area.mean, area.std)
     axes.plot(*stretch.curve("trace", "real_contact_area"), color=BLUE, lw=0.9, label="simulated")
     axes.set_xlim(stretch.start, stretch.stop)
     from_zero(axes)

@@ -61,6 +61,9 @@ HEARD: Final[dict[Kind, Callable[[Stretch, Heard], "Figure"]]] = {
 }
 """Pictures that can be of the slider's force or motion, in place of the area."""
 
+ALONE: Final[frozenset[Kind]] = frozenset(("trace", "spectrogram"))
+"""Pictures that show rows alone, and so also those of free motion, which has no theory to stand beside."""
+
 OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}
 """Pictures in which another run can be laid over the first."""
 
@@ -161,6 +164,10 @@ def without_titles(figure: "Figure") -> None:
 def _figure(
     name: Kind, stretch: Stretch, heard: Heard | None, beside: Stretch | None, measured: Measured | None
 ) -> "Figure":
+    if stretch.model.free is not None and name not in ALONE:
+        raise Refused(
+            f"{name}: shows theory beside a run, and free motion has none; {', '.join(sorted(ALONE))} show it"
+        )
     if heard is not None and beside is not None:
         figure = motion_spectrum_figure(stretch, heard, beside)
     elif heard is not None:

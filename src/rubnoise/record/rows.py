@@ -1,5 +1,6 @@
 """One row a junction, one row a tick: the columns of a run, made from what was born, lived and summed."""
 
+from collections.abc import Container
 from enum import IntEnum, IntFlag
 from typing import Any
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
 from rubnoise.contact.overlap import max_area
+from rubnoise.errors import Refused
 
 
 class JunctionState(IntFlag):
@@ -40,6 +42,19 @@ class LandmarkKind(IntEnum):
     SLIP = 1
     REVERSAL = 2
     FORWARD = 3
+
+
+class ContactKind(IntEnum):
+    """What the ``kind`` of a landmark says of a slider that may leave its contact."""
+
+    CONTACT_LOST = 4
+    CONTACT_MADE = 5
+
+
+def refuse_touches(names: Container[str]) -> None:
+    """Raise Refused where rows are touches: their areas follow the separation, and no curve of a row."""
+    if "encounter" in names:
+        raise Refused("rows of free motion are touches, whose areas follow the separation; no row says its curve")
 
 
 def natural_death(birth: Doubles, diameter: Doubles, offset: Doubles | None = None) -> Doubles:

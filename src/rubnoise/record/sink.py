@@ -13,11 +13,12 @@ Columns = Mapping[str, NDArray[Any]]
 class Extent:
     """How many rows each group of a run has, known exactly before its first event.
 
-    slider: 0 without a slider, None where its rows grow with the run, so that only the end shows how many there are;
-    landmarks: 0 with one-way coupling, None with two-way, where /balance has a row; load: 0 without one that weighs.
+    None: rows grow with the run, so that only its end shows how many there are. junctions: None under a slider that
+    may leave its contact; slider: 0 without one, None in a two-way run; landmarks: None in either of these, else 0;
+    balance: a row in a two-way run; load: 0 without one that weighs.
     """
 
-    junctions: int
+    junctions: int | None
     ticks: int
     blocks: int
     slider: int | None

@@ -11,7 +11,7 @@ from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
 from rubnoise.scenario.lists import Parts, Sizes
 from rubnoise.streams import SEED_LIMIT
-from rubnoise.units import AREA, DAMPING, FORCE, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
+from rubnoise.units import AREA, DAMPING, FORCE, INVERSE_SPEED, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
 FORMAT = 1
 ONE_STRENGTH = "constant"
@@ -280,7 +280,10 @@ class Slider(Section):
 
 
 class Load(Section):
-    """A load that weighs: the slider rises and falls under interface.load; give either damping or damping_ratio."""
+    """A load that weighs: the slider rises and falls under interface.load, of first order or free to leave its contact.
+
+    First order needs either damping or damping_ratio, free motion either restitution or impact_damping.
+    """
 
     height_scale: Annotated[
         Quantity,
@@ -304,9 +307,22 @@ class Load(Section):
     ] = None
     motion: Annotated[
         str,
-        Choice(("first-order",), unknown="free"),
-        About(description="first-order: the contact is a spring of stiffness W/s_0, for small motions."),
+        Choice(("first-order", "free")),
+        About(
+            description="first-order: the contact is a spring of stiffness W/s_0, for small motions; free: every"
+            " junction pushes by itself, and the slider may leave its contact."
+        ),
     ] = "first-order"
+    restitution: Annotated[
+        float | None,
+        Number(Range(0.0, 1.0)),
+        About(description="Restitution e of free motion: the force of an overlap that shrinks is e^2 as large."),
+    ] = None
+    impact_damping: Annotated[
+        Quantity | None,
+        Measure((INVERSE_SPEED,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e3)),
+        About(description="Loss of free motion that grows with speed (Hunt and Crossley); instead of restitution."),
+    ] = None
 
 
 class Output(Section):

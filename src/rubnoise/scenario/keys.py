@@ -3,7 +3,7 @@
 import json
 from collections.abc import Collection, Iterator, Mapping
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
@@ -30,9 +30,12 @@ LAW_SAMPLES: dict[str, float] = {each.name: each.sample for entry in LAWS.values
 ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
     "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
     "slider": ((("damping",), ("damping_ratio",)),),
-    "load": ((("damping",), ("damping_ratio",)),),
 }
 """Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
+
+DAMPINGS: Final = (("damping",), ("damping_ratio",))
+LOSSES: Final = tuple((key,) for key in FREE_MOTION)
+"""Ways to say what a load that weighs loses: of first order, and in free motion, which may have the others, too."""
 
 BIRTH_SAMPLES: dict[str, str | float] = {each.name: each.sample for entry in BIRTHS.values() for each in entry.keys}
 """An ordinary value of every key that some law of births takes for itself."""
@@ -61,6 +64,7 @@ _RIGHT_FORMS: dict[Path, str] = {
     ("load", "height_scale"): 'height_scale = "0.5 um"',
     ("load", "mass"): 'mass = "5 g"',
     ("load", "damping"): 'damping_ratio = 0.05 or damping = "4 N*s/m"',
+    ("load", "restitution"): 'restitution = 0.7 or impact_damping = "60 s/m"',
 }
 
 
@@ -146,8 +150,6 @@ def _unknown(layers: Layers, path: Path) -> Problem:
 def _suggestion(path: Path) -> str:
     """Suggest the key of this table that is nearest, or the table that has the key."""
     word = str(path[-1])
-    if path[0] == "load" and word in FREE_MOTION:
-        return 'it belongs to free motion; motion = "first-order" has damping or damping_ratio'
     table = SECTIONS[str(path[0])] if len(path) > 1 and path[0] in SECTIONS else Document
     homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in section.model_fields)
     if homes and homes != (".".join(map(str, path)),):
@@ -174,7 +176,7 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
         if _table(layers, "interface").keys().isdisjoint({"load", "hardness"}):
             yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
-        yield from _alternative_problems(layers, "load")
+        yield from _loss_problems(layers)
     if isinstance(layers.data.get("interface", {}), dict):
         yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
@@ -184,17 +186,36 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
 
 def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
     """Refuse what is said in two ways at once, in none, or in part of one."""
-    table = _table(layers, name)
     for ways in ALTERNATIVES[name]:
-        given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
-        if not given:
-            yield missing(layers, (name, ways[0][0]))
-        elif len(given) == 1:
-            (way,) = [way for way in ways if given[0] in way]
-            lacking = [key for key in way if key not in table]
-            yield from (missing(layers, (name, key), f"missing; {given[0]} needs it") for key in lacking)
-        else:
-            yield _said_twice(layers, [(name, key) for key in given])
+        yield from _one_of(layers, name, ways)
+
+
+def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
+    table = _table(layers, name)
+    given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
+    if len(given) > 1:
+        yield _said_twice(layers, [(name, key) for key in given])
+    elif given:
+        (way,) = [way for way in ways if given[0] in way]
+        lacking = [key for key in way if key not in table]
+        yield from (missing(layers, (name, key), f"missing; {given[0]} needs it") for key in lacking)
+    elif needed:
+        yield missing(layers, (name, ways[0][0]))
+
+
+def _loss_problems(layers: Layers) -> Iterator[Problem]:
+    """Compare what a load that weighs loses with its motion."""
+    load = _table(layers, "load")
+    free = load.get("motion") == "free"
+    yield from _one_of(layers, "load", DAMPINGS, needed=not free)
+    if free:
+        yield from _one_of(layers, "load", LOSSES)
+        return
+    for key in FREE_MOTION:
+        if key in load:
+            message, path = f"first-order motion takes no {key}", ("load", key)
+            hint = f'write motion = "free", or leave the {key} out'
+            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
 
 
 def _said_twice(layers: Layers, both: list[Path]) -> Problem:

@@ -13,7 +13,7 @@ from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.off_centre import pulse_of
 from rubnoise.errors import ScenarioRefused
-from rubnoise.model import Model, Separation, Slider
+from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.lists import ratio_of
 from rubnoise.tables import as_html, shortened
@@ -231,7 +231,8 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         tick_count=tick_count(sliding.distance, tick),
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
-        separation=_separation(document.load, interface) if document.load else None,
+        separation=_separation(document.load, interface) if document.load and not is_free(document.load) else None,
+        free=_free(document.load, interface) if document.load and is_free(document.load) else None,
     )
 
 
@@ -248,6 +249,20 @@ def _separation(load: sections.Load, interface: sections.Interface) -> Separatio
     critical = 2.0 * sqrt(weight / height * mass)
     damping = float(load.damping or 0.0) if load.damping_ratio is None else load.damping_ratio * critical
     return Separation(load=weight, hardness=hardness, height_scale=height, mass=mass, damping=damping)
+
+
+def is_free(load: sections.Load) -> bool:
+    """Whether the slider of a load may leave its contact."""
+    return load.motion == "free"
+
+
+def _free(load: sections.Load, interface: sections.Interface) -> FreeSeparation:
+    growth = load.impact_damping
+    return FreeSeparation(
+        held=_separation(load, interface),
+        restitution=load.restitution,
+        impact_damping=None if growth is None else float(growth),
+    )
 
 
 def _strengths(strength: sections.Strength | None) -> Law | None:

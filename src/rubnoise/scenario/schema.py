@@ -3,7 +3,7 @@
 from typing import Any
 
 from rubnoise.scenario.document import Document
-from rubnoise.scenario.keys import ALTERNATIVES, SECTIONS, SWEEP
+from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES, SECTIONS, SWEEP
 from rubnoise.scenario.sweep_table import Sweeping, known_keys
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -57,12 +57,20 @@ def _table(properties: dict[str, Any]) -> dict[str, Any]:
 def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, Any]:
     properties: dict[str, Any] = {name.lower(): {"required": keys} for name, keys in needed.items()}
     for name, several in ALTERNATIVES.items():
-        ways = [{"oneOf": [{"required": list(way)} for way in each]} for each in several]
-        properties[name] = properties.get(name, {}) | {"allOf": ways}
+        properties[name] = properties.get(name, {}) | {"allOf": [_one_of(each) for each in several]}
+    properties["load"] |= {
+        "if": {"properties": {"motion": {"const": "free"}}, "required": ["motion"]},
+        "then": _one_of(LOSSES) | {"not": {"required": [key for way in DAMPINGS for key in way]}},
+        "else": _one_of(DAMPINGS) | {"not": {"anyOf": [{"required": list(way)} for way in LOSSES]}},
+    }
     with_slider = {"required": ["strength"], "properties": {"sliding": {"required": ["speed"]}}}
     weighing = {"interface": {"required": ["load", "hardness"]}, "sliding": {"required": ["speed"]}}
     dependent = {"slider": with_slider, "load": {"properties": weighing}}
     return {"required": required, "properties": properties, "dependentSchemas": dependent}
+
+
+def _one_of(ways: tuple[tuple[str, ...], ...]) -> dict[str, Any]:
+    return {"oneOf": [{"required": list(way)} for way in ways]}
 
 
 def _without_noise(node: Any) -> Any:

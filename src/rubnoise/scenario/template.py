@@ -46,6 +46,8 @@ SAMPLES: Final[dict[tuple[str, str], Any]] = {
     ("load", "mass"): "5 g",
     ("load", "damping"): "4 N*s/m",
     ("load", "damping_ratio"): 0.05,
+    ("load", "restitution"): 0.7,
+    ("load", "impact_damping"): "60 s/m",
     ("slider", "excitation"): "friction",
     ("slider", "asperity_height"): "2 %",
     ("slider", "heights"): "sum",
@@ -71,6 +73,8 @@ SET: Final = (
 REMARKS: Final[dict[tuple[str, str], str]] = {
     ("slider", "damping_ratio"): "Instead of damping.",
     ("load", "damping_ratio"): "Instead of damping.",
+    ("load", "restitution"): "Only for free motion.",
+    ("load", "impact_damping"): "Only for free motion.",
     ("slider", "tolerance"): "Only for two-way coupling.",
 }
 

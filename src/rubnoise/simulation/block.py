@@ -114,7 +114,7 @@ def next_state(run: RunSetup, state: State) -> State:
         live=_carried(rows, natural, (ticks - 1) * run.model.tick),
         slider_rows=slider.rows if two_way is None else two_way.slider_rows,
         **{name: getattr(state if motion is None else motion, name) for name in MOVING},
-        two_way=b"" if two_way is None else two_way.pack(),
+        motion=b"" if two_way is None else two_way.pack(),
     )
 
 

@@ -50,8 +50,8 @@ def cells_per_tick(model: Model) -> int:
     """
     moving = [] if model.slider is None else [model.slider]
     moving += [] if model.separation is None else [model.separation.oscillator]
-    if not moving or model.tick_duration is None or model.is_two_way:
-        return 1  # a two-way motion has cells of its own
+    if not moving or model.tick_duration is None or model.is_two_way or model.free is not None:
+        return 1  # these motions have steps of their own
     cells, widest = 1, WIDEST_CELL * model.calibrated_diameter
     while max(_error(model, each, cells) for each in moving) > TARGET or model.tick / cells > widest:
         cells *= 2

@@ -5,6 +5,7 @@ from typing import Final, Literal
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.draws import births_by_block, start
+from rubnoise.simulation.free.scales import Scales
 
 Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
@@ -16,14 +17,25 @@ WORTH_COMPILING: Final = 1e7
 
 def extent(model: Model, seed: int) -> Extent:
     """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    ticks = model.tick_count + 1
+    if model.free is not None:
+        length = Scales.of(model, model.free).surface(seed).ticks
+        return Extent(
+            junctions=None,
+            ticks=ticks,
+            slider=model.slider_rows,
+            landmarks=None,
+            load=ticks,
+            blocks=model.tick_count // length + 1,
+        )
     if model.birth_rate * model.distance > WORTH_COMPILING:
         import numba  # noqa: F401  (with which deviates are compiled)
     born = list(births_by_block(model, seed))
     return Extent(
         junctions=start(model, seed).junctions + sum(born),
-        ticks=model.tick_count + 1,
+        ticks=ticks,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way else 0,
-        load=0 if model.separation is None else model.tick_count + 1,
+        load=0 if model.separation is None else ticks,
         blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
     )

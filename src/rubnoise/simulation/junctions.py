@@ -11,6 +11,7 @@ from math import inf
 from simpy import Environment, Interrupt, Process
 from simpy.events import Event, ProcessGenerator
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
 from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
@@ -162,6 +163,29 @@ def play_block(
     if notifier is not None:
         notifier.end_block(rows, min(births_of_block.next_birth, run_end))
     return rows, env.count()
+
+
+def touch(env: Environment, rest: float) -> ProcessGenerator:
+    """Be in contact with a free slider from now through ``rest`` um of sliding."""
+    yield Wait(env, rest)
+
+
+def touches(env: Environment, made: list[float], lost: list[float]) -> ProcessGenerator:
+    """Wait for contact to be made, start a touch, and so on."""
+    for begin, end in zip(made, lost, strict=True):
+        yield Wait(env, max(begin - env.now, 0.0))
+        LifeProcess(env, touch(env, end - begin))
+
+
+def play_touches(begin: float, end: float, made: Doubles, lost: Doubles) -> int:
+    """Let the touches of a block happen, in order of contact made (um), and return how many events it took.
+
+    As with a two-way slider, the motion says where; the clock of the processes writes no row.
+    """
+    env = DistanceClock(begin)
+    PromptProcess(env, touches(env, made.tolist(), lost.tolist()))
+    env.run_to(env.timeout(max(end - begin, 0.0)))
+    return env.count()
 
 
 def _lives(notifier: Notifier | None) -> tuple[Life, Life]:

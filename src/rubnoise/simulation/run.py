@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from functools import lru_cache, partial
 
 from rubnoise.errors import Refused
-from rubnoise.model import Model
+from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.sink import Sink
 from rubnoise.simulation.batch import Ended, play_at_once
 from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
@@ -14,7 +14,7 @@ from rubnoise.simulation.cells import cells_per_tick
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervening, Intervention
-from rubnoise.simulation.junctions import play_block
+from rubnoise.simulation.junctions import play_block, play_touches
 from rubnoise.simulation.load import load_propagator
 from rubnoise.simulation.observer import Notifier, Observer
 from rubnoise.simulation.slider import Propagator, propagator
@@ -23,8 +23,8 @@ from rubnoise.simulation.state import State
 
 @lru_cache(maxsize=8)
 def slider_constants(model: Model) -> Propagator | None:
-    """Return the constants of the exact step of slider and separation; None where neither moves, and two ways."""
-    if model.sliding_speed is None or model.is_two_way:
+    """Return the constants of the exact step of slider and separation; None where neither moves by it."""
+    if model.sliding_speed is None or model.is_two_way or model.free is not None:
         return None
     cells = cells_per_tick(model)
     if model.separation is not None:
@@ -36,7 +36,7 @@ def slider_constants(model: Model) -> Propagator | None:
 
 def finished(model: Model, state: State) -> bool:
     """Whether every tick has been finished and every birth of the run has happened."""
-    return state.ticks > model.tick_count and state.next_birth > model.distance
+    return state.ticks > model.tick_count and (model.free is not None or state.next_birth > model.distance)
 
 
 def simulate(
@@ -79,14 +79,26 @@ def simulate(
         watch=watch,
         notifier=notifier,
     )
-    state = start(model, seed) if state is None else state
+    step = partial(next_state, run) if model.free is None else _free_step(run, model.free, engine)
+    state = _start(model, seed) if state is None else state
     with _collecting_by_blocks() as collect:
         while not finished(model, state):
-            state = next_state(run, state)
+            state = step(state)
             collect()
             if commit is not None:
                 commit(state)
     return state
+
+
+def _start(model: Model, seed: int) -> State:
+    return start(model, seed) if model.free is None else State.at_rest(model)
+
+
+def _free_step(run: RunSetup, free: FreeSeparation, engine: Engine) -> Callable[[State], State]:
+    from rubnoise.simulation.free_motion import next_free_state  # which few runs need, and which takes long to load
+
+    play = play_touches if engine == "events" else None
+    return lambda state: next_free_state(run, free, state, play)
 
 
 @contextmanager
@@ -109,7 +121,14 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
 
     Landmarks, which only a two-way slider has, are reported by either engine. An intervention is refused in a two-way
     run, too: where a life is cut short the force jumps, and what a slider that stands there does next is not decided.
+    Both are refused in free motion, which decides itself where summits are touched and left.
     """
+    for guest, name in ((observe, "observe"), (intervene, "intervene")):
+        if guest is not None and model.free is not None:
+            raise Refused(
+                f"{name}: in free motion touches are known by the block, after the motion;"
+                ' load.motion = "first-order" takes observers and interventions'
+            )
     if observe is not None and not isinstance(observe, Observer):
         raise Refused(f"observe: {observe!r} is no Observer; rubnoise.Observer(birth=...) makes one of functions")
     if intervene is not None and not callable(intervene):

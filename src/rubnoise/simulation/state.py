@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
+from rubnoise.model import Model
 
 _HEADER = struct.Struct("<I")
 _NOTHING = np.empty(0)
@@ -95,8 +96,8 @@ class State:
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
     far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
     carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one,
-    where it is coupled one way; separation (um) and its velocity (um/s) there, under a load that weighs; two_way: where
-    a slider is that is coupled two ways, written down by itself.
+    where it is coupled one way; separation (um) and its velocity (um/s) there, under a load that weighs; motion: where
+    a slider is that is coupled two ways or free to leave its contact, written down by itself.
     """
 
     block: int
@@ -111,16 +112,32 @@ class State:
     velocity: float
     separation: float = 0.0
     separation_velocity: float = 0.0
-    two_way: bytes = b""
+    motion: bytes = b""
+
+    @classmethod
+    def at_rest(cls, model: Model) -> "State":
+        """Return the state before the first block of free motion: z = z' = 0, and no row yet."""
+        return cls(
+            block=0,
+            begin=0.0,
+            next_birth=0.0,
+            junctions=0,
+            ticks=0,
+            events=0,
+            live=LiveRows.none(),
+            slider_rows=0,
+            displacement=model.equilibrium_displacement,
+            velocity=0.0,
+        )
 
     def pack(self) -> bytes:
         """Return the state as bytes from which ``unpack`` makes the same bits again."""
-        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "two_way"}}
+        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "motion"}}
         columns = dict(self.live.columns())
         rows_there = {"rows": len(self.live)} | ({"offsets": True} if "offset" in columns else {})
         header = json.dumps(numbers | rows_there, allow_nan=False).encode()
         rows = [values.astype(f"<{_kind(name)}8").tobytes() for name, values in columns.items()]
-        return _HEADER.pack(len(header)) + header + b"".join(rows) + self.two_way
+        return _HEADER.pack(len(header)) + header + b"".join(rows) + self.motion
 
     @classmethod
     def unpack(cls, data: bytes) -> "State":
@@ -133,7 +150,7 @@ class State:
         for n, name in enumerate((*CENTRED, "offset") if offsets else CENTRED):
             column = np.frombuffer(data, dtype=f"<{_kind(name)}8", count=count, offset=begin + 8 * count * n)
             rows[name] = column.astype(column.dtype.newbyteorder("="))
-        return cls(live=LiveRows(**rows), two_way=data[begin + 8 * count * len(rows) :], **numbers)
+        return cls(live=LiveRows(**rows), motion=data[begin + 8 * count * len(rows) :], **numbers)
 
 
 def _kind(column: str) -> str:

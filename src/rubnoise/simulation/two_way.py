@@ -46,7 +46,7 @@ class TwoWayMotion:
         """Go on from a state; scratch: for the moments of the field; starts: of the blocks to be played."""
         self._model, self._sink, self._starts, self._notifier = model, sink, starts, notifier
         numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
-        landmarks, self._written, self._last, self._waiting, self._times, motion = _unpacked(state.two_way)
+        landmarks, self._written, self._last, self._waiting, self._times, motion = _unpacked(state.motion)
         if motion is None:
             motion = CoupledState.start(model, numbers, start(model, seed).live)
             self._write_junctions(LiveRows.none(), self._times)

@@ -199,16 +199,21 @@ def expected(scenario: Scenario) -> Budget:
     scenario.check_size()
     model = scenario.model()
     births = model.birth_rate * model.distance
-    alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
     rows = Extent(
-        junctions=round(births + alive),
+        junctions=_likely_junctions(model) if model.free is None else None,
         ticks=model.tick_count + 1,
         blocks=ceil(births / births_per_block(model)) + 1,
         slider=model.slider_rows,
-        landmarks=None if model.is_two_way else 0,
-        load=0 if model.separation is None else model.tick_count + 1,
+        landmarks=None if model.is_two_way or model.free is not None else 0,
+        load=0 if model.held is None else model.tick_count + 1,
     )
     return _budget(scenario, rows)
+
+
+def _likely_junctions(model: Model) -> int:
+    """Return how many rows of /junctions are expected; of free motion those at constant separation."""
+    alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
+    return round(model.birth_rate * model.distance + alive)
 
 
 MOST_TIMES, MOST_MORE = 4, 10**6
@@ -223,7 +228,8 @@ def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
     Raises ScenarioRefused for more rows, or more live junctions, than rubnoise can write.
     """
     likely = expected(scenario)
-    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * rows.junctions + MOST_MORE:
+    there = likely.junctions if rows.junctions is None else rows.junctions
+    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * there + MOST_MORE:
         return None
     return extent(scenario.model(), scenario.run.seed)
 
@@ -304,14 +310,15 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
     copy = size if _is_compressed(scenario) else 0
     # Rows that grow lie beside the part until they are copied into it.
     growing = expected_bytes(rows_at_most(model, rows), features_of(model)) - expected_bytes(rows, features_of(model))
+    junctions = _likely_junctions(model) if rows.junctions is None else rows.junctions
     return Budget(
-        junctions=rows.junctions,
+        junctions=junctions,
         ticks=rows.ticks,
         result_bytes=size,
         disk_bytes=size + (copy or growing),
         working_bytes=working_bytes(model, engine),
         slider_rows_at_most=rows_at_most(model, rows).slider if model.is_two_way else None,
-        work=work(model, engine, rows.junctions, rows.ticks) | {"packed byte": float(copy)},
+        work=work(model, engine, junctions, rows.ticks) | {"packed byte": float(copy)},
     )
 
 
@@ -320,14 +327,18 @@ def _is_compressed(scenario: Scenario) -> bool:
 
 
 def rows_at_most(model: Model, rows: Extent) -> Extent:
-    """Return how many rows there are at most where only the end of a run shows it: of a two-way slider.
+    """Return how many rows there are at most where only the end of a run shows it: of a two-way or a free slider.
 
     Rows that are known stay as they are. The slider comes to the end at T = (distance + x_T - x_0)/V. While w >= 0
     friction adds nothing to m x'^2/2 + (k x - F)^2/2k, F the largest force on the way, and x' <= V; so x <= F/k +
     V/omega_0, but for what a reversal brings along. F: ten standard deviations above the mean; twice V/omega_0 are
     left. A slider too fast to stick stays much nearer, within ten times what two-way coupling makes of its spread at
-    most, or twice the deflection from rest. It sticks once in half a period of its own at most, about.
+    most, or twice the deflection from rest. It sticks once in half a period of its own at most, about. A free slider
+    touches summits at most four times as often as at constant separation, about, and leaves each once.
     """
+    if model.free is not None:
+        touches = 4 * _likely_junctions(model) + 1000
+        return replace(rows, junctions=touches, landmarks=2 * touches)
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or model.strengths is None or rows.slider is not None:
         return rows

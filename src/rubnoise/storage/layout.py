@@ -40,17 +40,20 @@ def features_of(model: Model) -> frozenset[Feature]:
         "speed": model.sliding_speed,
         "strength": model.strengths,
         "slider": model.slider,
-        "two-way": model.is_two_way or None,
+        "two-way": model.is_two_way,
+        "free": model.free,
         "offset": None if model.pulse.offset == "none" else model.pulse.offset,
-        "load": model.separation,
+        "load": model.held,
     }
-    return frozenset(feature for feature, value in given.items() if value is not None)
+    return frozenset(feature for feature, value in given.items() if value is not None and value is not False)
 
 
 def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
     """Return the groups of columns that a run with these features has."""
     return tuple(
-        group for group in GROUPS if (group.needs is None or group.needs in features) and group.lacks not in features
+        group
+        for group in GROUPS
+        if (not group.needs or not features.isdisjoint(group.needs)) and features.isdisjoint(group.lacks)
     )
 
 
@@ -67,14 +70,14 @@ def row_count(group: Group, extent: Extent) -> int:
 
 def grows(group: Group, extent: Extent) -> bool:
     """Whether the number of rows of a group is known only at the end of a run."""
-    return group.grows and extent.rows(group.name) is None
+    return bool(group.grows) and extent.rows(group.name) is None
 
 
-def stored_extent(rows: Mapping[str, int]) -> Extent:
+def stored_extent(rows: Mapping[str, int], features: frozenset[Feature]) -> Extent:
     """Return how many rows the groups of a file have; one that may grow has none before its run has ended."""
-    growing = {group.name for group in GROUPS if group.grows and rows.get(group.name) == 0}
+    growing = {group.name for group in GROUPS if not features.isdisjoint(group.grows) and rows.get(group.name) == 0}
     return Extent(
-        junctions=rows["junctions"],
+        junctions=None if "junctions" in growing else rows["junctions"],
         ticks=rows["trace"],
         blocks=rows.get("blocks", 0),
         slider=None if "slider" in growing else rows.get("slider", 0),

@@ -128,7 +128,7 @@ def _results(index: Path) -> dict[int, _Result]:
 def _result(path: Path, run_id: str) -> _Result:
     with open_named(path, run_id) as run:
         columns = frozenset(run.columns[JUNCTIONS.name])
-        return _Result(path=path, junctions=run.extent.junctions, columns=columns)
+        return _Result(path=path, junctions=run.rows("junctions"), columns=columns)
 
 
 def _write_stack(
@@ -184,7 +184,7 @@ def _junctions(run: RunFile, row: int, column: Column) -> Iterator[tuple[int, ND
     """Return a column of the junctions of a run, which may be the number of the run, or one that it does not have."""
     if column.name in run.columns[JUNCTIONS.name]:
         return _panels(run, JUNCTIONS.name, column.name)
-    return _same(row if column is RUN else _missing(column), column, run.extent.junctions)
+    return _same(row if column is RUN else _missing(column), column, run.rows("junctions"))
 
 
 def _same(value: object, about: Column, count: int) -> Iterator[tuple[int, NDArray[Any]]]:

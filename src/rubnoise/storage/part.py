@@ -149,7 +149,8 @@ class Part:
                 else ColumnFile(descriptor, place, hashed=hashed)
             )
         for group, lives in life_tables(pulse).items():
-            self.write(group, 0, lives)
+            if group in self._columns:
+                self.write(group, 0, lives)
 
     def __enter__(self) -> Self:
         return self

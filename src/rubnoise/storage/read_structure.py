@@ -75,16 +75,21 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         "strength": has_hard_link(junctions, "shear_strength"),
         "speed": has_hard_link(junctions, "birth_time"),
         "slider": has_hard_link(file, "slider"),
-        "two-way": has_hard_link(file, "landmarks"),
+        "two-way": has_hard_link(file, "balance"),
         "offset": has_hard_link(junctions, "lateral_offset"),
         "load": has_hard_link(file, "load"),
+        "free": has_hard_link(junctions, "encounter"),
     }
     needed: tuple[tuple[Feature, str], ...] = (("speed", "birth_time"), ("strength", "shear_strength"))
     for feature, column in needed:
         if present["slider"] and not present[feature]:
             raise RunFileRefused(f"has a slider without a {feature}: /junctions/{column} is missing")
     if present["two-way"] and not present["slider"]:
-        raise RunFileRefused("has /landmarks without /slider")
+        raise RunFileRefused("has /balance without /slider")
+    if present["free"] and not (present["load"] and present["speed"]):
+        raise RunFileRefused("has summits that are touched without /load and times")
+    if has_hard_link(file, "landmarks") and not present["two-way"] and not present["free"]:
+        raise RunFileRefused("has /landmarks without /balance")
     return frozenset(feature for feature, there in present.items() if there)
 
 

@@ -128,7 +128,7 @@ class RunFile(OpenFile):
         self._found = found
         self.features: frozenset[Feature] = frozenset(found["features"])
         self._columns = {group: _stored(group, columns) for group, columns in found["columns"].items()}
-        self.extent = stored_extent({group: self.rows(group) for group in self._columns})
+        self.extent = stored_extent({group: self.rows(group) for group in self._columns}, self.features)
         _check_lengths(self._columns, self.extent)
         self.watch: Watch | None = None
         super().__init__(path, descriptor)

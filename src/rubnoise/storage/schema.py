@@ -1,16 +1,17 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Literal
 
 from rubnoise.contact.off_centre import OFF_CENTRE
 from rubnoise.contact.pulses import PULSES
-from rubnoise.record.rows import LandmarkKind, Phase
+from rubnoise.record.rows import ContactKind, LandmarkKind, Phase
 
-Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load"]
+Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "free"]
 """What a scenario may add to the bare contact: times, forces, a slider, that it pushes back, passes off the
-centre line, and a load that weighs."""
+centre line, a load that weighs, and that the slider may leave its contact."""
 
 Scalar = float | int | str
 """What an attribute holds."""
@@ -34,6 +35,12 @@ JUNCTION_AREA_FORMULAS: Final = {
     **{pulse.name: f"A(s) = {pulse.formula}{_WHERE_OFF_CENTRE}" for pulse in OFF_CENTRE.values()},
 }
 """The area of a junction in words, by the name of its pulse."""
+
+TOUCH_AREA_FORMULA: Final = (
+    "A = max_area * overlap/max_overlap; the overlap follows the separation: h - (s - x)^2 height_scale/c^2 - z of a"
+    " summit of height h at x, c^2 = 4 mean_real_contact_area/(pi mean_junction_count)"
+)
+"""The area of a junction under a slider that may leave its contact."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,9 +69,10 @@ class Column:
 class Group:
     """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
 
-    ``grows``: the number of its rows may be known only at the end of a run (see growing); all others are known before.
-    ``added``: files of the same format version that were written earlier do not have it. ``lacks`` names the feature
-    with which it is absent.
+    ``needs``: features of which it needs one; with none it is always there.
+    ``grows``: features with which only the end of a run shows the number of its rows (see growing); all others are
+    known before. ``added``: files of the same format version that were written earlier do not have it. ``lacks`` names
+    features with which it is absent. ``instead``: with a feature, what it is in words, and what is plotted.
     """
 
     name: str
@@ -72,10 +80,16 @@ class Group:
     length: Literal["junctions", "ticks", "slider", "load", "landmarks", "balance", "blocks", "curve", "table"]
     columns: tuple[Column, ...]
     plotted: str
-    needs: Feature | None = None
-    grows: bool = False
+    needs: tuple[Feature, ...] = ()
+    grows: tuple[Feature, ...] = ()
     added: bool = False
-    lacks: Feature | None = None
+    lacks: tuple[Feature, ...] = ()
+    instead: tuple[tuple[Feature, str, str], ...] = ()
+
+    def about(self, features: Collection[Feature]) -> tuple[str, str]:
+        """Return what it is in words, and the column to plot, in a file with some features."""
+        said = next(((name, plotted) for feature, name, plotted in self.instead if feature in features), None)
+        return (self.long_name, self.plotted) if said is None else said
 
 
 def _values(numbers: type[IntEnum]) -> tuple[tuple[int, str], ...]:
@@ -87,8 +101,19 @@ JUNCTIONS: Final = Group(
     long_name="whole life of every junction, in order of birth",
     length="junctions",
     plotted="diameter",
+    grows=("free",),
+    instead=(
+        (
+            "free",
+            "every touch of a summit, from contact made to contact lost, cut where the run begins and ends",
+            "diameter",
+        ),
+    ),
     columns=(
         Column(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
+        Column(
+            name="encounter", dtype="<i8", units="1", symbol="i", long_name="number of the summit touched", needs="free"
+        ),
         Column(name="birth_distance", units="um", symbol="s_birth", long_name="sliding distance at first touch"),
         Column(name="death_distance", units="um", symbol="s_death", long_name="sliding distance at separation"),
         Column(name="life_distance", units="um", symbol="L_j", long_name="sliding distance from birth to death"),
@@ -101,6 +126,7 @@ JUNCTIONS: Final = Group(
             needs="offset",
         ),
         Column(name="max_area", units="um^2", symbol="A_jmax", long_name="area at full overlap"),
+        Column(name="max_overlap", units="um", symbol="delta_max", long_name="largest overlap in height", needs="free"),
         Column(
             name="shear_strength",
             units="MPa",
@@ -138,8 +164,8 @@ SLIDER: Final = Group(
     name="slider",
     long_name="motion of the slider, uniform in time",
     length="slider",
-    needs="slider",
-    grows=True,
+    needs=("slider",),
+    grows=("two-way",),
     plotted="displacement",
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time"),
@@ -164,11 +190,12 @@ LOAD: Final = Group(
     long_name="the slider as it rises and falls under its load, to which both friction_force belong; /junctions,"
     " real_contact_area and junction_count are those at the mean separation",
     length="load",
-    needs="load",
+    needs=("load",),
     plotted="separation",
+    instead=(("free", "the slider as it rises and falls under its load, free to leave its contact", "separation"),),
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time"),
-        Column(name="separation", units="um", symbol="z", long_name="separation of the surfaces less its mean"),
+        Column(name="separation", units="um", symbol="z", long_name="separation of the surfaces less that at rest"),
         Column(name="velocity", units="um/s", symbol="z'", long_name="normal velocity of the slider"),
         Column(name="load", units="uN", symbol="P", long_name="load that the junctions bear"),
         Column(
@@ -184,9 +211,10 @@ LANDMARKS: Final = Group(
     name="landmarks",
     long_name="where the slider sticks, breaks away and turns round",
     length="landmarks",
-    needs="two-way",
-    grows=True,
+    needs=("two-way", "free"),
+    grows=("two-way", "free"),
     plotted="displacement",
+    instead=(("free", "where the slider loses contact, and makes it again", "impact_speed"),),
     columns=(
         Column(name="landmark", dtype="<i8", units="1", symbol="n", long_name="row number of the landmark"),
         Column(name="time", units="s", symbol="t", long_name="time"),
@@ -197,12 +225,31 @@ LANDMARKS: Final = Group(
             units="1",
             symbol="kind",
             long_name="what the slider begins",
-            values=_values(LandmarkKind),
+            values=_values(LandmarkKind) + _values(ContactKind),
         ),
-        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
-        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
-        Column(name="force_before", units="uN", symbol="F_-", long_name="friction force on the slider just before"),
-        Column(name="force_after", units="uN", symbol="F_+", long_name="friction force on the slider just after"),
+        Column(
+            name="impact_speed",
+            units="um/s",
+            symbol="v_imp",
+            long_name="how fast the overlap grows where contact is made, and shrinks where it is lost",
+            needs="free",
+        ),
+        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider", needs="slider"),
+        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider", needs="slider"),
+        Column(
+            name="force_before",
+            units="uN",
+            symbol="F_-",
+            long_name="friction force on the slider just before",
+            needs="two-way",
+        ),
+        Column(
+            name="force_after",
+            units="uN",
+            symbol="F_+",
+            long_name="friction force on the slider just after",
+            needs="two-way",
+        ),
     ),
 )
 
@@ -210,7 +257,7 @@ BALANCE: Final = Group(
     name="balance",
     long_name="where a two-way run ends, and integrals over its whole motion",
     length="balance",
-    needs="two-way",
+    needs=("two-way",),
     plotted="displacement",
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time at the end of the run"),
@@ -254,6 +301,7 @@ BLOCKS: Final = Group(
     length="blocks",
     added=True,
     plotted="birth_distance",
+    instead=(("free", "where every stretch begins, and rows of /junctions known by then", "birth_distance"),),
     columns=(
         Column(name="block", dtype="<i8", units="1", symbol="k", long_name="number of the block"),
         Column(name="birth_distance", units="um", symbol="s_birth", long_name="first birth that belongs to the block"),
@@ -300,7 +348,7 @@ BLOCKS: Final = Group(
             name="separation",
             units="um",
             symbol="z",
-            long_name="separation less its mean at the last tick before it",
+            long_name="separation less that at rest at the last tick before it",
             needs="load",
         ),
         Column(
@@ -317,7 +365,7 @@ LIFE_CURVE: Final = Group(
     name="life_curve",
     long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
     length="curve",
-    lacks="offset",
+    lacks=("offset", "free"),
     plotted="area_fraction",
     columns=(
         Column(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
@@ -329,7 +377,7 @@ LIFE_TABLE: Final = Group(
     name="life_table",
     long_name="area of any junction: diameter^2 times what lies between the four rows around its u and offset_fraction",
     length="table",
-    needs="offset",
+    needs=("offset",),
     plotted="area_fraction",
     columns=(
         Column(

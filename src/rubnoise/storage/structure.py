@@ -3,13 +3,12 @@
 import json
 from collections.abc import Mapping
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, cast
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import Pulse
 from rubnoise.storage.layout import Name, Place, RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
@@ -22,7 +21,9 @@ from rubnoise.storage.schema import (
     HASH,
     HASH_DIGITS,
     JUNCTION_AREA_FORMULAS,
+    TOUCH_AREA_FORMULA,
     Column,
+    Feature,
     Group,
     Scalar,
 )
@@ -39,13 +40,14 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 
     Columns are contiguous, or chunks when ``compressed``, which have no place of their own.
     """
-    root = root_attributes(description.title, pulse_of(description.scenario_resolved))
+    root = root_attributes(description)
     for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
         _put(file.id, name, value)
     places: dict[Name, Place] = {}
     for group in stored_groups(description.features):
         rows, columns = row_count(group, description.extent), stored_columns(group, description.features)
-        for column, dataset in _compose_group(file, group, columns, rows, compressed=compressed):
+        about = group.about(description.features)
+        for column, dataset in _compose_group(file, group, about, columns, rows, compressed=compressed):
             places[group.name, column.name] = _place(dataset, column)
     _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
     provenance = _create_notes(file, "provenance")
@@ -57,11 +59,13 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, Place]:
     """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
     places: dict[Name, Place] = {}
+    free = cast(tuple[Feature, ...], ("free",) * ("encounter" in file["junctions"]))
     for group in GROUPS:
         if group.name in rows:
             stored = tuple(column for column in group.columns if column.name in file[group.name])
+            about = group.about(free)
             del file[group.name]
-            for column, dataset in _compose_group(file, group, stored, rows[group.name], compressed=False):
+            for column, dataset in _compose_group(file, group, about, stored, rows[group.name], compressed=False):
                 places[group.name, column.name] = _place(dataset, column)
     return places
 
@@ -94,20 +98,21 @@ def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
     return Place(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
 
 
-def root_attributes(title: str, pulse: Pulse) -> dict[str, Scalar]:
+def root_attributes(description: RunDescription) -> dict[str, Scalar]:
     """Return what the root of a file says about it."""
+    formula = JUNCTION_AREA_FORMULAS[pulse_of(description.scenario_resolved).name]
     return {
         "Conventions": CONVENTIONS,
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
-        "title": title,
+        "title": description.title,
         "source": f"rubnoise {package_version('rubnoise')}",
-        "junction_area_formula": JUNCTION_AREA_FORMULAS[pulse.name],
+        "junction_area_formula": TOUCH_AREA_FORMULA if "free" in description.features else formula,
     }
 
 
 def _compose_group(
-    file: h5py.File, group: Group, stored: tuple[Column, ...], rows: int, *, compressed: bool
+    file: h5py.File, group: Group, about: tuple[str, str], stored: tuple[Column, ...], rows: int, *, compressed: bool
 ) -> list[tuple[Column, h5py.h5d.DatasetID]]:
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
@@ -120,7 +125,7 @@ def _compose_group(
     h5py.h5ds.set_scale(scale, first.name.encode())
     for _, dataset in rest:
         h5py.h5ds.attach_scale(dataset, scale, 0)
-    _describe_group(owner, group, first.name)
+    _describe_group(owner, about, first.name)
     for column, dataset in columns:
         _describe_column(dataset, column)
     return columns
@@ -165,15 +170,16 @@ def _chunked(rows: int) -> h5py.h5p.PropDCID:
     return creation
 
 
-def _describe_group(owner: h5py.h5g.GroupID, group: Group, scale: str) -> None:
+def _describe_group(owner: h5py.h5g.GroupID, about: tuple[str, str], scale: str) -> None:
     """Say what the group is, and in NeXus terms what to plot against what.
 
     One column only: viewers draw auxiliary signals on the axis of the first, where a force of 5e4 uN hides an area of
     200 um^2.
     """
-    _put(owner, "long_name", group.long_name)
+    long_name, plotted = about
+    _put(owner, "long_name", long_name)
     _put(owner, "NX_class", "NXdata")
-    _put(owner, "signal", group.plotted)
+    _put(owner, "signal", plotted)
     _put(owner, "axes", (scale,))
 
 

@@ -7,7 +7,6 @@ from typing import Any, Self
 
 from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.storage.seal import seal_of
 from rubnoise.storage.structure import provenance_attributes, root_attributes, text_bytes
@@ -32,7 +31,7 @@ class Written:
         finished: str,
     ) -> Self:
         """Return a whole file of plain columns."""
-        root = _stored(root_attributes(description.title, pulse_of(description.scenario_resolved)))
+        root = _stored(root_attributes(description))
         provenance = _stored(provenance_attributes(description) | {"finished": finished})
         del provenance[HASH]  # it stands apart, since it is taken of all the others
         found = {

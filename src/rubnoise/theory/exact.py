@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.model import Model
+from rubnoise.model import Model, Slider
 from rubnoise.tables import as_html
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
@@ -15,6 +15,7 @@ from rubnoise.theory.coupling import Coupling, coupling
 from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import EstimatedSpectrum, estimated_spectrum
+from rubnoise.theory.free_motion import FreeMotion, free_motion
 from rubnoise.theory.load import LoadMotion, load_motion
 from rubnoise.theory.motion_cumulants import MotionCumulants, motion_cumulants
 from rubnoise.theory.occupancy import (
@@ -35,7 +36,8 @@ from rubnoise.units import in_unit
 class Exact:
     """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
-    ``load`` is the motion under a load that weighs, of first order: None without one.
+    ``load`` is the motion under a load that weighs, of first order: None without one. ``free`` is what is exact of free
+    motion; all else is then that of constant separation, its limit at high speeds.
 
     >>> import rubnoise
     >>> theory = rubnoise.exact(rubnoise.load("scenarios/paper/fig5.toml"))
@@ -56,6 +58,7 @@ class Exact:
     force: Cumulants | None
     slider: Response | None
     load: LoadMotion | None = None
+    free: FreeMotion | None = None
 
     def _repr_html_(self) -> str:
         known = ((name, getattr(self, name)) for name in self.__slots__ if name != "model")
@@ -138,6 +141,11 @@ class Exact:
         return motion_cumulants(self.model)
 
 
+def _is_known(model: Model, slider: Slider) -> bool:
+    """Whether the slider's response is known: driven by friction, and not where the contact is left."""
+    return slider.excitation == "friction" and model.free is None
+
+
 def exact(model: Model) -> Exact:
     """Return the exact results for a model: cumulants of area and force, the live count, the one-way slider's response.
 
@@ -155,5 +163,6 @@ def exact(model: Model) -> Exact:
         expected_junction_rows=expected_junction_rows(model),
         force=None if model.strengths is None else force_cumulants(model),
         load=None if model.separation is None else load_motion(model),
-        slider=None if model.slider is None or model.slider.excitation != "friction" else response(model),
+        free=None if model.free is None else free_motion(model),
+        slider=response(model) if model.slider is not None and _is_known(model, model.slider) else None,
     )

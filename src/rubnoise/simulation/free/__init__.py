@@ -14,6 +14,7 @@ beta, k_i is max(0, 1 + beta r_i). An encounter of which r_i stays 0 slides alon
 `series`         power series of a step, and the first time at which something reaches 0 in it
 `contacts`       sums over the encounters in contact, and what happens where an overlap stops growing
 `motion`         from event to event through a block, compiled
+`scales`         these units for a model
 `fold`           a run, block by block: state in, rows out, and a state that can be written down
 ===============  =======================================================================================
 

@@ -23,7 +23,8 @@ class FreeContact:
 
     live: N, mean number of live junctions at z = 0; speed: v; damping_ratio: of the dashpot beside the contact, 0 for
     none; restitution: e, or else impact_damping: beta s_0 omega_c; tick: in c. slider: drag and spring over mass of a
-    slider along the surface, driven by the sum of strengths times overlaps over N; spring 0 is none.
+    slider along the surface, driven by the sum of strengths times overlaps over N, and where it starts at rest; spring
+    0 is none.
     """
 
     live: float
@@ -32,7 +33,7 @@ class FreeContact:
     damping_ratio: float = 0.0
     restitution: float | None = None
     impact_damping: float | None = None
-    slider: tuple[float, float] = (0.0, 0.0)
+    slider: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def constants(self) -> Doubles:
         """Return the numbers of a run, as `contacts` names them."""
@@ -43,7 +44,7 @@ class FreeContact:
         found[held.DRAG] = 2.0 * self.damping_ratio
         found[held.UNLOADED] = (self.restitution or 0.0) * (self.restitution or 0.0)
         found[held.GROWTH] = self.impact_damping or 0.0
-        found[held.OWN_DRAG], found[held.OWN_SPRING] = self.slider
+        found[held.OWN_DRAG], found[held.OWN_SPRING], _ = self.slider
         found[held.TICK] = self.tick
         return found
 
@@ -129,7 +130,9 @@ class FreeRun:
             contacts[held.WEIGHT] = 1.0 * (1.0 + self._constants[held.GROWTH] * rate > 0.0)
         contacts[held.MADE] = -np.inf
         contacts[held.LARGEST] = overlap[inside]
-        return FreeState(block=0, sliding=-1, fresh=-1, numbers=np.zeros(held.NUMBERS), contacts=contacts)
+        numbers = np.zeros(held.NUMBERS)
+        numbers[held.X] = self._contact.slider[2]
+        return FreeState(block=0, sliding=-1, fresh=-1, numbers=numbers, contacts=contacts)
 
     def _around(self, block: int, layers: int) -> Encounters:
         return self.surface.around(block, layers)

@@ -6,6 +6,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled_bare
+from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.free.contacts import (
     COLUMNS,
     DRAG,
@@ -68,13 +69,12 @@ DONE, FULL, DEEPER, LOST = range(4)
 
 TOUCH_NUMBER, TOUCH_MADE, TOUCH_LOST, TOUCH_LARGEST, TOUCH_HEIGHT, TOUCH_SHARE = range(6)
 TOUCH_COLUMNS: Final = 6
-MARK_PLACE, MARK_KIND, MARK_SPEED, MARK_Z, MARK_W = range(5)
+MARK_PLACE, MARK_KIND, MARK_SPEED, MARK_X, MARK_U = range(5)
 MARK_COLUMNS: Final = 5
 TICK_Z, TICK_W, TICK_LOAD, TICK_OVERLAP, TICK_SHARED, TICK_LIVE, TICK_X, TICK_U = range(8)
 TICK_COLUMNS: Final = 8
 
-CONTACT_LOST: Final = 4
-CONTACT_MADE: Final = 5
+CONTACT_LOST, CONTACT_MADE = map(int, ContactKind)
 
 WORK_SERIES, WORK_PUSHED, WORK_SUMS, WORK_SHARES, WORK_POWERS = (
     0,
@@ -114,7 +114,7 @@ def _sample(
 def _mark(whole: Integers, marks: Doubles, kind: int, speed: float, numbers: Doubles) -> None:
     n = whole[MARKS]
     marks[MARK_PLACE, n], marks[MARK_KIND, n], marks[MARK_SPEED, n] = numbers[S], float(kind), speed
-    marks[MARK_Z, n], marks[MARK_W, n] = numbers[Z], numbers[W]
+    marks[MARK_X, n], marks[MARK_U, n] = numbers[X], numbers[U]
     whole[MARKS] += 1
 
 

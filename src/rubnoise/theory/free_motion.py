@@ -1,0 +1,70 @@
+"""What is exact of a slider that is free to leave its contact; of all else there is no theory.
+
+With c, s_0, 1/omega_c and W as units, N, v = V/(c omega_c) and the loss are all that is left. So with these laws and a
+loss without a scale of its own, the velocity is (V s_0/c) F(V^2 s_0 m/(c^2 W); N, loss): its exponent n of speed and m
+of height obey m = (1 + n)/2, in every regime.
+"""
+
+from dataclasses import dataclass, replace
+from math import nan
+
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.theory.load import LoadMotion, load_motion, relative_speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeMotion:
+    """Scales of free motion (Hz; the rest without units), its exact means (uN, um^2), and its limit.
+
+    live: N; restitution, or impact_damping as beta s_0 omega_c, the other nan; area_mean and force_mean: nan unless the
+    contact is elastic, and force_mean also without a strength; first_order: the limit of small v and large N, None
+    without damping.
+    """
+
+    contact_resonance: float
+    relative_speed: float
+    live: float
+    damping_ratio: float
+    restitution: float
+    impact_damping: float
+    load_mean: float
+    area_mean: float
+    force_mean: float
+    first_order: LoadMotion | None
+
+
+def height_exponent(speed_exponent: float) -> float:
+    """Return m = (1 + n)/2, the exponent of height (at constant c and N) that goes with an exponent n of speed."""
+    return 0.5 * (1.0 + speed_exponent)
+
+
+def free_motion(model: Model) -> FreeMotion:
+    """Return what is exact of free motion.
+
+    Momentum: the mean of P is W. Where nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
+    is A_rm, the mean summed overlap N s_0, and the mean friction force E[psi] A_rm: strengths do not move the slider.
+    Raises Refused without free motion.
+    """
+    if model.free is None:
+        raise Refused('the slider leaves its contact with load.motion = "free" alone')
+    free, held = model.free, model.free.held
+    linear = replace(model, free=None, separation=held)
+    resonance = held.oscillator
+    elastic = free.restitution == 1.0
+    return FreeMotion(
+        contact_resonance=resonance.natural_frequency,
+        relative_speed=relative_speed(linear),
+        live=model.mean_junction_count,
+        damping_ratio=resonance.damping_ratio,
+        restitution=nan if free.restitution is None else free.restitution,
+        impact_damping=nan
+        if free.impact_damping is None
+        else free.impact_damping * held.height_scale * resonance.natural_angular_frequency,
+        load_mean=held.load,
+        area_mean=model.mean_real_contact_area if elastic else nan,
+        force_mean=model.strengths.mean * model.mean_real_contact_area
+        if elastic and model.strengths is not None
+        else nan,
+        first_order=load_motion(linear) if held.damping > 0.0 else None,
+    )

@@ -1,0 +1,268 @@
+"""Runs of a slider that may leave its contact: motion in SI units, rows, bits, and faults that show."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from scipy.signal import lsim
+
+import rubnoise
+from rubnoise.analysis.comparison import compare
+from rubnoise.contact.laws import Lognormal
+from rubnoise.errors import ScenarioRefused
+from rubnoise.model import FreeSeparation, Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.rows import ContactKind, JunctionState
+from rubnoise.scenario import loads
+from rubnoise.simulation.free.scales import Scales
+from rubnoise.simulation.run import simulate
+from rubnoise.simulation.state import State
+from rubnoise.theory.free_motion import free_motion, height_exponent
+from tests.models import contents, loaded, recorded
+from tests.unit.tampering import change, scenario_of
+
+UNEQUAL = Lognormal(mean=250.0, std=100.0)
+
+
+def bouncing(
+    *, restitution: float | None = 0.7, growth: float | None = None, ratio: float = 0.0, **changes: Any
+) -> Model:
+    """Return a model at v = V/(c omega_c); growth: beta s_0 omega_c."""
+    shape = {"count": 0.5, "relative_speed": 1.0, "height": 5.0, "weight": 5e4, "mass": 5e-3, "tick": 0.5}
+    linear = loaded(ratio=ratio, **shape | changes)
+    held = linear.separation
+    assert held is not None
+    rate = held.oscillator.natural_angular_frequency
+    beta = None if growth is None else growth / (held.height_scale * rate)
+    free = FreeSeparation(held=held, restitution=None if growth else restitution, impact_damping=beta)
+    return replace(linear, separation=None, free=free)
+
+
+RUNS = {
+    "restitution": bouncing(distance=3000.0),
+    "unequal strengths": bouncing(distance=3000.0, strength=UNEQUAL),
+    "impact damping": bouncing(distance=3000.0, growth=0.3),
+    "elastic": bouncing(distance=600.0, restitution=1.0, ratio=0.05, count=10.0, tick=0.05),
+    "all is lost": bouncing(distance=1000.0, restitution=0.0, count=2.0),
+    "no slider along the surface": bouncing(distance=3000.0, slider=None),
+    "no strength either": bouncing(distance=3000.0, slider=None, strength=None),
+    "very light": bouncing(distance=30_000.0, count=0.003, relative_speed=100.0, tick=5.0),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_both_engines_give_equal_bits_however_a_run_is_cut(name: str) -> None:
+    model, states = RUNS[name], list[bytes]()
+    record = recorded(model, seed=4)
+    whole = contents(record)
+    assert contents(recorded(model, seed=4, engine="batch")) == whole
+    again = MemoryRecord(record.extent)
+    simulate(model, 4, again, engine="batch", commit=lambda state: states.append(state.pack()))
+    assert len(states) > 1
+    for state in states[:: max(len(states) // 3, 1)]:
+        simulate(model, 4, again, state=State.unpack(state))
+    assert contents(again) == whole
+
+
+def test_motion_is_that_of_verlet_in_si_units() -> None:
+    """m z'' = sum of kappa delta_i less W, kappa = 2 pi R H, c^2 = 8 R s_0, from the summits of the surface."""
+    model = bouncing(distance=40.0, count=5.0, restitution=1.0, tick=0.1)
+    record = recorded(model, seed=5)
+    assert model.free is not None
+    scales = Scales.of(model, model.free)
+    around = scales.surface(5).around(0, 1)
+    metre = 1e-6
+    place, height = around.place * scales.length * metre, around.height * scales.height * metre
+    radius = 4.0 * model.mean_real_contact_area / (np.pi * model.mean_junction_count) / (8.0 * scales.height) * metre
+    kappa, weight, mass, speed = 2.0 * np.pi * radius * 1e9, 0.05, 5e-3, (model.sliding_speed or 0.0) * metre
+
+    def load(t: float, z: float) -> float:
+        return float(kappa * np.maximum(height - (speed * t - place) ** 2 / (8.0 * radius) - z, 0.0).sum())
+
+    steps, z, w, found = 50, 0.0, 0.0, [0.0]
+    step = 0.1 * metre / speed / steps
+    push = (load(0.0, z) - weight) / mass
+    for n in range(400 * steps):
+        w += 0.5 * step * push
+        z += step * w
+        push = (load((n + 1) * step, z) - weight) / mass
+        w += 0.5 * step * push
+        if (n + 1) % steps == 0:
+            found.append(z)
+    assert np.ptp(found) > 1e-6
+    assert np.abs(record["load"]["separation"] * metre - found).max() < 1e-5 * np.ptp(found)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_columns_are_what_they_say(name: str) -> None:
+    model = RUNS[name]
+    record = recorded(model, seed=4)
+    trace, load, rows, marks = (record[group] for group in ("trace", "load", "junctions", "landmarks"))
+    area, count, place = trace["real_contact_area"], trace["junction_count"], trace["distance"]
+    assert model.free is not None
+    held, restitution = model.free.held, model.free.restitution
+    alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area
+    assert np.allclose(load["live_overlap"][count > 0] * count[count > 0], alone * area[count > 0], rtol=1e-12)
+    assert np.isnan(load["live_overlap"][count == 0]).all()
+    if restitution is not None:
+        assert (load["load"] <= held.hardness * area * (1.0 + 1e-9) + 1e-6).all()
+        assert (load["load"] >= restitution**2 * held.hardness * area * (1.0 - 1e-9) - 1e-6).all()
+    if restitution == 1.0:
+        assert np.allclose(load["load"], held.hardness * area, atol=1e-6)
+    # Touches: in order of birth, cut at both ends, and as many alive at every tick as /trace counts.
+    birth, death, state = rows["birth_distance"], rows["death_distance"], rows["state"]
+    assert (np.diff(birth) >= 0.0).all()
+    assert (death >= birth).all()
+    assert (birth[(state & JunctionState.ALIVE_AT_START) > 0] == 0.0).all()
+    assert (death[(state & JunctionState.ALIVE_AT_END) > 0] == place[-1]).all()
+    ended = np.where((state & JunctionState.ALIVE_AT_END) > 0, np.inf, death)
+    alive = np.searchsorted(birth, place, side="right") - np.searchsorted(np.sort(ended), place, side="right")
+    assert np.array_equal(alive, count)
+    assert np.allclose(rows["max_area"], np.pi / 4.0 * rows["diameter"] ** 2, rtol=1e-12)
+    assert np.allclose(rows["max_area"], model.mean_real_contact_area / model.mean_junction_count
+                       * rows["max_overlap"] / held.height_scale, rtol=1e-12)  # fmt: skip
+    # Contact is lost and made in turn, and only then is there none.
+    kinds = marks["kind"]
+    assert set(kinds) <= {ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE}
+    assert (np.diff(kinds.astype(int)) != 0).all()
+    assert (marks["impact_speed"] > 0.0).all()
+    made = marks["distance"][kinds == ContactKind.CONTACT_MADE]
+    assert np.isin(made, birth).all()
+    assert ("displacement" in marks) == ("slider" in record.groups) == (model.slider is not None)
+
+
+def test_the_slider_along_the_surface_is_driven_by_the_force_in_the_file() -> None:
+    model = bouncing(distance=200.0, tick=0.01, strength=UNEQUAL)
+    slider, trace = recorded(model, seed=6)["slider"], recorded(model, seed=6)["trace"]
+    held, force = model.slider, trace["friction_force"]
+    assert held is not None
+    assert np.array_equal(slider["friction_force"], force)
+    system = [[0.0, 1.0], [-held.stiffness / held.mass, -held.damping / held.mass]], [[0.0], [1.0 / held.mass]]
+    start = [model.equilibrium_displacement, 0.0]
+    _, flow, _ = lsim((*system, np.eye(2), np.zeros((2, 1))), force, slider["time"], start)
+    assert slider["displacement"][0] == pytest.approx(start[0], rel=1e-12)
+    for n, name in enumerate(("displacement", "velocity")):
+        assert np.abs(slider[name] - flow[:, n]).max() < 1e-4 * np.ptp(flow[:, n])
+    assert not np.allclose(force, 250.0 * trace["real_contact_area"])
+
+
+# Beside theory: momentum is exact, and a wrong weight, hardness or mass is seen.
+@pytest.mark.parametrize("name", ["restitution", "impact damping", "elastic"])
+def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
+    model = replace(RUNS[name], distance=8000.0, tick=0.2, tick_count=40_000)
+    record = recorded(model, seed=8)
+    assert compare(model, _rows(record)).outside == ()
+    assert model.free is not None
+    heavier = replace(model, free=replace(model.free, held=replace(model.free.held, load=5.1e4)))
+    assert "load_mean" in compare(heavier, _rows(record)).outside
+
+
+def test_theory_knows_what_is_exact() -> None:
+    model = RUNS["restitution"]
+    known = free_motion(model)
+    assert known.relative_speed == pytest.approx(1.0)
+    assert (known.load_mean, known.live, known.restitution) == (5e4, 0.5, 0.7)
+    assert np.isnan([known.area_mean, known.force_mean, known.impact_damping]).all()
+    assert known.first_order is None
+    elastic = free_motion(RUNS["elastic"])
+    assert elastic.area_mean == pytest.approx(50.0)
+    assert elastic.force_mean == pytest.approx(250.0 * 50.0)
+    assert elastic.first_order is not None
+    assert free_motion(RUNS["impact damping"]).impact_damping == pytest.approx(0.3)
+    assert height_exponent(0.75) == 0.875
+
+
+def _rows(record: MemoryRecord) -> Any:
+    class Rows:
+        columns: ClassVar = {group: tuple(columns) for group, columns in record.groups.items()}
+
+        def rows(self, group: str) -> int:
+            return next(iter(record[group].values())).size
+
+        def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> Any:
+            return record[group][name][start:stop]
+
+    return Rows()
+
+
+# The file.
+KEYS: dict[str, dict[str, Any]] = {
+    "interface": {"mean_real_contact_area": None, "mean_junction_count": 0.5, "load": "0.05 N", "hardness": "1 GPa"},
+    "load": {"height_scale": "5 um", "mass": "5 g", "motion": "free", "restitution": 0.7},
+    "sliding": {"distance": "1500 um", "speed": "20 mm/s"},
+    "output": {"tick": "0.1 um"},
+}
+
+
+@pytest.fixture
+def result(tmp_path: Path) -> Path:
+    rubnoise.run(scenario_of("diameter", "slider", **KEYS), tmp_path / "x.h5", seed=2).close()
+    return tmp_path / "x.h5"
+
+
+FAULTS: dict[str, tuple[str, Callable[[Any], Any], set[str]]] = {
+    "more load than the overlaps give": ("load/load", lambda load: 1.5 * load, {"load", "load_mean"}),
+    "overlaps of one where there are two": ("load/live_overlap", lambda overlap: 2.0 * overlap, {"live_overlap"}),
+    "the force is not that of the area": ("trace/friction_force", lambda force: 1.001 * force, {"friction_force"}),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) -> None:
+    column, by, seen = FAULTS[fault]
+    with rubnoise.open(result) as file:
+        assert "encounter" in file.junctions
+        assert "slider" not in file.groups_by_name()
+        assert file.compare().outside == ()
+        assert file.verify().different == []
+    change(result, column, by)
+    with rubnoise.open(result) as file:
+        assert set(file.compare().outside) & seen
+        assert column.split("/")[0] in {check.name for check in file.verify().different}
+
+
+def test_areas_are_those_of_the_summits(result: Path) -> None:
+    change(result, "load/separation", lambda z: z + 0.01)
+    with rubnoise.open(result) as file:
+        assert {"load", "areas"} <= {check.name for check in file.verify().different}
+
+
+# Refusals.
+@pytest.mark.parametrize(
+    ("table", "changes", "said"),
+    [
+        ("load", {"restitution": None}, "load.restitution: missing"),
+        ("load", {"impact_damping": "60 s/m"}, "both restitution and impact_damping are given"),
+        ("load", {"restitution": -0.1}, "too small"),
+        ("load", {"restitution": 1.1}, "too large"),
+        ("load", {"restitution": None, "impact_damping": "60 N*s/m"}, "an inverse speed is needed"),
+        ("load", {"motion": "first-order", "damping_ratio": 0.05}, "first-order motion takes no restitution"),
+        ("load", {"damping": "4 N*s/m", "damping_ratio": 0.05}, "both damping and damping_ratio are given"),
+        ("sliding", {"start": "empty"}, "free motion begins at rest"),
+        ("sliding", {"speed": None}, "sliding.speed: missing"),
+        ("interface", {"load": "0 N"}, "must be above 0"),
+        ("interface", {"mean_junction_count": 2000}, "free motion is computed up to 1000"),
+    ],
+)
+def test_what_free_motion_refuses(table: str, changes: dict[str, Any], said: str) -> None:
+    keys = KEYS | {table: KEYS[table] | changes}
+    with pytest.raises(ScenarioRefused, match=said):
+        scenario_of("diameter", "slider", **keys)
+
+
+@pytest.mark.parametrize("changes", [{"restitution": 0.0}, {"restitution": 1.0}, {"damping_ratio": 0.05}])
+def test_what_free_motion_takes(changes: dict[str, Any]) -> None:
+    scenario = scenario_of("diameter", "slider", **KEYS | {"load": KEYS["load"] | changes})
+    assert scenario.model().free is not None
+    assert loads(scenario.to_toml()).model() == scenario.model()
+
+
+def test_guests_are_refused() -> None:
+    scenario = scenario_of("diameter", "slider", **KEYS)
+    with pytest.raises(rubnoise.Refused, match="touches are known by the block"):
+        rubnoise.simulate(scenario, intervene=lambda env, live: iter(()))
+    with pytest.raises(rubnoise.Refused, match="touches are known by the block"):
+        rubnoise.simulate(scenario, observe=rubnoise.Observer(birth=print))
