@@ -59,7 +59,8 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
 
 def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, ...]:
     """Return the columns that a group has in a run with these features, the scale first."""
-    return tuple(column for column in group.columns if column.needs is None or column.needs in features)
+    kept = (column for column in group.columns if column.needs is None or column.needs in features)
+    return tuple(column.as_in(features) for column in kept)
 
 
 def row_count(group: Group, extent: Extent) -> int:

@@ -1,7 +1,7 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Final, Literal
 
@@ -47,7 +47,8 @@ TOUCH_AREA_FORMULA: Final = (
 class Column:
     """One dataset of one dimension; ``needs`` names the feature without which it is absent.
 
-    ``flags`` are the meanings of bits, ``values`` those of whole numbers.
+    ``flags`` are the meanings of bits, ``values`` those of whole numbers. ``instead``: with a feature, what it is in
+    words and what its values mean.
     """
 
     name: str
@@ -58,6 +59,14 @@ class Column:
     needs: Feature | None = None
     flags: tuple[tuple[int, str], ...] = ()
     values: tuple[tuple[int, str], ...] = ()
+    instead: tuple[tuple[Feature, str, tuple[tuple[int, str], ...]], ...] = ()
+
+    def as_in(self, features: Collection[Feature]) -> "Column":
+        """Return the column as it stands in a file with some features."""
+        for feature, long_name, values in self.instead:
+            if feature in features:
+                return replace(self, long_name=long_name, values=values, instead=())
+        return self
 
     @property
     def coded(self) -> tuple[str, tuple[tuple[int, str], ...]]:
@@ -195,7 +204,13 @@ LOAD: Final = Group(
     instead=(("free", "the slider as it rises and falls under its load, free to leave its contact", "separation"),),
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time"),
-        Column(name="separation", units="um", symbol="z", long_name="separation of the surfaces less that at rest"),
+        Column(
+            name="separation",
+            units="um",
+            symbol="z",
+            long_name="separation of the surfaces less its mean",
+            instead=(("free", "separation of the surfaces less that at rest", ()),),
+        ),
         Column(name="velocity", units="um/s", symbol="z'", long_name="normal velocity of the slider"),
         Column(name="load", units="uN", symbol="P", long_name="load that the junctions bear"),
         Column(
@@ -226,6 +241,7 @@ LANDMARKS: Final = Group(
             symbol="kind",
             long_name="what the slider begins",
             values=_values(LandmarkKind) + _values(ContactKind),
+            instead=(("two-way", "what the slider begins", _values(LandmarkKind)),),
         ),
         Column(
             name="impact_speed",
@@ -348,7 +364,8 @@ BLOCKS: Final = Group(
             name="separation",
             units="um",
             symbol="z",
-            long_name="separation less that at rest at the last tick before it",
+            long_name="separation less its mean at the last tick before it",
+            instead=(("free", "separation less that at rest at the last tick before it", ()),),
             needs="load",
         ),
         Column(
