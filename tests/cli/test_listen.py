@@ -123,6 +123,7 @@ def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, her
             spreads.append(float(np.std(file["slider/velocity"][:])))
     wanted = 20.0 * np.log10(spreads[0] / spreads[1])
     levels = [float(each.split()[-9]) for each in answer.out.splitlines() if "level in 200 to 4000 Hz" in each]
+    # Chosen: runs of 0.25 mm hold so few swings that the share of each in the band is known to some 12 %, half a dB.
     assert levels[0] - levels[1] == pytest.approx(wanted, abs=1.0)
     assert abs(wanted) > 3.0
     assert call("listen", "x.h5", "x.h5").code == 2

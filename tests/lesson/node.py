@@ -60,14 +60,18 @@ def answer(body: str, **given: Any) -> Any:
 def scenario_of(world: dict[str, Any], distance: float = 1000.0, tick: float = 0.1) -> Scenario:
     """Return the scenario of a world of the page; distance and tick in um."""
     spread = {"law": "normal", "spread": f"{world['spread']!r} um"} if world["spread"] else {"law": "fixed"}
+    if world.get("sizes") == "rayleigh":
+        spread = {"law": "weibull", "spread": "52.2723 %"}
+    carried: dict[str, Any] = {"mean_real_contact_area": f"{world['meanArea']!r} um^2"}
+    changes: dict[str, Any] = {}
+    if world.get("support") == "load":
+        carried = {"load": f"{1000.0 * world['meanArea']!r} uN", "hardness": "1 GPa"}
+        changes = {"load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05}}
     return build(
-        {
+        changes
+        | {
             "format": 1,
-            "interface": {
-                "mean_real_contact_area": f"{world['meanArea']!r} um^2",
-                "mean_junction_count": world["meanCount"],
-                "calibration": world["calibration"],
-            },
+            "interface": carried | {"mean_junction_count": world["meanCount"], "calibration": world["calibration"]},
             "diameter": spread,
             "birth": {"law": world["births"]},
             "pulse": {"shape": world["pulse"], "offset": world.get("offset", "none")},
@@ -112,6 +116,16 @@ WORLDS = [
         {"speed": 1e5, "damping": 5.0},
         {"stiffness": 1e4, "mass": 1e-4, "speed": 50.0, "damping": 0.001},
         {"births": "regular", "spread": 0.0, "stiffness": 1e4, "mass": 1e-4, "speed": 50.0},
+        {"pulse": "parabola", "calibration": "exact"},
+        {"pulse": "parabola", "calibration": "matched", "sizes": "rayleigh", "spread": 0.0},
+        {
+            "pulse": "parabola",
+            "calibration": "matched",
+            "sizes": "rayleigh",
+            "spread": 0.0,
+            "speed": 5e4,
+            "meanCount": 3.0,
+        },
         {"offset": "uniform", "calibration": "exact"},
         {"offset": "uniform", "calibration": "exact", "spread": 0.0, "speed": 10.0},
         {"offset": "uniform", "calibration": "matched", "spread": 1.5, "meanCount": 5.0},
@@ -122,7 +136,7 @@ and fast sliding."""
 
 # What docs/teaching.md has for a teacher: numbers, answers and mistakes, lesson by lesson.
 PAGE = ROOT / "docs" / "teaching.md"
-SECTION = re.compile(r"^## (\d)\. (.+?)\n(.*?)(?=^## )", re.MULTILINE | re.DOTALL)
+SECTION = re.compile(r"^## (\d+)\. (.+?)\n(.*?)(?=^## )", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"\*\*(\d[\d.]*)[^*]*\*\*")
 
 

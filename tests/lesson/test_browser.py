@@ -58,7 +58,7 @@ def test_it_opens_and_plays_by_itself_without_much_work(browser: Any, lesson_fil
         assert page.evaluate("rub.run.distance") == 0
         page.evaluate("frames(2)")
         assert page.evaluate("rub.run.distance") > 0
-        assert page.title() == "Figure 5: excitation force and vibration"
+        assert page.title() == "Lessons on rubbing noise: Figure 5: excitation force and vibration"
         assert page.locator("#play").inner_text() == "❚❚ pause"
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.lesson.walk import CALM, opened, until
+from tests.lesson.walk import CALM, UNFOLD, opened, until
 
 PREDICTIONS = """(() => {
   const e = rub.exact();
@@ -38,6 +38,7 @@ ROWS = "JSON.stringify(rub.run.rows.slice(0, 30))"
 def page(browser: Any, lesson_file: str) -> Iterator[Any]:
     """Return the page of Figure 5, standing still."""
     with opened(browser, lesson_file, **CALM) as found:
+        found.evaluate(UNFOLD)
         yield found
 
 

@@ -1,11 +1,13 @@
 """The lessons in a real browser: what opens when, with the keyboard alone, and no answer early."""
 
+import math
+import re
 from typing import Any
 
 import pytest
 
 from tests.lesson.node import lessons
-from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
+from tests.lesson.walk import CALM, UNFOLD, UNHURRIED, Walk, opened, until
 
 # The lessons in a real browser: what opens when, which answers are right, and what is kept.
 LESSONS = lessons()
@@ -61,6 +63,7 @@ def test_an_answer_to_other_knobs_stands_no_more(walk):
 def test_a_question_is_not_judged_under_other_births(walk):
     walk.open("3. The live count")
     walk.to_the_checks()
+    walk.page.evaluate(UNFOLD)
     walk.page.locator("#knob-births").select_option("regular")
     right, said = walk.answer(0, "120")
     assert not right
@@ -338,3 +341,88 @@ def test_the_lines_of_the_law_wait_for_the_prediction(browser: Any, lesson_file:
         page.locator("#reveal").click()
         page.wait_for_timeout(300)
         assert page.evaluate(inked) != before
+
+
+# What stands before a prediction, and what can be played with.
+MOST_WORDS = 60
+WORDS = """rub.lessons.list.flatMap(({ question, opening = '', further }) =>
+  [question + opening, further?.question].filter(Boolean).map((html) => {
+    const text = document.createElement('div');
+    text.innerHTML = html;
+    return text.textContent.trim().split(/\\s+/).length;
+  }))"""
+
+
+def test_little_is_to_be_read_before_a_prediction(walk):
+    assert max(walk.page.evaluate(WORDS)) <= MOST_WORDS
+    assert "knob" not in walk.page.inner_text("body").lower()
+
+
+def test_controls_that_a_lesson_does_not_need_are_folded(walk):
+    needed = walk.page.evaluate("rub.lessons.list.map((lesson) => lesson.controls)")
+    for lesson, controls in enumerate(needed):
+        walk.page.evaluate(f"rub.lessons.open({lesson})")
+        shown = walk.page.locator("#side .knob:visible").evaluate_all(
+            "all => all.map((each) => each.querySelector('label').htmlFor.replace('knob-', ''))"
+        )
+        assert sorted(shown) == sorted(controls)
+        walk.page.locator("#more-controls summary").click()
+        assert walk.page.locator("#side .knob:visible").count() == 13
+        walk.page.locator("#more-controls summary").click()
+
+
+@pytest.mark.parametrize(
+    ("lesson", "key", "factor"),
+    [(1, "diameter", 10.0), (4, "meanCount", 1.0), (4, "diameter", 10.0), (6, "speed", 10.0)],
+)
+def test_a_number_in_the_text_can_be_dragged(walk, lesson, key, factor):
+    value = {"diameter": "rub.exact().diameter", "meanCount": "rub.world.meanCount", "speed": "rub.world.speed"}[key]
+    walk.page.evaluate(f"rub.lessons.open({lesson})")
+    walk.predict()
+    walk.run(0)
+    walk.page.evaluate("rub.run.pause()")
+    number = walk.article.locator(f"[data-drag={key}]")
+    number.scroll_into_view_if_needed()
+    before, box = walk.page.evaluate(value), number.bounding_box()
+    assert box["height"] >= 24
+    if key == "meanCount":
+        number.focus()
+        walk.page.keyboard.press("ArrowRight")
+        assert walk.page.evaluate(value) == before + 1
+        return
+    x, y = box["x"] + 3, box["y"] + 10
+    walk.page.mouse.move(x, y)
+    walk.page.mouse.down()
+    walk.page.mouse.move(x + 80, y, steps=4)
+    walk.page.mouse.up()
+    assert walk.page.evaluate(value) == pytest.approx(before * factor**0.5, rel=0.02)
+    assert number.get_attribute("aria-valuetext") == number.inner_text()
+
+
+def test_a_click_lets_a_junction_be_born(walk):
+    strip = walk.page.locator("#born")
+    strip.click()
+    strip.press("Enter")
+    assert walk.page.evaluate("rub.born.lives.length") == 2
+    until(walk.page, "rub.born.lives.length === 0")
+
+
+def test_the_cursor_measures_ten_swings(walk):
+    walk.open("7. The slider")
+    walk.predict()
+    walk.run(0)
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(6000)")
+    walk.article.locator("[data-act=measure]").click()
+    said = walk.article.locator("#lesson-running").inner_text()
+    assert said.startswith("Ten swings over ")
+    own = walk.page.evaluate("rub.exact().naturalFrequency")
+    damping = walk.page.evaluate("rub.exact().dampingRatio")
+    # Ten swings of a narrow band of half-width damping x frequency hold some 20 pi damping independent phases.
+    measured = float(re.search(r": ([0-9.]+) a second", said)[1])
+    assert abs(measured / own - 1) < 4 * (damping / (20 * math.pi)) ** 0.5
+    box = walk.page.locator("#slider").bounding_box()
+    walk.page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 40)
+    walk.page.mouse.down()
+    walk.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 40, steps=3)
+    walk.page.mouse.up()
+    assert " swings over " in walk.page.inner_text("#status")

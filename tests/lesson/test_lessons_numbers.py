@@ -13,6 +13,7 @@ from rubnoise.lesson.page import half_lag
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from tests.lesson.node import FIGURE_5, scenario_of
+from tests.lesson.walk import UNFOLD
 from tests.verification.scores import seed_of
 
 LOOKS = 40
@@ -74,6 +75,12 @@ def swings(exact):
     ]
 
 
+def rises(exact):
+    load = exact.load
+    relative = swing(exact) if load is None else sqrt(load.covariance("friction_force", "friction_force")) / 50_000.0
+    return [relative, exact.slider.displacement_std, 0.0 if load is None else load.separation_std]
+
+
 LESSONS = [
     lambda exact: [exact.area.mean, exact.area.mean / exact.model.calibrated_diameter**2],
     births,
@@ -84,6 +91,7 @@ LESSONS = [
     swings,
     lambda exact: [swing(exact), exact.slider.displacement_std],
     sizes,
+    rises,
 ]
 
 
@@ -131,6 +139,7 @@ def table(exact):
 def test_the_numbers_on_the_page_are_those_of_theory(walk, lesson, offset):
     """Twenty numbers, as they can be read, of three lessons and of passes off the centre line."""
     walk.page.evaluate(f"rub.set(rub.lessons.list[{lesson - 1}].experiment.runs[0].set)")
+    walk.page.evaluate(UNFOLD)
     walk.page.locator("#knob-offset").select_option(offset)
     walk.page.locator("#reveal").click()
     world = walk.page.evaluate("rub.world")

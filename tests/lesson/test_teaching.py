@@ -103,7 +103,15 @@ def sizes():
     return [*diameters, of_equal, *lags, *[lag / of_equal / d for lag, d in zip(lags, diameters, strict=True)]]
 
 
-EXPECTED = [one_life, births, count, alive, area_sum, memory, slider, bet, sizes]
+def rise():
+    held = exact("load/fig5_load")
+    load, gap = held.load, 100 * sqrt(2 / held.model.mean_junction_count)
+    force = 100 * sqrt(load.covariance("friction_force", "friction_force")) / (250 * 200)
+    rest = [load.contact_resonance, load.separation_std, 0.5 * sqrt(2 / 50)]
+    return [gap, force, held.slider.displacement_std, *rest]
+
+
+EXPECTED = [one_life, births, count, alive, area_sum, memory, slider, bet, sizes, rise]
 
 
 def is_shown_as(value, text):

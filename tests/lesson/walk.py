@@ -12,6 +12,9 @@ CALM = {"reduced_motion": "reduce"}
 UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 100);"
 """Draw ten frames per second. Where a test only reads text, sixty take more time than everything else."""
 
+UNFOLD = "document.getElementById('more-controls').open = true"
+"""Show the controls that the open lesson does not need."""
+
 LONGEST_WAIT = 30.0  # s
 
 
@@ -112,6 +115,7 @@ class Walk:
 
     def turn(self, text):
         """Turn a knob: 'speed 100 mm/s'."""
+        self.page.evaluate(UNFOLD)
         knob, value = re.fullmatch(r"(\w+) (\S+) \S+", text).groups()
         number = self.page.locator(f"#exact-{knob}")
         number.fill(value)

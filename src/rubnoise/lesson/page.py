@@ -31,6 +31,7 @@ _FIRST: Final = (
     "theory_density.js",
     "world.js",
     "slider.js",
+    "load.js",
     "field.js",
     "piece.js",
     "motion.js",
@@ -61,13 +62,18 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
         "record": record,
         "readings": readings(),
     }
-    styles, scripts = ([part(_HERE, name) for name in names] for names in (_names(".css"), script_parts()))
+    styles, scripts = ([_unindented(part(_HERE, name)) for name in names] for names in (_names(".css"), script_parts()))
     subtitle = escape(_subtitle(settings))
     body = filled(
         part(_HERE, "page.html"),
         {"title": escape(title), "subtitle": subtitle, "replaying": escape(record["note"] if record else "")},
     )
-    return web_page(body, title=title, styles=styles, scripts=scripts, data=data)
+    return web_page(body, title=f"Lessons on rubbing noise: {title}", styles=styles, scripts=scripts, data=data)
+
+
+def _unindented(text: str) -> str:
+    """Return a text without the spaces at the beginning of its lines, a tenth of the page."""
+    return "\n".join(line.lstrip() for line in text.splitlines())
 
 
 def _subtitle(settings: LessonSettings) -> str:

@@ -103,7 +103,7 @@
     const last = side ? Math.floor(side.reached / beside.spacing) : 0;
     const first = Math.max(0, last - COLUMNS);
     const y = leftAxis(ctx, box, 0, beside.top, [`${label}: area, µm²`, label]);
-    const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, 'µm');
+    const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, 'sliding distance, µm');
     if (!side) return hint(label, box);
     drawBirths(side, x, trace);
     ctx.strokeStyle = ink.ink;

@@ -83,7 +83,7 @@
       'area of this junction, µm²',
     );
     const life = 2 * halfOf(row);
-    const x = lowerAxis(ctx, box, 0, life, 'since birth, µm');
+    const x = lowerAxis(ctx, box, 0, life, 'distance since birth, µm');
     ctx.strokeStyle = ink.accent;
     ctx.lineWidth = 2;
     const along = (i) => (i / 80) * life;

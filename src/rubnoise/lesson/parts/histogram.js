@@ -84,7 +84,7 @@
     ctx.fillStyle = ink.exact;
     ctx.textAlign = 'right';
     ctx.textBaseline = 'top';
-    ctx.fillText(`none: ${rub.plot.said(100 * atom, 3)} %`, box.right, box.bottom + 3);
+    ctx.fillText(`none: ${rub.plot.said(100 * atom, 2)} %`, box.right, box.bottom + 3);
   }
 
   /* Computed once for each setting, and not before a knob has come to rest: it takes longer than a frame. */

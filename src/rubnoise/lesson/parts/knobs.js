@@ -16,8 +16,9 @@
   ];
   const CHOICES = [
     ['births', 'births', { poisson: 'at random (Poisson)', regular: 'regular' }],
-    ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)', parabola: 'parabola (rough surfaces)' }],
+    ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)', parabola: 'parabola (hills)' }],
     ['offset', 'passes', { none: 'on the centre line', uniform: 'off the centre line' }],
+    ['support', 'separation', { gap: 'constant gap', load: 'constant load' }],
     ['coupling', 'coupling', { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' }],
   ];
   const OF_CONTACT = 3; // choices that stand among the knobs of the contact
@@ -73,6 +74,18 @@
     }
     for (const [key] of CHOICES) document.getElementById(`knob-${key}`).value = rub.world[key];
     document.getElementById('knob-seed').value = rub.world.seed;
+  };
+
+  /** Show the controls that a lesson needs, by key, and fold the others away, each in its order. */
+  let unfolded = null;
+  knobs.fold = (needed) => {
+    if (needed === unfolded) return;
+    unfolded = needed;
+    for (const [key] of [...KNOBS, ...CHOICES]) {
+      const place = document.getElementById(needed.includes(key) ? 'knobs' : 'other-knobs');
+      place.append(document.getElementById(`knob-${key}`).closest('.knob'));
+    }
+    document.getElementById('more-controls').open = false;
   };
 
   /** Make the knobs. */

@@ -44,6 +44,8 @@
     offset: 'none',
     calibration: 'matched',
     coupling: 'one-way',
+    sizes: 'normal',
+    support: 'gap',
     ...values,
   });
 

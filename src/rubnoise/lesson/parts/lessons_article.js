@@ -88,7 +88,7 @@
   function experiment(lesson, index) {
     const { step } = state.lessons[index];
     const locked = step < STEPS.predicted ? LOCKED.experiment : '';
-    const { text, runs, watch, reading } = lesson.experiment;
+    const { text, runs, watch, reading, measure } = lesson.experiment;
     const begun = step >= STEPS.run;
     const buttons = runs.flatMap((run, i) => [
       make('button', { type: 'button', 'data-run': i, text: `▶ ${run.label}` }),
@@ -103,6 +103,7 @@
         'div',
         { class: 'lesson-buttons' },
         ...buttons,
+        begun && measure && make('button', { ...AHEAD, 'data-act': 'measure', text: 'measure ten swings' }),
         begun && !reading && make('button', { ...AHEAD, text: `Slide ${lessons.ahead(lesson)} lives ahead` }),
       ),
       make('p', { class: 'lesson-verdict', id: 'lesson-running', role: 'status' }),

@@ -22,6 +22,8 @@
   function draw() {
     unveil();
     root.replaceChildren(page.make('h2', { id: 'lessons-title', text: 'Lessons' }), page.contents(), page.article());
+    rub.born.begin(find('#born'));
+    rub.knobs.fold(list[state.open].controls);
     announce();
   }
 
@@ -45,6 +47,7 @@
       );
     });
     tellSeen(exact);
+    rub.drag.write(root);
   }
 
   const checksOf = (lesson) => [...lesson.checks, ...(lesson.further?.checks ?? [])];
@@ -172,6 +175,11 @@
     else show(lessons.reading.next(list[state.open], current()));
   }
 
+  /** Lay the cursor over the last ten swings and say what it measures. */
+  function measure() {
+    fill('#lesson-running', () => rub.swings.ten());
+  }
+
   /** Play the sound of a run; the run on the stage stays as it is. */
   function listen(index) {
     const told = lessons.sounds.play(list[state.open].experiment, index);
@@ -220,6 +228,7 @@
     else if (sound !== undefined) listen(Number(sound));
     else if (act === 'skip') skip();
     else if (act === 'ahead') ahead();
+    else if (act === 'measure') measure();
     else if (act === 'restart') restart();
     else if (further) goFurther(further);
   }

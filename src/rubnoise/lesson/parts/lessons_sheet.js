@@ -28,7 +28,6 @@
   function before(lesson, index) {
     const { prediction, further } = lesson;
     const parts = [titleOf(lesson, index), make('p', { html: lesson.question })];
-    if (lesson.opening) parts.push(make('figure', { class: 'lesson-opening', html: lesson.opening }));
     parts.push(boxes(prediction.options, (each) => each.text));
     if (prediction.stake) parts.push(blank('Chips on it (1 to 10)'));
     parts.push(blank('Because'), table(lesson.experiment), blank('What I saw'), blank('The law'));

@@ -4,6 +4,7 @@
   const { lessons } = globalThis.rub;
   const { contact } = lessons;
   const { say, share, um, um2 } = lessons.words;
+  const drag = globalThis.rub.drag.number;
 
   /* Births at random are Poisson. A stretch of n + p regular spacings has n births, or with chance p one more. */
   function birthsVariance(f, world) {
@@ -14,20 +15,20 @@
 
   lessons.add({
     id: 'one-life',
+    controls: ['meanArea'],
     title: 'One life',
-    question: `Two equal discs of diameter <var>d</var> slide over each other along the line through their centres. At
-      full overlap they share a whole disc, (π/4) <var>d</var>² = ${say(Math.PI / 4)} <var>d</var>². How large is the
-      area they share on average, from first touch to last?`,
-    opening: `<svg viewBox="0 0 320 84" role="img" aria-label="Two rough surfaces from the side, touching at three
-        hilltops; below, the three places from above, each the overlap of two circles">
+    question: `Two equal discs of diameter <var>d</var> slide over each other, centre over centre. At full overlap they
+      share (π/4) <var>d</var>² = ${say(Math.PI / 4)} <var>d</var>². How large is the area they share on average, from
+      first touch to last?`,
+    opening: `<svg viewBox="0 0 320 60" role="img" aria-label="Two rough surfaces from the side, touching at three
+        hilltops">
       <path class="upper" transform="translate(0 5)" d="M0 0H320V14Q310 24 298 15T272 16Q258 38 244 15T214 14Q202 26 190 16T166 15Q148 38 130 15T102
         13Q90 24 78 15T58 15Q44 38 30 15T0 14Z"/>
       <path class="lower" d="M0 56V42Q14 30 26 40Q36 18 52 40Q66 44 80 40T108 41Q122 40 132 40Q142 18 158 40Q174 44 190
         41T222 40Q232 38 242 40Q252 18 266 40Q284 46 300 40T320 41V56Z"/>
-      <g class="places"><circle cx="47" cy="71" r="10"/><circle cx="38" cy="71" r="10"/><circle cx="150" cy="71"
-        r="10"/><circle cx="145" cy="71" r="10"/><circle cx="261" cy="71" r="10"/><circle cx="251" cy="71" r="10"/></g>
-      </svg><figcaption><strong>What are these circles?</strong> Rough surfaces touch only where two hills meet. From the side: two surfaces, three junctions.
-        Below, from above, as on the stage: a circle for each hill, and their overlap is the area in contact.</figcaption>`,
+      </svg><canvas id="born" tabindex="0" role="button" aria-label="Let a junction be born"></canvas>
+      <figcaption>Click the strip: two hills meet, and a junction is born. From above, hills are circles; where they
+        overlap they touch.</figcaption>`,
     prediction: {
       options: [
         { id: 'peak', value: 0.75, text: `nearly the whole disc, about 0.75 <var>d</var>²` },
@@ -110,6 +111,7 @@
 
   lessons.add({
     id: 'births',
+    controls: ['births', 'meanCount'],
     title: 'Births at random',
     question: `Asperities meet at random places. Say that in every small step of sliding a junction is
       born with the same small chance, whatever happened before. Look at the gaps between one birth and the next: which
@@ -133,7 +135,8 @@
     experiment: {
       pace: 1, // lives a second
       lives: 40,
-      text: `The same number of births a millimetre, first at random, then at regular distances.`,
+      text: `The same number of births a millimetre, first at random, then at regular distances. Now
+        ${drag('meanCount')} junctions of ${drag('diameter')} are alive: drag a number to change it.`,
       runs: [
         { label: 'Births at random', set: contact({ births: 'poisson' }), show: 'beside gaps' },
         { label: 'Regular births', set: contact({ births: 'regular' }), show: 'beside gaps' },
@@ -207,6 +210,7 @@
 
   lessons.add({
     id: 'count',
+    controls: ['meanCount', 'spread', 'births'],
     title: 'The live count',
     question: `Births at random, each junction alive over twice its diameter, and about 20 alive at any place. By how
       much does the number of live junctions typically differ from 20?`,

@@ -4,12 +4,14 @@
   const { lessons } = globalThis.rub;
   const { contact } = lessons;
   const { say, share, um, um2 } = lessons.words;
+  const drag = globalThis.rub.drag.number;
 
   /* Var[d] = E[d] (E[d^2]/E[d] - E[d]). */
   const bornStd = (f) => Math.sqrt(f.diameterMean * (f.lengthBiasedMean - f.diameterMean));
 
   lessons.add({
     id: 'alive',
+    controls: ['meanCount', 'spread'],
     title: 'Who is alive?',
     question: `Every junction that is born is measured: the diameters average some value. Now the sliding is stopped at
       a place chosen blindly, and only the junctions in contact there are measured. How does their average compare?`,
@@ -123,6 +125,7 @@
 
   lessons.add({
     id: 'sum',
+    controls: ['meanArea', 'meanCount', 'spread', 'pulse'],
     title: 'The sum',
     question: `The real contact area is the sum of the areas of all live junctions. With 20 equal ones alive on average,
       by how much does the sum typically stray from its mean, as a share of the mean?`,
@@ -140,7 +143,8 @@
       sound: 'force',
       pace: 2, // lives a second
       lives: 40,
-      text: `The same mean area, made of 2, of 20 and of 100 junctions.`,
+      text: `The same mean area, made of 2, of 20 and of 100 junctions. Now it is ${drag('meanCount')} of
+        ${drag('diameter')}: drag a number to change it.`,
       runs: [
         { label: '2 junctions', set: contact({ meanCount: 2 }), show: 'beside histogram' },
         { label: '20 junctions', set: contact({ meanCount: 20 }), show: 'beside histogram' },

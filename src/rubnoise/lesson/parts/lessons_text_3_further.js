@@ -12,10 +12,9 @@
   /** Return the second half of the lesson on the slider, for the settings of its experiment. */
   lessons.pushesBack = (settings) => ({
     title: 'It pushes back',
-    question: `So far the surfaces slid at <var>V</var>, whatever the slider did. Its own motion is part of the sliding,
-      though: they slide at <var>V</var> − <var>x</var>′. A slider that moves with the surface meets the same junctions
-      later, one that moves against it meets them sooner. At 1 mm/s, what does its vibration become when it can push
-      back?`,
+    question: `So far the surfaces slid at <var>V</var>, whatever the slider did. But they slide at <var>V</var> −
+      <var>x</var>′: a slider that moves with the surface meets the same junctions later. At 1 mm/s, what does its
+      vibration become when it can push back?`,
     prediction: {
       options: [
         { id: 'same', text: `much the same: the junctions are the same, only their times shift a little` },

@@ -4,6 +4,7 @@
   const { lessons } = globalThis.rub;
   const { contact } = lessons;
   const { say, um } = lessons.words;
+  const drag = globalThis.rub.drag.number;
   /* The contact and slider of the paper's Fig. 5, in um, um/s, MPa, kg, N/m and N s/m. */
   const FIG5 = {
     ...contact({ spread: 0.2, calibration: 'paper' }),
@@ -28,6 +29,7 @@
 
   lessons.add({
     id: 'memory',
+    controls: ['meanCount', 'spread', 'pulse'],
     title: 'Memory',
     question: `The real contact area has just been measured, and it is above its mean. How far must the surface slide
       until the area has nothing to do with that measurement any more?`,
@@ -116,6 +118,7 @@
 
   lessons.add({
     id: 'slider',
+    controls: ['speed', 'mass', 'stiffness', 'damping', 'coupling'],
     title: 'The slider',
     question: `The friction force, strength times area, pushes a mass on a spring with a little damping. The force
       wanders without any rhythm of its own. What does the mass do?`,
@@ -138,14 +141,16 @@
     experiment: {
       sound: 'velocity',
       pace: 7, // lives a second: thirty swings in ten seconds
-      text: `The slider of the paper's Fig. 5, first as printed, then with ten times the damping.`,
+      measure: true,
+      text: `The slider of the paper's Fig. 5, first as printed, then with ten times the damping. It slides at
+        ${drag('speed')} over ${drag('meanCount')} junctions: drag a number to change it.`,
       runs: [
         { label: 'Fig. 5 as printed', set: FIG5, show: 'force slider' },
         { label: 'Ten times the damping', set: { ...FIG5, damping: 10 * FIG5.damping }, show: 'force slider' },
       ],
       watch: [
-        `The displacement rings although the force does not. Measure ten swings on the axis of distance: with the sliding
-          speed they become a time, nearly the same every time.`,
+        `The displacement rings although the force does not. Press “measure ten swings”, or drag over the trace: the time
+          is nearly the same every time.`,
         `With more damping it rings less. Press ♪ A and ♪ B to hear both on one scale.`,
         `Compare the spread of the slider's velocity with the sliding speed.`,
       ],

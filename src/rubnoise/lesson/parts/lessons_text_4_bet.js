@@ -42,6 +42,7 @@
 
   lessons.add({
     id: 'bet',
+    controls: ['meanArea', 'meanCount', 'speed'],
     title: 'Many small or few large',
     question: `Two contacts have the same mean real contact area: one of ${FEW} large junctions, one of ${MANY} small
       ones. Which of them is noisier, and how many times? Place a bet before you see it.`,

@@ -38,10 +38,11 @@
 
   lessons.add({
     id: 'size',
+    controls: [],
     title: 'Read the size off a trace',
-    question: `Three friction forces were measured. The junctions are out of sight. On all three the autocorrelation falls
-      to one half at nearly the same lag, from which Rabinowicz (1956) read the size of junctions. On one of the surfaces
-      the junctions are nearly equal, on the others they are very unequal. What does this lag show there?`,
+    question: `Three friction forces were measured. The autocorrelation of each falls to one half at nearly the same lag,
+      from which Rabinowicz (1956) read the size of junctions. On one surface the junctions are nearly equal, on the others
+      very unequal. What does this lag show there?`,
     prediction: {
       options: [
         { id: 'mean', text: `their mean diameter: large and small ones balance` },

@@ -120,6 +120,8 @@
     rub.stage.begin(find('stage'));
     rub.traces.begin(['area', 'count', 'force', 'slider', 'velocity']);
     rub.mass.begin(find('mass'));
+    rub.swings.begin(find('slider'));
+    rub.drag.begin(find('lessons'));
     rub.histogram.begin(find('histogram'));
     rub.lives.begin(find('lives'), find('count-histogram'));
     rub.section.begin(find('section'));

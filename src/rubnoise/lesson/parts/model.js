@@ -172,6 +172,36 @@
     }
   }
 
+  /** Diameters of the law d/s^2 exp(-d^2/(2 s^2)), of two rough surfaces whose heights end as exponentials do. */
+  class RayleighSizes extends Sizes {
+    constructor(mean) {
+      super(mean, mean * Math.sqrt(4 / Math.PI - 1));
+      this.square = (2 / Math.PI) * mean * mean;
+      this.low = 0;
+      this.high = 9 * Math.sqrt(this.square);
+    }
+
+    moment(power) {
+      let value = power % 2 ? this.mean : 1;
+      for (let n = power % 2 ? 3 : 2; n <= power; n += 2) value *= n * this.square;
+      return value;
+    }
+
+    density(diameter) {
+      return (diameter / this.square) * Math.exp((-0.5 * diameter * diameter) / this.square);
+    }
+
+    draw(random) {
+      return Math.sqrt(2 * this.square * random.exponential());
+    }
+
+    /** P(diameter <= d) among those found alive: erf(t) - (2/sqrt(pi)) t exp(-t^2), t^2 = d^2/(2 s^2). */
+    aliveShare(diameter) {
+      const z = diameter / Math.sqrt(this.square);
+      return 2 * normalMass(z) - 1 - 2 * z * normalDensity(z);
+    }
+  }
+
   /** Return the least E[d^3] / d_m for unit std and where it lies: below it no diameter matches. */
   function turning() {
     const value = (mean) => new Sizes(mean, 1).moment(3) / mean;
@@ -191,6 +221,8 @@
   function calibratedDiameter(world) {
     const wanted = world.meanArea / world.meanCount;
     const { lifeMean } = pulseOf(world);
+    /* E[d^3] = (6/pi) d_m^3 of Rayleigh's law. */
+    if (world.sizes === 'rayleigh') return Math.sqrt((wanted * Math.PI) / (6 * lifeMean));
     if (world.calibration === 'paper' && pulseOf(world) === pulses.lens) return Math.sqrt(wanted / 0.327);
     if (world.calibration !== 'matched' || world.spread === 0) return Math.sqrt(wanted / lifeMean);
     return matchedDiameter(wanted / lifeMean, world.spread);
@@ -217,7 +249,8 @@
     const pulse = pulseOf(world);
     const meanLife = pulse.meanLife * diameter;
     const spacing = meanLife / world.meanCount;
-    return { diameter, sizes: new Sizes(diameter, world.spread), spacing, birthRate: 1 / spacing, meanLife, pulse };
+    const sizes = world.sizes === 'rayleigh' ? new RayleighSizes(diameter) : new Sizes(diameter, world.spread);
+    return { diameter, sizes, spacing, birthRate: 1 / spacing, meanLife, pulse };
   }
 
   rub.model = { pulses, Sizes, calibratedDiameter, contact, pulseOf };

@@ -71,8 +71,14 @@
     return Math.min(FOLLOWED / sizes.high, Math.max(7 / sizes.std, 32 / Math.max(sizes.low, 0.2 * sizes.mean)));
   }
 
-  /** Return the edges of panels of k that follow spectrum and resonance, in order. */
-  function responseEdges(contact, slider) {
+  /** Return the edges of panels of k that follow spectrum and resonances, in order. */
+  function responseEdges(contact, slider, world) {
+    if (world.support === 'load') {
+      const { resonance, damping, mass } = rub.load.of(world);
+      const load = { resonance: resonance / world.speed, halfWidth: damping / (2 * mass * world.speed) };
+      const edges = [slider, load].flatMap((each) => responseEdges(contact, each, { support: 'gap' }));
+      return ordered(edges);
+    }
     const reach = contact.sizes.high;
     const [step, followed] = [PHASE / reach, followedUpTo(contact)];
     const { resonance, halfWidth } = slider;
@@ -106,17 +112,22 @@
   }
 
   /**
-   * Return the stationary standard deviations of displacement (um) and velocity (um/s) of the one-way slider:
-   * Var x = (psi^2 / pi) int_0^inf S(k) |H(k V)|^2 dk, and with (k V)^2 for x'.
+   * Return the stationary standard deviations of displacement (um) and velocity (um/s) of the one-way slider, of the
+   * force (uN) and, where it rises under its load, of the separation (um): Var x = (psi^2 / pi) int_0^inf S(k) g(k)
+   * |H(k V)|^2 dk, with (k V)^2 for x', and without H for the force; g is what the load leaves of the force.
    */
   function sliderSpread(world, contact, density, lines) {
     const slider = sliderOf(world);
-    const sums = [0, 0];
-    const add = (k, power) => {
+    const { load, rise } = rub.load.gains(world);
+    const sums = [0, 0, 0, 0];
+    const add = (k, all) => {
+      const power = all * load(k);
       sums[0] += power * slider.gain(k);
       sums[1] += power * slider.gain(k) * (k * world.speed) ** 2;
+      sums[2] += power;
+      sums[3] += all * rise(k);
     };
-    const edges = responseEdges(contact, slider);
+    const edges = responseEdges(contact, slider, world);
     const wide = (1.01 * PHASE) / contact.sizes.high;
     const followed = contact.sizes.std === 0 ? Infinity : 1.01 * followedUpTo(contact);
     for (let i = 0; i + 1 < edges.length; i += 1) {
@@ -125,7 +136,8 @@
       nodes.forEach((k, j) => add(k, (weights[j] / Math.PI) * density(k, follows)));
     }
     lines.forEach(({ wavenumber, power }) => add(wavenumber, 2 * power));
-    return { displacementStd: world.strength * Math.sqrt(sums[0]), velocityStd: world.strength * Math.sqrt(sums[1]) };
+    const [displacementStd, velocityStd, forceStd] = sums.map((sum) => world.strength * Math.sqrt(sum));
+    return { displacementStd, velocityStd, forceStd, separationStd: Math.sqrt(sums[3]) / world.meanArea };
   }
 
   /** Return density, covariance, cumulants and lines of the births that a world has. */
@@ -163,7 +175,12 @@
       areaStd,
       skewness: areaStd > 0 ? law.third / areaStd ** 3 : NaN,
       forceMean: world.strength * areaMean,
-      forceStd: world.strength * areaStd,
+      get forceStd() {
+        return world.support === 'load' ? slider().forceStd : world.strength * areaStd;
+      },
+      get separationStd() {
+        return slider().separationStd;
+      },
       displacementMean: (world.strength * areaMean) / world.stiffness,
       naturalFrequency: Math.sqrt(world.stiffness / world.mass) / (2 * Math.PI),
       dampingRatio: world.damping / (2 * Math.sqrt(world.stiffness * world.mass)),

@@ -34,6 +34,7 @@
 
   /** Return P(diameter <= d) among the junctions found alive, of density d f(d) / E[d]. */
   function aliveShare(sizes, diameter) {
+    if (sizes.aliveShare) return sizes.aliveShare(diameter);
     const [from, to] = [-sizes.mean / sizes.std, (diameter - sizes.mean) / sizes.std];
     const part = sizes.mean * (normalShare(to) - normalShare(from));
     return (part - sizes.std * (normalDensity(to) - normalDensity(from))) / (sizes.mass * sizes.moment(1));

@@ -2,8 +2,9 @@
 /* The contact at every tick, computed as far as somebody has looked: area, count, force, slider, and sums of them. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const COLUMNS = ['area', 'count', 'force', 'impulse', 'displacement', 'velocity'];
-  const SUMS = ['area', 'areaSquare', 'count', 'countSquare', 'displacement', 'displacementSquare', 'velocitySquare'];
+  const COLUMNS = ['area', 'count', 'shear', 'force', 'impulse', 'displacement', 'velocity', 'separation', 'rise'];
+  const SQUARED = ['area', 'count', 'force', 'displacement', 'separation'];
+  const SUMS = [...SQUARED, ...SQUARED.map((name) => `${name}Square`), 'velocitySquare'];
   const TOGETHER = 256;
 
   /** Ticks i * tick for i = 0 ... last; ready of them are filled in, and sums[...][i] runs over ticks 0 ... i. */
@@ -55,7 +56,10 @@
       }
     }
 
-    /** Add one life: area, count and force at ticks, and in impulse the integral of the force up to each, in uN um. */
+    /**
+     * Add one life: area, count and shear (the force at constant gap) at ticks, and in impulse the integral of shear up
+     * to each, in uN um.
+     */
     add(row, first, end) {
       const { pulse, tick } = this;
       const life = row.death - row.birth;
@@ -73,19 +77,44 @@
         const area = pulse.area(age, row.diameter, row.offset);
         this.area[i] += area;
         this.count[i] += 1;
-        this.force[i] += area * row.strength;
+        this.shear[i] += area * row.strength;
       }
     }
 
-    /** Move the slider on from a tick. */
+    /** Move the slider on from a tick; under a load that weighs it rises, too, and the force is what it bears. */
     slide(from) {
-      const constants = rub.slider.propagator(this.world, this.tick / this.world.speed);
+      const { world, tick } = this;
+      const time = tick / world.speed;
+      const constants = rub.slider.propagator(world, time);
       const state = from ? [this.displacement[from - 1], this.velocity[from - 1]] : [this.start, 0];
+      const borne = this.bearing(from, time);
       for (let i = from; i < this.ready; i += 1) {
-        if (i) rub.slider.step(constants, state, this.force[i - 1], this.force[i], this.impulse[i] / this.tick);
+        const mean = borne(i);
+        if (i) rub.slider.step(constants, state, this.force[i - 1], this.force[i], mean);
         this.displacement[i] = state[0];
         this.velocity[i] = state[1];
       }
+    }
+
+    /** Return a function that fills in the force at a tick and returns its mean over the way there, in uN. */
+    bearing(from, time) {
+      const { world, tick, shear, impulse } = this;
+      if (world.support !== 'load') {
+        return (i) => {
+          this.force[i] = shear[i];
+          return impulse[i] / tick;
+        };
+      }
+      const mean = world.strength * world.meanArea;
+      const begin = [rub.load.SCALE * (shear[0] / mean - 1), 0]; // as it is borne at the start
+      const state = from ? [this.separation[from - 1], this.rise[from - 1]] : begin;
+      const follow = rub.load.follower(world, mean, time, state);
+      return (i) => {
+        const [here, over] = i ? follow(shear[i - 1], shear[i], impulse[i] / tick) : [1, 1];
+        [this.separation[i], this.rise[i]] = state;
+        this.force[i] = mean * here;
+        return mean * over;
+      };
     }
 
     /* A junction that is not born yet gets the new strength too. */
@@ -94,19 +123,17 @@
       this.source.strengthen(factor);
       for (const row of this.rows) row.strength *= factor;
       for (let i = 0; i < this.ready; i += 1) {
-        this.force[i] *= factor;
+        this.shear[i] *= factor;
         this.impulse[i] *= factor;
       }
     }
 
     sumUp(from) {
       for (let i = from; i < this.ready; i += 1) {
-        this.total('area', i, this.area[i]);
-        this.total('areaSquare', i, this.area[i] ** 2);
-        this.total('count', i, this.count[i]);
-        this.total('countSquare', i, this.count[i] ** 2);
-        this.total('displacement', i, this.displacement[i]);
-        this.total('displacementSquare', i, this.displacement[i] ** 2);
+        for (const name of SQUARED) {
+          this.total(name, i, this[name][i]);
+          this.total(`${name}Square`, i, this[name][i] ** 2);
+        }
         this.total('velocitySquare', i, this.velocity[i] ** 2);
       }
     }

@@ -221,7 +221,7 @@
     }
     const { ctx, box, x, y } = frame('force', 0, top, 'friction force, mN');
     const milli = (value) => y(value * 1e-3);
-    drawExact(ctx, box, milli, forceMean, forceStd, seen.areaMean * rub.world.strength);
+    drawExact(ctx, box, milli, forceMean, forceStd, seen.forceMean);
     drawColumn(ctx, x, milli, rub.run.trace.force);
   }
 
@@ -239,6 +239,7 @@
       } else {
         drawExact(ctx, box, y, displacementMean, displacementStd, seen.displacementMean);
         drawColumn(ctx, x, y, rub.run.trace.displacement, longStretch());
+        rub.swings.draw(ctx, box, x, longStretch());
       }
     });
   }

@@ -4,10 +4,12 @@
   const rub = (globalThis.rub ??= {});
 
   /** Settings that decide about junctions; the others concern the slider alone. */
-  const CONTACT = ['meanArea', 'meanCount', 'spread', 'births', 'pulse', 'offset', 'calibration', 'seed'];
+  const CONTACT = ['meanArea', 'meanCount', 'spread', 'births', 'pulse', 'offset', 'calibration', 'seed', 'sizes'];
   const CHOICES = {
     births: ['poisson', 'regular'],
     pulse: ['lens', 'triangle', 'parabola'],
+    sizes: ['normal', 'rayleigh'],
+    support: ['gap', 'load'],
     offset: ['none', 'uniform'],
     calibration: ['paper', 'exact', 'matched'],
     coupling: ['one-way', 'two-way'],
@@ -50,17 +52,22 @@
     return good ? '' : `${key}: a number from ${low} to ${high}`;
   }
 
+  const RISES = 'a slider that rises needs parabolas, Rayleigh’s sizes, births at random and a constant speed';
   const CENTRED = 'passes off the centre line need the lens, births at random and a constant speed of the drive';
 
   /** Return why a world cannot be, or an empty text. */
   function problemOf(world) {
     const isKnown = world.pulse === 'lens' && world.births === 'poisson' && world.coupling === 'one-way';
     if (world.offset === 'uniform' && !isKnown) return CENTRED;
+    const rough = { pulse: 'parabola', sizes: 'rayleigh', births: 'poisson', coupling: 'one-way' };
+    const isRough = Object.entries(rough).every(([key, value]) => world[key] === value);
+    if (world.support === 'load' && !isRough) return RISES;
     if (world.pulse === 'lens' || world.calibration !== 'paper') {
       if (!(rub.model.calibratedDiameter(world) > 0)) return 'no mean diameter matches this mean area with this spread';
     }
     const { sizes } = rub.model.contact(world);
-    if (world.spread > 2 * sizes.mean) return 'this spread is more than twice the mean diameter';
+    const isSpread = world.sizes !== 'rayleigh' && world.spread > 2 * sizes.mean;
+    if (isSpread) return 'this spread is more than twice the mean diameter';
     return '';
   }
 
@@ -102,7 +109,8 @@
   /** Begin with what the page was made with: {world, title, distance, record, ...}. */
   function begin(lesson) {
     rub.lesson = lesson;
-    rub.given = Object.freeze({ coupling: 'one-way', offset: 'none', ...lesson.world });
+    const usual = { coupling: 'one-way', offset: 'none', sizes: 'normal', support: 'gap' };
+    rub.given = Object.freeze({ ...usual, ...lesson.world });
     rub.world = { ...rub.given };
     rub.replaying = Boolean(lesson.record);
     exactNow = null;
