@@ -174,7 +174,7 @@ SLIDER: Final = Group(
     long_name="motion of the slider, uniform in time",
     length="slider",
     needs=("slider",),
-    grows=("two-way",),
+    grows=("slider",),
     plotted="displacement",
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time"),
