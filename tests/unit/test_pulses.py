@@ -16,7 +16,7 @@ from rubnoise.model import Slider
 from rubnoise.simulation.kernels.grid import Grid
 from rubnoise.simulation.kernels.taylor import BLOCK
 from rubnoise.simulation.slider import propagator
-from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import life_overlaps
 from rubnoise.theory.live_area import unit_density

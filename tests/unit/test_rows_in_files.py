@@ -23,9 +23,8 @@ from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.kernels import Grid, Scratch, choice, deposit
 from rubnoise.simulation.kernels.fine import FINEST
 from rubnoise.simulation.state import LiveRows
-from rubnoise.storage.life_curve import life_curve, pulse_of, stored_pulse
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, pulse_of, stored_pulse
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
 
 # Junctions of a result have the pulse of the run, from the scenario in the file alone.
 SCENARIO = """format = 1

@@ -81,7 +81,8 @@ class Record(MemoryRecord, Contents):
 
     def _columns(self, group: schema.Group) -> Columns:
         arrays = self.groups[group.name]
-        kept = [about for about in group.columns if about.name in arrays]
+        features = schema.motion_of(self.groups["junctions"])
+        kept = [about.as_in(features) for about in group.columns if about.name in arrays]
         return Columns(group, {about.name: _column(about, arrays[about.name]) for about in kept})
 
     def _attributes(self) -> Mapping[str, float | int | str]:

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,25 @@ from numpy.typing import NDArray
 from rubnoise.contact.off_centre import OFF_CENTRE
 from rubnoise.contact.pulses import LENS, PULSES, Pulse, Shape
 from rubnoise.errors import RunFileRefused
+
+_WHERE: Final = (
+    " with d = diameter, x = |d - (s - birth_distance)|, for birth_distance <= s < death_distance, and 0 elsewhere"
+)
+_WHERE_OFF_CENTRE: Final = (
+    " with d = diameter, b = lateral_offset, x = s - birth_distance - sqrt(d^2 - b^2), r = sqrt(x^2 + b^2), for"
+    " birth_distance <= s < death_distance, and 0 elsewhere"
+)
+JUNCTION_AREA_FORMULAS: Final = {
+    **{name: f"A(s) = {pulse.formula}{_WHERE}" for name, pulse in PULSES.items()},
+    **{pulse.name: f"A(s) = {pulse.formula}{_WHERE_OFF_CENTRE}" for pulse in OFF_CENTRE.values()},
+}
+"""The area of a junction in words, by the name of its pulse."""
+
+TOUCH_AREA_FORMULA: Final = (
+    "A = max_area * overlap/max_overlap; the overlap follows the separation: h - (s - x)^2 height_scale/c^2 - z of a"
+    " summit of height h at x, c^2 = 4 mean_real_contact_area/(pi mean_junction_count)"
+)
+"""The area of a junction under a slider that may leave its contact."""
 
 
 def pulse_of(scenario: Mapping[str, object]) -> Pulse:

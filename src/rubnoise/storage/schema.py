@@ -1,12 +1,10 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Container
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Final, Literal
 
-from rubnoise.contact.off_centre import OFF_CENTRE
-from rubnoise.contact.pulses import PULSES
 from rubnoise.record.rows import ContactKind, LandmarkKind, Phase
 
 Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "free"]
@@ -22,25 +20,6 @@ CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536
 HASH: Final = "xxh3_128"
 HASH_DIGITS: Final = 32
-
-_WHERE: Final = (
-    " with d = diameter, x = |d - (s - birth_distance)|, for birth_distance <= s < death_distance, and 0 elsewhere"
-)
-_WHERE_OFF_CENTRE: Final = (
-    " with d = diameter, b = lateral_offset, x = s - birth_distance - sqrt(d^2 - b^2), r = sqrt(x^2 + b^2), for"
-    " birth_distance <= s < death_distance, and 0 elsewhere"
-)
-JUNCTION_AREA_FORMULAS: Final = {
-    **{name: f"A(s) = {pulse.formula}{_WHERE}" for name, pulse in PULSES.items()},
-    **{pulse.name: f"A(s) = {pulse.formula}{_WHERE_OFF_CENTRE}" for pulse in OFF_CENTRE.values()},
-}
-"""The area of a junction in words, by the name of its pulse."""
-
-TOUCH_AREA_FORMULA: Final = (
-    "A = max_area * overlap/max_overlap; the overlap follows the separation: h - (s - x)^2 height_scale/c^2 - z of a"
-    " summit of height h at x, c^2 = 4 mean_real_contact_area/(pi mean_junction_count)"
-)
-"""The area of a junction under a slider that may leave its contact."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -411,3 +390,8 @@ LIFE_TABLE: Final = Group(
 )
 
 GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE, LIFE_TABLE)
+
+
+def motion_of(junctions: Container[str]) -> tuple[Feature]:
+    """Return the feature whose words the columns of a run have, from the names of its columns of /junctions."""
+    return ("free",) if "encounter" in junctions else ("two-way",)

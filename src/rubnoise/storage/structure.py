@@ -3,14 +3,14 @@
 import json
 from collections.abc import Mapping
 from functools import cache, lru_cache
-from typing import Any, cast
+from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.storage.layout import Name, Place, RunDescription, row_count, stored_columns, stored_groups
-from rubnoise.storage.life_curve import pulse_of
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
@@ -20,12 +20,10 @@ from rubnoise.storage.schema import (
     GROUPS,
     HASH,
     HASH_DIGITS,
-    JUNCTION_AREA_FORMULAS,
-    TOUCH_AREA_FORMULA,
     Column,
-    Feature,
     Group,
     Scalar,
+    motion_of,
 )
 from rubnoise.storage.seal import INTERVENTION, read_provenance, read_root, seal_of
 
@@ -59,11 +57,11 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, Place]:
     """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
     places: dict[Name, Place] = {}
-    free = cast(tuple[Feature, ...], ("free",) * ("encounter" in file["junctions"]))
+    features = motion_of(file["junctions"])
     for group in GROUPS:
         if group.name in rows:
-            stored = tuple(column for column in group.columns if column.name in file[group.name])
-            about = group.about(free)
+            stored = tuple(column.as_in(features) for column in group.columns if column.name in file[group.name])
+            about = group.about(features)
             del file[group.name]
             for column, dataset in _compose_group(file, group, about, stored, rows[group.name], compressed=False):
                 places[group.name, column.name] = _place(dataset, column)
