@@ -381,6 +381,6 @@ def test_the_documentation_is_one_page_whose_links_all_lead_somewhere(tmp_path: 
     assert len(links) > 100
     assert [link for link in links if link not in places] == []
     assert not re.search(r"""src=["'](?!data:)""", page)
-    assert page.count("data:image/svg+xml;base64,") == 6
+    assert page.count("data:image/svg+xml;base64,") == 7
     assert "$" not in page.partition('id="model"')[2].partition('id="scenarios"')[0]
     assert call("docs", "-o", tmp_path / "all.html").code == 2

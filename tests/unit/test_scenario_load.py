@@ -148,7 +148,7 @@ def test_a_load_that_weighs_sets_its_contact() -> None:
         ("damping_ratio = 0.05\n", "", 9, "load.damping", "missing"),
         ("", 'damping = "1 N*s/m"\n', 13, "load.damping", "both damping and damping_ratio"),
         ("", 'motion = "first-order"\nrestitution = 0.7\n', 14, "load.restitution", "free"),
-        ("", "impact_damping = 0.7\n", 13, "load.impact_damping", "free"),
+        ("", 'impact_damping = "0.7 s/m"\n', 13, "load.impact_damping", "free"),
         ('"0.5 um"', '"0 um"', 10, "load.height_scale", "must be above 0"),
         ("0.05", "0", 12, "load.damping_ratio", "must be above 0"),
     ],

@@ -97,7 +97,7 @@ def test_motion_is_that_of_verlet_in_si_units() -> None:
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_columns_are_what_they_say(name: str) -> None:
+def test_columns_of_free_motion_are_what_they_say(name: str) -> None:
     model = RUNS[name]
     record = recorded(model, seed=4)
     trace, load, rows, marks = (record[group] for group in ("trace", "load", "junctions", "landmarks"))

@@ -183,7 +183,7 @@ def test_a_block_that_leaves_no_junction_waiting_is_gone_on_from(
     whole = MemoryRecord(extent(run, 3))
     simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
     # Behind the numbers of landmarks and of rows written stands that of rows that wait.
-    assert [int.from_bytes(state.two_way[16:24], "little") for state in states[:2]] == [0, 1]
+    assert [int.from_bytes(state.motion[16:24], "little") for state in states[:2]] == [0, 1]
     again = MemoryRecord(extent(run, 3))
     with suppress(_Left):
         simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(states[0].block))

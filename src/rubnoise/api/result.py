@@ -86,7 +86,7 @@ class Junction:
 
     def _repr_html_(self) -> str:
         units = {column.name: column.units for column in schema.JUNCTIONS.columns}
-        values = {name: getattr(self, name) for name in units if name != "junction"}
+        values = {name: getattr(self, name, None) for name in units if name != "junction"}
         rows = [(name, value, units[name]) for name, value in values.items() if value is not None]
         return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
 

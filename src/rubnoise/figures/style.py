@@ -197,10 +197,8 @@ def logarithmic(axis: "Axis") -> None:
 
 
 def _between_powers(axis: "Axis", value: float) -> str:
-    """Return the label of a value between powers of ten: on a narrow axis of 2, 3 and 5 times one, which have room."""
-    if not _is_narrow(axis) or f"{value:.0e}"[0] not in "1235":
-        return ""
-    return f"{value:g}"
+    """Return the label of a value between powers of ten on a narrow axis; 6, 7 and 9 have no room for one."""
+    return f"{value:g}" if _is_narrow(axis) and f"{value:.0e}"[0] not in "679" else ""
 
 
 def _is_narrow(axis: "Axis") -> bool:

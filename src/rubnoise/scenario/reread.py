@@ -52,7 +52,8 @@ def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
 
     Where neither says its calibration it was exact, and not what it is today without the key.
     """
-    first = made["interface"].get("calibration") == _FIRST_CALIBRATION
+    interface = made.get("interface")
+    first = isinstance(interface, Mapping) and interface.get("calibration") == _FIRST_CALIBRATION
     if not first or "calibration" in scenario.given.get("interface", {}):
         return scenario
     return replace(replaced(scenario, {"interface.calibration": _FIRST_CALIBRATION}), text=scenario.text)
