@@ -23,6 +23,7 @@ from rubnoise.figures.style import (
     NEAREST,
     VERMILION,
     add_title,
+    draw_band,
     draw_ratio,
     legend_above,
     logarithmic,
@@ -251,6 +252,7 @@ def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> D
     window, tick = hann(seen.ticks), stretch.model.tick
     wavenumber, expected = expected_periodogram(stretch.model, tick, window)
     axes.plot(wavenumber[1:], expected[1:], color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
+    draw_band(axes, wavenumber[1:], expected[1:], _relative_error(seen))
     return expected
 
 
@@ -258,5 +260,9 @@ def _draw_ratio(axes: "Axes", seen: Spectrum, expected: Doubles) -> None:
     """Draw the estimate over what it is expected to be, where that is more than rounding."""
     known = (expected > ROUNDING * float(expected.max())) & (seen.wavenumber > 0.0)
     wavenumber, level = seen.wavenumber[known], expected[known]
-    error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
-    draw_ratio(axes, wavenumber, seen.density[known] / level, error)
+    draw_ratio(axes, wavenumber, seen.density[known] / level, _relative_error(seen))
+
+
+def _relative_error(seen: Spectrum) -> float:
+    """Return the standard error of an estimate of Welch's over what it is expected to be."""
+    return sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)

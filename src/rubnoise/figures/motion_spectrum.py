@@ -21,6 +21,7 @@ from rubnoise.figures.style import (
     NEAREST,
     VERMILION,
     add_title,
+    draw_band,
     draw_ratio,
     legend_above,
     logarithmic,
@@ -124,7 +125,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
     draw_spectra(above, pairs, heard)
     whose = labels_of(motions)[pairs.index(compared)] if beside is not None else "simulated"
-    _draw_ratio(below, *compared, heard, above.get_xlim()[1], whose)
+    _draw_ratio(below, *compared, heard, above, whose)
     above.set_xlabel("")
     return figure
 
@@ -140,14 +141,16 @@ def _is_expected(motion: Motion, heard: Heard) -> bool:
         return False
 
 
-def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, highest: float, whose: str) -> None:
-    """Draw the estimate up to a frequency in Hz over what theory and the window let one expect."""
-    last = int(np.searchsorted(seen.wavenumber, 2.0 * pi * highest, side="right")) - 1
+def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, above: "Axes", whose: str) -> None:
+    """Draw the estimate over what theory and the window let one expect, whose band is drawn in the axes above."""
+    last = int(np.searchsorted(seen.wavenumber, 2.0 * pi * above.get_xlim()[1], side="right")) - 1
     exact = partial(QUANTITIES[heard].exact, motion.model)
     expected = through_window(exact, motion.apart, hann(seen.ticks), last)[FIRST:]
     frequency = seen.wavenumber[FIRST : last + 1] / (2.0 * pi)
     error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
     draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error, whose)
+    draw_band(above, frequency, 2.0 * QUANTITIES[heard].scale ** 2 * expected, error)
+    legend_above(above)
     axes.set_xlabel("frequency (Hz)")
 
 

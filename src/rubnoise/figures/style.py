@@ -300,6 +300,12 @@ def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float, whose
     legend_above(axes)
 
 
+def draw_band(axes: "Axes", place: Doubles, expected: Doubles, error: float) -> None:
+    """Shade two standard errors about what an estimate is expected to be; ``error`` is relative."""
+    low, high = (expected * max(factor, 0.0) for factor in (1.0 - 2.0 * error, 1.0 + 2.0 * error))
+    axes.fill_between(place, low, high, color=VERMILION, alpha=0.2, lw=0.0, zorder=1, label="± 2 std errors")
+
+
 def legend_above(axes: "Axes", columns: int = 4) -> None:
     """Put the legend above the axes, flush right, where it hides nothing."""
     fitting = max(1, int(axes.figure.figure.get_figwidth() / INCHES_PER_ENTRY))
