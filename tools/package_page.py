@@ -13,7 +13,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 CHECKOUT = "## Two commands"
-"""Where README.md begins to speak to somebody who has the repository; the index has this in its place."""
+"""The heading of README.md from which it is about a checkout; the index has WHEEL from there on."""
 WHEEL = """## First commands
 
 You need Python 3.11, 3.12 or 3.13, on Linux or macOS; on Windows, commands that write a run are refused.

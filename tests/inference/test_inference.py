@@ -70,7 +70,7 @@ def test_energies_are_those_of_theory(name: str, shape: float, pulse: Pulse) -> 
 
 
 def test_parabolas_are_read_and_told_from_lenses() -> None:
-    """A lens that is fitted to parabolic lives misreads their size; a trace of lenses is told from parabolas, too."""
+    """A lens that is fitted to parabolic lives misreads their size; lenses are not read as parabolas either."""
     model = contact("lognormal", 0.3, 20.0, 1500)
     lives = signal(replace(model, pulse=PARABOLA), 3, noise=0.02)
     right = infer_signal(lives, zero="known", law="lognormal", assumed=Assumed(pulse=PARABOLA))

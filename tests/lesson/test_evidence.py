@@ -24,7 +24,7 @@ FIGURES = """() => {
 ALIKE = 1.0 + 5.0 * 0.2**2
 """Lives count with d^5 in R, so the lag reads E[d^6]/E[d^5] at most, 1 + 5 cv^2 means where sizes spread by cv = 0.2.
 
-What is read as more must be beyond that once more: chosen, so that nobody takes the one for the other.
+What is read as more must be beyond that once more: chosen.
 """
 LARGER = """() => rub.lesson.readings.map(({ diameter, lag }) => rub.reading.byLag(lag) / diameter)"""
 

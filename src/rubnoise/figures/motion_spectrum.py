@@ -116,7 +116,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
             needed = FEWEST_ROWS * (SEGMENTS + 1) / 2 * motion.apart
             raise Refused(f"a spectrum needs {needed:.3g} s of a {heard} that varies")
     pairs = list(zip(motions, filter(None, found), strict=True))
-    compared = next((pair for pair in pairs if _is_expected(pair[0], heard)), None)
+    compared = next((pair for pair in pairs if is_expected(pair[0], heard)), None)
     figure = new_figure(7.2, 4.4 if compared is None else 5.6)
     add_title(figure, stretch, f"The spectrum of the {heard}", beside)
     if compared is None:
@@ -130,7 +130,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
     return figure
 
 
-def _is_expected(motion: Motion, heard: Heard) -> bool:
+def is_expected(motion: Motion, heard: Heard) -> bool:
     """Whether theory knows the spectrum of a motion: coupled one way, damped, and not of lines alone."""
     if motion.model.is_two_way:
         return False

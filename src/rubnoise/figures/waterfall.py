@@ -12,7 +12,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures.area_statistics import UNIT, area_spectrum
 from rubnoise.figures.axis_labels import key_words, shown_unit
 from rubnoise.figures.motion import Motion
-from rubnoise.figures.motion_spectrum import FARTHEST, FIRST, QUANTITIES, Heard, spectrum_of
+from rubnoise.figures.motion_spectrum import FARTHEST, FIRST, QUANTITIES, Heard, is_expected, spectrum_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
     BLUE,
@@ -112,7 +112,8 @@ def _of_area(stretch: Stretch, label: str) -> Curve:
     place = seen.wavenumber[1:]
     fine = np.geomspace(place[0], place[-1], POINTS)
     exact = spectral_density(stretch.model, fine)
-    return Curve(label=label, place=place, density=seen.density[1:], exact=(fine, exact) if exact.any() else None)
+    known = stretch.model.free is None and exact.any()  # of free motion there is no such theory
+    return Curve(label=label, place=place, density=seen.density[1:], exact=(fine, exact) if known else None)
 
 
 def _of_motion(motion: Motion, heard: Heard, label: str) -> Curve:
@@ -124,14 +125,11 @@ def _of_motion(motion: Motion, heard: Heard, label: str) -> Curve:
     angular, density = seen.wavenumber[FIRST:last], seen.density[FIRST:last]
     scale = 2.0 * quantity.scale**2
     exact = None
-    if not motion.model.is_two_way:
+    if motion.model.free is None and is_expected(motion, heard):
         fine = np.sort(
             np.append(np.geomspace(angular[0], angular[-1], POINTS), natural * np.linspace(0.8, 1.2, POINTS))
         )
-        try:
-            exact = fine / (2.0 * pi), scale * quantity.exact(motion.model, fine)
-        except Refused:
-            exact = None
+        exact = fine / (2.0 * pi), scale * quantity.exact(motion.model, fine)
     return Curve(label=label, place=angular / (2.0 * pi), density=scale * density, exact=exact)
 
 

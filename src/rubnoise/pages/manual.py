@@ -1,4 +1,4 @@
-"""The pages of the folder `docs` as one web page, for somebody who has the program alone."""
+"""The pages of the folder `docs` as one web page, for users who installed the package."""
 
 import base64
 import re
