@@ -1,8 +1,8 @@
 """Measure the CPU time of cases: `dev.py check times` refuses slow ones that tests/slow.txt does not list.
 
-With `--write` it measures every case and writes that list anew. Nothing else should run beside it. What a process does
-once, such as loading a library, is no case's own: what seems slow is measured again in another order, and the smaller
-time counts.
+With `--write` it measures every case and writes that list anew; with `--add` it measures everyday cases alone and adds
+the slow ones. Nothing else should run beside it. What a process does once, such as loading a library, is no case's own:
+what seems slow is measured again in another order, and the smaller time counts.
 """
 
 import subprocess
@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.times import LIMIT, SLOW, Times, parts  # noqa: E402
+from tests.times import LIMIT, SLOW, Times, parts, slow  # noqa: E402
 
 TOLERANCE = 3.0
 """A case that is not listed may take so many times the limit: machines differ."""
@@ -26,11 +26,11 @@ HEADER = f"""\
 
 def main(arguments: list[str]) -> int:
     """Check the list, or write it; return 1 if a test fails or an unlisted case is slow."""
-    if arguments not in ([], ["--write"]):
-        print("check times takes no arguments but --write", file=sys.stderr)
+    if arguments not in ([], ["--add"], ["--write"]):
+        print("check times takes no arguments but --add or --write", file=sys.stderr)
         return 2
     with tempfile.TemporaryDirectory() as folder:
-        return write(Path(folder)) if arguments else check(Path(folder))
+        return write(Path(folder), every="--write" in arguments) if arguments else check(Path(folder))
 
 
 def check(folder: Path) -> int:
@@ -44,14 +44,14 @@ def check(folder: Path) -> int:
     return 1 if found else 0
 
 
-def write(folder: Path) -> int:
-    """Measure every case and write the list."""
-    times = measured(["--slow"], folder)
+def write(folder: Path, *, every: bool) -> int:
+    """Measure every case and write the list, or measure everyday cases and add the slow ones to it."""
+    times = measured(["--slow"] if every else [], folder)
     found = confirmed(times.above(LIMIT), LIMIT, folder)
-    lines = shortened(found.keys(), times.cases.keys())
+    lines = sorted({*shortened(found.keys(), times.cases.keys()), *(() if every else slow())})
     SLOW.write_text(HEADER + "".join(f"{line}\n" for line in lines), encoding="utf-8")
     seconds = times.seconds()
-    print(f"{len(found)} of {len(seconds)} cases are slow, in {len(lines)} lines of {SLOW.relative_to(ROOT)}")
+    print(f"{len(found)} of {len(seconds)} cases are slow; {SLOW.relative_to(ROOT)} has {len(lines)} lines")
     print(f"{sum(seconds.values()):.0f} s of CPU, {sum(seconds[case] for case in found):.0f} s of them in slow cases")
     return 0
 

@@ -43,7 +43,7 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
   docs [FOLDER]      the site with all pages, the lesson and examples, into site/ or another folder
 """
 GUARDS = {
-    "times": ("check_times.py", "5 minutes: no everyday case is slow; --write (an hour) lists slow ones anew"),
+    "times": ("check_times.py", "5 minutes: no everyday case is slow; --add lists those that are, --write all anew"),
     "faults": ("mutants.py", "2 hours: each of the faults put into a copy of the program is noticed"),
     "kills": ("survive.py", "10 minutes and more: kills, power cuts and full disks lose nothing"),
     "damage": ("fuzz_results.py", "10 minutes: damaged results get a sentence"),
