@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -10,6 +11,7 @@ import pytest
 from scipy.signal import lsim
 
 import rubnoise
+from rubnoise.analysis import reading
 from rubnoise.analysis.comparison import compare
 from rubnoise.contact.laws import Lognormal
 from rubnoise.errors import ScenarioRefused
@@ -158,6 +160,25 @@ def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
     assert model.free is not None
     heavier = replace(model, free=replace(model.free, held=replace(model.free.held, load=5.1e4)))
     assert "load_mean" in compare(heavier, _rows(record)).outside
+
+
+def test_mean_loads_are_those_of_whole_columns_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = RUNS["elastic"]
+    record = recorded(model, seed=8)
+    load, area = record["load"], record["trace"]["real_contact_area"]
+    assert model.free is not None
+    held, ends = model.free.held, np.arange(33) * ((area.size - 1) // 32)
+    momentum = (held.mass * load["velocity"] + held.damping * load["separation"])[ends[[0, -1]]]
+    push = float(np.diff(momentum)[0]) / load["time"][ends[-1]]
+
+    def mean(values: Any) -> float:
+        return float(np.mean([np.trapezoid(values[a : b + 1]) / (b - a) for a, b in pairwise(ends)]))
+
+    wanted = {"load_mean": mean(load["load"]) - push, "real_contact_area_mean": mean(area) - push / held.hardness}
+    for at_a_time in (reading.CHECKED_ROWS, 777, int(ends[1])):
+        monkeypatch.setattr(reading, "CHECKED_ROWS", at_a_time)
+        found = {each.name: each.observed for each in compare(model, _rows(record)).figures}
+        assert found == pytest.approx(wanted, rel=1e-11)
 
 
 def test_theory_knows_what_is_exact() -> None:

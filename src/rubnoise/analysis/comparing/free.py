@@ -5,7 +5,6 @@ from math import sqrt
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement, normal_deviate
 from rubnoise.analysis.answer import LeftOut
@@ -26,17 +25,43 @@ SILENT: Final = "free motion has no theory of its spreads, its shocks and its to
 
 
 @dataclass(slots=True)
+class _Stretches:
+    """Sums of a column over STRETCHES stretches of so many ticks each, and its values where they begin and end."""
+
+    length: int
+    sums: Doubles = field(default_factory=lambda: np.zeros(STRETCHES))
+    ends: Doubles = field(default_factory=lambda: np.zeros(STRETCHES + 1))
+
+    def add(self, first: int, values: Doubles) -> None:
+        """Take in the ticks from ``first`` on."""
+        within = values[: max(STRETCHES * self.length - first, 0)]
+        number = np.arange(first, first + within.size) // self.length
+        self.sums += np.bincount(number, within, minlength=STRETCHES)
+        begun = np.arange(-(-first // self.length), min((first + values.size - 1) // self.length, STRETCHES) + 1)
+        self.ends[begun] = values[begun * self.length - first]
+
+    @property
+    def means(self) -> Doubles:
+        """Means over the stretches, half of each value at an end."""
+        means: Doubles = (self.sums + 0.5 * np.diff(self.ends)) / self.length
+        return means
+
+    @property
+    def gained(self) -> Doubles:
+        """What the column has risen by in each stretch, a tick."""
+        gained: Doubles = np.diff(self.ends) / self.length
+        return gained
+
+
+@dataclass(slots=True)
 class _Seen:
-    """What a pass over /trace and /load leaves: by how much identities are off at most, and columns thinned out."""
+    """What a pass over /trace and /load leaves: by how much identities are off at most, and columns by stretches."""
 
     load: float = 0.0
     overlap: float = 0.0
     force: float = 0.0
     largest: float = 0.0
-    kept: dict[str, list[Doubles]] = field(default_factory=dict)
-
-    def column(self, name: str) -> Doubles:
-        return np.concatenate(self.kept[name])
+    columns: dict[str, _Stretches] = field(default_factory=dict)
 
 
 def free_comparison(model: Model, free: FreeSeparation, rows: Rows, bound: float | None) -> Comparison:
@@ -52,7 +77,7 @@ def free_comparison(model: Model, free: FreeSeparation, rows: Rows, bound: float
 
 
 def _read(model: Model, free: FreeSeparation, rows: Rows) -> _Seen:
-    seen, ticks, held = _Seen(), 0, free.held
+    seen, ticks, held, length = _Seen(), 0, free.held, _length(rows)
     psi = model.strengths.mean if isinstance(model.strengths, Fixed) else None
     alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area
     traces = checked_chunks(rows, "trace", ("real_contact_area", "junction_count", "friction_force"))
@@ -70,8 +95,8 @@ def _read(model: Model, free: FreeSeparation, rows: Rows) -> _Seen:
         seen.overlap = max(seen.overlap, float(off)) if right.all() else np.inf
         if psi is not None:
             seen.force = max(seen.force, float(np.abs(trace["friction_force"] - psi * area).max(initial=0.0)))
-        for name, values in ({"area": area} | dict(load)).items():
-            seen.kept.setdefault(name, []).append(values)
+        for name, values in ({"area": area} | load).items() if length else ():
+            seen.columns.setdefault(name, _Stretches(length)).add(ticks, values)
         ticks += area.size
     return seen
 
@@ -97,24 +122,20 @@ def _momentum(model: Model, free: FreeSeparation, seen: _Seen) -> list[Finding]:
     between ticks: it is judged by its scatter over stretches, as Student's t.
     """
     held, step = free.held, model.tick_duration or 0.0
-    z, w, load, area = (seen.column(name) for name in ("separation", "velocity", "load", "area"))
-    length = (load.size - 1) // STRETCHES
-    if length < _FEWEST_TICKS:
+    if not seen.columns:
         return [too_short("load_mean", STRETCHES * _FEWEST_TICKS * model.tick)]
-    ends = length * np.arange(STRETCHES + 1)
-    gained = (held.mass * np.diff(w[ends]) + held.damping * np.diff(z[ends])) / (length * step)
-    found: list[Finding] = [_judged("load_mean", _means(load, ends) - gained, held.load)]
+    gained = (held.mass * seen.columns["velocity"].gained + held.damping * seen.columns["separation"].gained) / step
+    found: list[Finding] = [_judged("load_mean", seen.columns["load"].means - gained, held.load)]
     if free.restitution == 1.0:
-        mean = _means(area, ends) - gained / held.hardness
+        mean = seen.columns["area"].means - gained / held.hardness
         found.append(_judged("real_contact_area_mean", mean, model.mean_real_contact_area))
     return found
 
 
-def _means(values: Doubles, ends: NDArray[np.int64]) -> Doubles:
-    """Return means over stretches, half of each value at an end."""
-    total = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))])
-    means: Doubles = np.diff(total[ends]) / np.diff(ends)
-    return means
+def _length(rows: Rows) -> int:
+    """Return the ticks of a stretch; 0 where there are too few."""
+    length = (rows.rows("load") - 1) // STRETCHES
+    return length if length >= _FEWEST_TICKS else 0
 
 
 def _judged(name: str, means: Doubles, expected: float) -> Agreement:
