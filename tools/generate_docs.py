@@ -21,7 +21,7 @@ from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.limits import TITLE_CHARACTERS
 from rubnoise.scenario.lists import Parts, Sizes
 from rubnoise.scenario.sweep_table import Sweeping
-from rubnoise.storage.schema import GROUPS, Column, Feature, Group
+from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PAGES = ("data-format.md", "design.md", "scenarios.md")
@@ -111,7 +111,7 @@ def _present(group: Group) -> str:
     return lacking or " or ".join(NEEDS[each] for each in group.needs) or NEEDS[None]
 
 
-def _column(column: Column) -> tuple[str, ...]:
+def _column(column: Dataset) -> tuple[str, ...]:
     _, codes = column.coded
     meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes)])
     name, kind = f"`{column.name}`", TYPES[column.dtype]

@@ -12,7 +12,7 @@ from unittest.mock import patch
 
 import pytest
 
-from rubnoise.analysis.replicates import Estimate
+from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.api.playing import describe
 from rubnoise.api.surface import Surface
 from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
@@ -52,7 +52,11 @@ A_CLAIM = Claim(
     says="It is so.",
     quantities=(
         ClaimedNumber(
-            name="mean", unit="um", printed=1.0, simulated=Estimate(value=1.0, standard_error=0.1, runs=8), exact=1.0
+            name="mean",
+            unit="um",
+            printed=1.0,
+            simulated=PooledEstimate(value=1.0, standard_error=0.1, runs=8),
+            exact=1.0,
         ),
     ),
     verdict=Verdict.HOLDS,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.provenance import Provenance
-from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Column, Feature
+from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Dataset, Feature
 from rubnoise.storage.writer import RunWriter
 
 EVERYTHING: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
@@ -75,7 +75,7 @@ def random_rows(description: RunDescription, seed: int = 1) -> Rows:
     }
 
 
-def _values(generator: np.random.Generator, column: Column, rows: int) -> NDArray[Any]:
+def _values(generator: np.random.Generator, column: Dataset, rows: int) -> NDArray[Any]:
     if column.dtype == "<f8":
         return generator.normal(size=rows)
     return generator.integers(0, 200, size=rows).astype(column.dtype)

@@ -16,7 +16,7 @@ from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate, reach_beyond, widened
 from rubnoise.inference.fitting import FitPoint, FitProblem, climb, starts, whittle
 from rubnoise.inference.honesty import steadiness_test, third_cumulant, third_test
-from rubnoise.inference.inference import Inference, infer_signal
+from rubnoise.inference.inference import InferenceResult, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table, life_energy, mean_life_energy
 from rubnoise.inference.sensor import Sensor
@@ -31,7 +31,7 @@ BOUND = 4.0
 NORMAL = NormalDist()
 
 
-def z(found: Inference, name: str, truth: float) -> float:
+def z(found: InferenceResult, name: str, truth: float) -> float:
     """Return how many standard errors of its logarithm an estimate lies from the truth."""
     each = found.estimates[name]
     return float(np.log(each.value / truth)) * each.value / each.standard_error
@@ -43,7 +43,7 @@ def normal() -> Signal:
 
 
 @pytest.fixture(scope="module")
-def found(normal: Signal) -> Inference:
+def found(normal: Signal) -> InferenceResult:
     return infer_signal(normal, zero="known", law="normal")
 
 
@@ -156,7 +156,9 @@ def test_number_size_spread_and_strength_lie_where_they_are(law: str, seed: int)
     assert got.flags == []
 
 
-def test_scaling_the_trace_scales_strengths_and_scaling_ticks_scales_sizes(normal: Signal, found: Inference) -> None:
+def test_scaling_the_trace_scales_strengths_and_scaling_ticks_scales_sizes(
+    normal: Signal, found: InferenceResult
+) -> None:
     twice = infer_signal(replace(normal, values=2.0 * normal.values), zero="known", law="normal", tests=False)
     wider = infer_signal(replace(normal, tick=3.0 * normal.tick), zero="known", law="normal", tests=False)
     ratios = {
@@ -227,11 +229,11 @@ def test_laws_are_compared_and_intervals_hold_those_not_told_apart(normal: Signa
 
 
 @pytest.fixture(scope="module")
-def unequal() -> Inference:
+def unequal() -> InferenceResult:
     return infer_signal(signal(contact("exponential", 1.0, 20, 450), 7), zero="known")
 
 
-def test_a_law_of_one_spread_brings_it_into_the_interval(unequal: Inference) -> None:
+def test_a_law_of_one_spread_brings_it_into_the_interval(unequal: InferenceResult) -> None:
     """Exponential sizes have the spread 1 and no error of it: 1 is in the interval while that law is open."""
     laws = {each.law: each for each in unequal.laws}
     assert not laws["exponential"].told_apart
@@ -245,7 +247,7 @@ def test_a_law_of_one_spread_brings_it_into_the_interval(unequal: Inference) -> 
     )
 
 
-def test_a_law_at_its_widest_stays_there(unequal: Inference) -> None:
+def test_a_law_at_its_widest_stays_there(unequal: InferenceResult) -> None:
     """Half a normal law is the nearest to exponential sizes: a step beyond its bound once moved all else instead."""
     normal = next(each for each in unequal.laws if each.law == "normal")
     assert normal.worse_by < 100.0
@@ -275,7 +277,7 @@ def test_laws_that_differ_by_much_reach_beyond_one_end_only() -> None:
         )
 
 
-def test_noise_is_found_and_none_where_there_is_none(found: Inference, normal: Signal) -> None:
+def test_noise_is_found_and_none_where_there_is_none(found: InferenceResult, normal: Signal) -> None:
     true = 0.05 / np.sqrt(1.0 + 0.05**2) * float(normal.values.std())
     assert abs(z(found, "noise", true)) <= BOUND
     assert abs(z(found, "noise", 1.5 * true)) > BOUND
@@ -321,7 +323,7 @@ def test_what_is_no_contact_is_flagged_or_refused(kind: str) -> None:
     assert got.flags or got.refused_because
 
 
-def test_a_trace_backwards_in_a_mirror_is_the_same_trace(normal: Signal, found: Inference) -> None:
+def test_a_trace_backwards_in_a_mirror_is_the_same_trace(normal: Signal, found: InferenceResult) -> None:
     again = infer_signal(replace(normal, values=normal.values[::-1].copy()), zero="known", law="normal")
     for name, each in found.estimates.items():
         assert again.estimates[name].value == pytest.approx(each.value, rel=1e-4), name

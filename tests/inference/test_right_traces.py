@@ -15,7 +15,7 @@ from rubnoise.contact.pulses import LENS
 from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed
 from rubnoise.inference.honesty import drift_test
-from rubnoise.inference.inference import Inference, infer_signal
+from rubnoise.inference.inference import InferenceResult, infer_signal
 from rubnoise.inference.passes import energies, first_integrals, life_integrals, offsets
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
@@ -70,13 +70,13 @@ def test_strokes_go_to_and_fro_about_the_zero_of_the_sensor() -> None:
     assert (means[0] + means[1]) / (means[0] - means[1]) == pytest.approx(0.3, abs=0.1)
 
 
-def _read(contact: Contact, seed: int, assumed: Assumed = NOTHING, **options: Any) -> Inference:
+def _read(contact: Contact, seed: int, assumed: Assumed = NOTHING, **options: Any) -> InferenceResult:
     values = trace(contact, np.random.default_rng(seed))
     signal = Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
     return infer_signal(signal, **{"zero": "known", "law": "fixed", **options}, assumed=assumed)
 
 
-def _scores(found: Inference) -> dict[str, float]:
+def _scores(found: InferenceResult) -> dict[str, float]:
     """Return how many standard errors number, size and strength lie from the truth."""
     truth = {"junction_count": 20.0, "diameter": 5.5, "shear_strength": 250.0}
     return {

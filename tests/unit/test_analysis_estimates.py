@@ -27,7 +27,7 @@ from rubnoise.analysis.records import (
     integrated_autocorrelation,
     longer,
 )
-from rubnoise.analysis.replicates import Estimate
+from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.model import Model
 from rubnoise.theory import correlation
 from rubnoise.theory.campbell import area_cumulants
@@ -49,7 +49,7 @@ def area(run: Model, name: str) -> Doubles:
 
 
 def scores(found: SampleMoments, expected: tuple[float, ...]) -> list[float]:
-    figures: list[Estimate] = [getattr(found, field.name) for field in fields(found)]
+    figures: list[PooledEstimate] = [getattr(found, field.name) for field in fields(found)]
     return [(each.value - value) / each.standard_error for each, value in zip(figures, expected, strict=True)]
 
 
@@ -110,8 +110,8 @@ def test_a_record_without_end_in_sight_says_so() -> None:
 
 def test_a_constant_has_no_error() -> None:
     found = sample_moments(np.full(1000, 7.0), 1.0)
-    assert found.mean == Estimate(value=7.0, standard_error=0.0)
-    assert found.excess_kurtosis == Estimate(value=0.0, standard_error=0.0)
+    assert found.mean == PooledEstimate(value=7.0, standard_error=0.0)
+    assert found.excess_kurtosis == PooledEstimate(value=0.0, standard_error=0.0)
 
 
 def test_a_mean_needs_lives_and_births() -> None:

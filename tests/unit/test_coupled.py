@@ -18,7 +18,7 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.simulation.coupled import quadrature
 from rubnoise.simulation.coupled.field import (
     SHAPES,
-    Field,
+    ForceField,
     first_beyond,
     force_and_integral,
     force_in_cell,
@@ -55,8 +55,8 @@ def force(pulse: Pulse, some: LiveRows, place: float) -> float:
     return float(np.sum(some.strength * pulse.area(place - some.birth, some.diameter)))
 
 
-def field_over(pulse: Pulse, some: LiveRows) -> Field:
-    return Field.over(pulse.shape, some, -8, 240, WIDTH, Scratch(0))
+def field_over(pulse: Pulse, some: LiveRows) -> ForceField:
+    return ForceField.over(pulse.shape, some, -8, 240, WIDTH, Scratch(0))
 
 
 @PULSES
@@ -100,7 +100,7 @@ def test_the_integral_is_that_of_the_force(pulse: Pulse) -> None:
 def test_moments_of_cells_together_are_those_of_one_wide_cell() -> None:
     some = rows()
     narrow = field_over(LENS, some).moments
-    wide = Field.over("lens", some, -1, 30, 8.0 * WIDTH, Scratch(0)).moments
+    wide = ForceField.over("lens", some, -1, 30, 8.0 * WIDTH, Scratch(0)).moments
     for cell in range(31):
         assert merged.py_func(narrow, 8 * cell, 8) == pytest.approx(wide[:, cell], rel=1e-9, abs=1e-6)
 

@@ -17,7 +17,7 @@ from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.histogram import histogram
 from rubnoise.analysis.moments import sample_covariances
 from rubnoise.analysis.records import error_of_mean
-from rubnoise.analysis.replicates import Estimate, pooled, ratio, ratio_of_pairs
+from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio, ratio_of_pairs
 from rubnoise.analysis.run_summary import BANDS, BINS, CURVES, LAGS, RunLayout, RunSummary, SummarySink, curve_theory
 from rubnoise.analysis.spectra import welch
 from rubnoise.analysis.summary import FIGURES, expected_figure, summarise
@@ -251,7 +251,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(name: str, truth: float) 
 
 
 def test_a_ratio_is_as_uncertain_as_both_together() -> None:
-    first, second = (Estimate(value=v, standard_error=e, runs=n) for v, e, n in ((6.0, 0.3, 9), (-2.0, 0.06, 12)))
+    first, second = (PooledEstimate(value=v, standard_error=e, runs=n) for v, e, n in ((6.0, 0.3, 9), (-2.0, 0.06, 12)))
     found = ratio(first, second)
     assert (found.value, found.runs) == (-3.0, 9)
     assert found.standard_error == pytest.approx(3.0 * sqrt(0.05**2 + 0.03**2))
@@ -278,7 +278,9 @@ def test_pairs_tell_a_ratio_as_well_as_they_say(name: str, truth: float) -> None
 
 
 def test_pairs_with_nothing_in_them_have_no_ratio() -> None:
-    assert ratio_of_pairs("x_std", [2.0, nan, 4.0], [1.0, 1.0, 2.0]) == Estimate(value=2.0, standard_error=0.0, runs=2)
+    assert ratio_of_pairs("x_std", [2.0, nan, 4.0], [1.0, 1.0, 2.0]) == PooledEstimate(
+        value=2.0, standard_error=0.0, runs=2
+    )
     assert isinf(ratio_of_pairs("x_mean", [2.0], [1.0]).standard_error)
     for first, second in (([], []), ([nan], [1.0]), ([1.0, 1.0], [0.0, 0.0])):
         assert isnan(ratio_of_pairs("x_mean", first, second).value)

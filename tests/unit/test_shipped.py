@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.replicates import Estimate, pooled, ratio
+from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
 from rubnoise.analysis.summary import expected_figure
 from rubnoise.errors import Refused
 from rubnoise.record.tally import Tally
@@ -176,7 +176,7 @@ def _tally(_extent: object) -> Tally:
     return Tally()
 
 
-def _pooled(study: Sweep, count: int) -> Estimate:
+def _pooled(study: Sweep, count: int) -> PooledEstimate:
     [case] = [case for case in study.cases if case.values[COUNT] == count]
     runs = run_points(points_of([case], 12), Measurement(sink=_tally, read=_spread))
     return pooled(FORCE, [value for _, value in runs])

@@ -18,7 +18,7 @@ from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.free.motion import CONTACT_LOST, CONTACT_MADE
 from rubnoise.storage import columns, disk
 from rubnoise.storage.columns import ColumnFile, Mark
-from rubnoise.storage.layout import STRUCTURE_BYTES, Place, expected_bytes, row_count, stored_columns, stored_groups
+from rubnoise.storage.layout import STRUCTURE_BYTES, ByteRange, expected_bytes, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.rows import DEFLATE_SKIPPED, SHUFFLE_SKIPPED, StoredColumn
@@ -40,7 +40,7 @@ from tests.format.runs import BARE, Compression, describe, random_rows, write_ru
 # A column on its way to disk: the same bytes and the same hash however it is written.
 ROWS = 300
 VALUES = np.random.default_rng(5).normal(size=ROWS)
-PLACE = Place(offset=40, rows=ROWS, dtype="<f8")
+PLACE = ByteRange(offset=40, rows=ROWS, dtype="<f8")
 
 
 def hash_of(rows: int) -> bytes:

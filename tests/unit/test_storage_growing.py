@@ -24,7 +24,7 @@ from rubnoise.simulation.state import LiveRows, State
 from rubnoise.storage import disk, growing, writer
 from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.journal import Ending, History
-from rubnoise.storage.layout import Place, RunDescription
+from rubnoise.storage.layout import ByteRange, RunDescription
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.resume import look, publish_complete
@@ -378,7 +378,7 @@ def test_commits_are_those_of_the_growing_rows(tmp_path: Path) -> None:
 
 
 def test_an_ending_remembers_where_rows_go() -> None:
-    grown = ((("slider", "time"), Place(offset=4096, rows=655, dtype="<f8")),)
+    grown = ((("slider", "time"), ByteRange(offset=4096, rows=655, dtype="<f8")),)
     ending = Ending(((0, b"head"), (9000, b"tail")), 9004, grown)
     assert Ending.unpacked(ending.packed()) == ending
     assert ending.grown_groups == {"slider": ["time"]}
@@ -406,7 +406,7 @@ def test_an_ending_that_tells_nonsense_is_refused(told: bytes) -> None:
 def test_rows_of_a_hostile_ending_are_not_copied(tmp_path: Path) -> None:
     file = GrowingFile.new(tmp_path / "rows", {"slider": ["time", "velocity"]})
     for rows in (1, 2**70, -3):
-        file.copy(("slider", "time"), Place(offset=0, rows=rows, dtype="<f8"), -1)  # which no call could write to
+        file.copy(("slider", "time"), ByteRange(offset=0, rows=rows, dtype="<f8"), -1)  # which no call could write to
     file.close()
 
 

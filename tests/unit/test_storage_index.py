@@ -25,7 +25,7 @@ from rubnoise.storage.journal import Journal, frames
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.resume import look
-from rubnoise.storage.schema import Column, Feature
+from rubnoise.storage.schema import Dataset, Feature
 from rubnoise.sweep.index import figure, text, whole
 from tests.format.runs import names
 from tests.unit.test_storage_resuming import WHOLE, scenario, stop_after
@@ -86,7 +86,7 @@ def test_what_was_written_is_read(path: Path) -> None:
         assert index.read("runs", "run_id", 1, 3).tolist() == [f"{1:016x}", f"{2:016x}"]
         assert np.array_equal(index.read("runs", "real_contact_area_std"), [1.5, np.nan, 0.1, 0.2, 0.3], equal_nan=True)
         [std] = (about for about in index.columns("runs") if about.name == "real_contact_area_std")
-        assert std == Column(
+        assert std == Dataset(
             name="real_contact_area_std", units="um^2", long_name="real contact area std", symbol="", dtype="<f8"
         )
         spectrum = index.read("summaries", "spectrum")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import scipy.special
 
-from rubnoise.analysis.replicates import Estimate, difference, estimate, ratio
+from rubnoise.analysis.replicates import PooledEstimate, difference, estimate, ratio
 from rubnoise.claims import catalogue
 from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Publication, exponent, exponent_of
@@ -288,10 +288,10 @@ def test_one_run_has_no_interval_and_agrees_with_anything() -> None:
 
 
 def test_agreement_is_as_strict_as_four_standard_deviations_of_a_normal_number() -> None:
-    many = Estimate(value=0.0, standard_error=1.0, runs=100_000)
+    many = PooledEstimate(value=0.0, standard_error=1.0, runs=100_000)
     assert many.agrees_with(3.99)
     assert not many.agrees_with(4.01)
-    few = Estimate(value=0.0, standard_error=1.0, runs=4)
+    few = PooledEstimate(value=0.0, standard_error=1.0, runs=4)
     assert few.agrees_with(4.5), "few runs know their own error badly"
 
 
@@ -302,8 +302,11 @@ def test_rounding_is_forgiven_where_runs_do_not_scatter() -> None:
 
 
 def test_errors_of_differences_and_ratios_add_up() -> None:
-    one, other = Estimate(value=8.0, standard_error=0.3, runs=5), Estimate(value=2.0, standard_error=0.4, runs=7)
-    assert difference(one, other) == Estimate(value=6.0, standard_error=0.5, runs=5)
+    one, other = (
+        PooledEstimate(value=8.0, standard_error=0.3, runs=5),
+        PooledEstimate(value=2.0, standard_error=0.4, runs=7),
+    )
+    assert difference(one, other) == PooledEstimate(value=6.0, standard_error=0.5, runs=5)
     found = ratio(one, other)
     assert (found.value, found.runs) == (4.0, 5)
     assert found.standard_error == pytest.approx(4.0 * np.hypot(0.3 / 8.0, 0.4 / 2.0))
@@ -311,14 +314,14 @@ def test_errors_of_differences_and_ratios_add_up() -> None:
 
 @pytest.mark.parametrize(("exact", "verdict"), [(1.0, Verdict.HOLDS), (2.0, Verdict.UNSETTLED)])
 def test_a_verdict_needs_simulation_and_theory_to_agree(exact: float, verdict: Verdict) -> None:
-    simulated = Estimate(value=1.0, standard_error=0.01, runs=50)
+    simulated = PooledEstimate(value=1.0, standard_error=0.01, runs=50)
     quantity = ClaimedNumber(name="mean", unit="um", printed=1.0, simulated=simulated, exact=exact)
     assert verdict_if_agreed(quantities=(quantity,), verdict=Verdict.HOLDS) is verdict
 
 
 # How a verdict on a published statement follows from numbers and from how well the statement is known.
 NEAR_2 = ClaimedNumber(
-    name="exponent", unit="", printed=None, simulated=Estimate(value=2.1, standard_error=0.1, runs=8), exact=2.0
+    name="exponent", unit="", printed=None, simulated=PooledEstimate(value=2.1, standard_error=0.1, runs=8), exact=2.0
 )
 
 
@@ -338,7 +341,7 @@ def claim(known: Known = Known.ORIGINAL, **changes: object) -> FieldClaim:
 def test_a_number_agrees_if_the_exact_one_and_the_runs_do() -> None:
     assert claim().verdict is FieldVerdict.AGREES
     assert claim(published=(2.05, 2.2)).verdict is FieldVerdict.DISAGREES, "the exact number is outside"
-    scattered = replace(NEAR_2, simulated=Estimate(value=9.0, standard_error=0.1, runs=8))
+    scattered = replace(NEAR_2, simulated=PooledEstimate(value=9.0, standard_error=0.1, runs=8))
     assert claim(quantity=scattered).verdict is FieldVerdict.DISAGREES, "the runs are outside"
     without_theory = replace(NEAR_2, exact=nan)
     assert claim(quantity=without_theory).verdict is FieldVerdict.AGREES
@@ -358,8 +361,8 @@ def test_exponents_under_a_load_are_judged_by_their_identity() -> None:
 
 
 def test_an_exponent_has_the_error_of_both_its_points() -> None:
-    near = Estimate(value=3.0, standard_error=0.3, runs=8)
-    far = Estimate(value=12.0, standard_error=0.6, runs=4)
+    near = PooledEstimate(value=3.0, standard_error=0.3, runs=8)
+    far = PooledEstimate(value=12.0, standard_error=0.6, runs=4)
     found = exponent(near, far, 4.0)
     assert (found.value, found.runs) == (pytest.approx(1.0), 4)
     assert found.standard_error == pytest.approx((0.1**2 + 0.05**2) ** 0.5 / log(4.0))

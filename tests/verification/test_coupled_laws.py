@@ -14,7 +14,7 @@ from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.coupled import steps
 from rubnoise.simulation.coupled.field import LENS_SHAPE, gather
-from rubnoise.simulation.coupled.layout import Start, Workspace
+from rubnoise.simulation.coupled.layout import SlipStart, Workspace
 from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, NODES, PLAIN, RIGHT, TABLE
 from rubnoise.simulation.state import LiveRows
 from tests.models import FIG5_SLIDER, CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
@@ -121,8 +121,8 @@ def test_the_mean_force(run: Model, start: float | None) -> None:
     assert slider.damping * found.state.integrals["velocity_squared_integral"] > 1e-4 * abs(across)
 
 
-def starting(x: float, u: float, offset: float = 0.0) -> Start:
-    return Start(way=1.0, displacement=x, speed=u, growth=0.0, jerk=0.0, offset=offset)
+def starting(x: float, u: float, offset: float = 0.0) -> SlipStart:
+    return SlipStart(way=1.0, displacement=x, speed=u, growth=0.0, jerk=0.0, offset=offset)
 
 
 def test_uniform_cells_converge_by_the_sixth_power() -> None:

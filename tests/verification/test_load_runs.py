@@ -187,13 +187,13 @@ def test_faults_of_the_motion_are_rejected(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_the_mean_strength_does_not_stand_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
     model = loaded(**LONG, strength=UNEQUAL)
-    right = engine.LoadMotion._columns
+    right = engine.MovingSeparation._columns
 
     def averaged(self: Any, sample: Any, states: Any) -> Any:
         sample.columns["friction_force"] = model.strengths.mean * sample.columns["real_contact_area"]
         return right(self, sample, states)
 
-    monkeypatch.setattr(engine.LoadMotion, "_columns", averaged)
+    monkeypatch.setattr(engine.MovingSeparation, "_columns", averaged)
     assert abs(scores(model, "load, mean strength")["friction_force_std"]) > REJECTED
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from rubnoise.analysis.replicates import Estimate, pooled, ratio_of_pairs
+from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
 from rubnoise.analysis.summary import summarise
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.model import Model
@@ -261,7 +261,7 @@ def scores(point: dict[str, Any], found: dict[str, list[float]]) -> list[Score]:
     return [_score(name, point[name], pooled(name, found[name])) for name in reference.FIGURES]
 
 
-def _score(name: str, known: list[float], seen: Estimate) -> Score:
+def _score(name: str, known: list[float], seen: PooledEstimate) -> Score:
     """Return a score: four joint standard errors, ours by Student's law of few fields."""
     student = float(stdtrit(seen.runs - 1, FOUR_SIGMA))
     return Score(name, seen.value - known[0], hypot(student * seen.standard_error, 4.0 * known[1]))

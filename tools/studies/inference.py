@@ -32,7 +32,7 @@ import numpy as np
 from rubnoise.api.inferring import found_scenario, infer
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.inference.inference import Inference, infer_signal
+from rubnoise.inference.inference import InferenceResult, infer_signal
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model, Slider
 from rubnoise.record.sink import Columns
@@ -228,7 +228,7 @@ def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     return Signal(values=np.concatenate(kept.parts), tick=contact.tick, unit="uN", scale=1.0), values
 
 
-def read_outside(cell: Cell, seed: int) -> Inference:
+def read_outside(cell: Cell, seed: int) -> InferenceResult:
     """Return what `infer` says of a trace made outside the package, over time, with the options of the cell."""
     contact = cell.contact or Contact()
     values = trace(contact, np.random.default_rng(crc32(f"{cell.name} {seed}".encode())))
@@ -260,7 +260,7 @@ def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     )
 
 
-def _answer(cell: Cell, seed: int, begun: float, found: Inference, true: dict[str, float]) -> dict[str, Any]:
+def _answer(cell: Cell, seed: int, begun: float, found: InferenceResult, true: dict[str, float]) -> dict[str, Any]:
     answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
     answer["refused"] = found.refused_because
     answer["flags"] = [test.name for test in found.tests if test.flagged]

@@ -20,7 +20,7 @@ import numpy as np
 from small_png import small
 
 import rubnoise
-from rubnoise.analysis.replicates import Estimate, pooled
+from rubnoise.analysis.replicates import PooledEstimate, pooled
 from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.figures.catalogue import picture
@@ -62,10 +62,10 @@ class Point:
     """
 
     model: Model
-    displacement: Estimate
-    change: Estimate
-    stick_fraction: Estimate
-    sticks: Estimate
+    displacement: PooledEstimate
+    change: PooledEstimate
+    stick_fraction: PooledEstimate
+    sticks: PooledEstimate
 
     def cells(self) -> tuple[str, ...]:
         """Return a row of the table."""
@@ -83,7 +83,7 @@ class Point:
         )
 
 
-def _with_interval(figure: Estimate, form: str) -> str:
+def _with_interval(figure: PooledEstimate, form: str) -> str:
     return f"{form.format(figure.value)} ± {form.format(figure.reach)}" if figure.value else "0"
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import rubnoise
-from rubnoise.analysis.replicates import Estimate
+from rubnoise.analysis.replicates import PooledEstimate
 
 FOLDER: Final = Path(__file__).resolve().parents[2] / "tests" / "reference"
 KEPT: Final = FOLDER / "coupling.json"
@@ -53,7 +53,7 @@ def reference_of(folder: Path) -> list[dict[str, Any]]:
         ]
 
 
-def _kept(estimate: Estimate) -> list[float]:
+def _kept(estimate: PooledEstimate) -> list[float]:
     return [float(f"{estimate.value:.10g}"), float(f"{estimate.standard_error:.4g}")]
 
 

@@ -19,7 +19,7 @@ from rubnoise.analysis.comparing.motion import (
     two_way_identities,
 )
 from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
-from rubnoise.analysis.comparing.sizes import Marks, Start, mark_findings, start_findings
+from rubnoise.analysis.comparing.sizes import AliveAtStart, Marks, mark_findings, start_findings
 from rubnoise.analysis.comparing.trace import TraceSums, read_trace
 from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.records import RecordTooShort
@@ -44,7 +44,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     if missing is not None:
         length = trace.ticks * model.tick
         raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
-    births, start, marks, lives, cubes = Births(model), Start(), Marks(model), Lives(model, trace), Cubes()
+    births, start, marks, lives, cubes = Births(model), AliveAtStart(), Marks(model), Lives(model, trace), Cubes()
     path = Path(model, rows) if model.is_two_way else None
     for columns in checked_chunks(rows, "junctions", COLUMNS):
         for gathered in (births, start, marks, lives, cubes):

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.records import RecordTooShort, batch_length, error_of_mean, longer
-from rubnoise.analysis.replicates import Estimate
+from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
@@ -35,10 +35,10 @@ All three are of first order in life/record: what they leave out is about their 
 class SampleMoments:
     """Mean and std of a record in its unit, skewness and excess kurtosis; a record that never varies has zeros."""
 
-    mean: Estimate
-    std: Estimate
-    skewness: Estimate
-    excess_kurtosis: Estimate
+    mean: PooledEstimate
+    std: PooledEstimate
+    skewness: PooledEstimate
+    excess_kurtosis: PooledEstimate
 
 
 def sample_moments(values: Doubles, tick: float, model: Model | None = None) -> SampleMoments:
@@ -96,7 +96,7 @@ def _from_batches(
 
 def _estimates(figures: tuple[float, float, float, float], errors: tuple[float, float, float, float]) -> SampleMoments:
     mean, std, skewness, kurtosis = (
-        Estimate(value=value, standard_error=error) for value, error in zip(figures, errors, strict=True)
+        PooledEstimate(value=value, standard_error=error) for value, error in zip(figures, errors, strict=True)
     )
     return SampleMoments(mean=mean, std=std, skewness=skewness, excess_kurtosis=kurtosis)
 

@@ -15,7 +15,7 @@ _FOUR_SIGMA = 3.1671241833119857e-05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
+class PooledEstimate:
     """A number that so many runs give, and its standard error in the same unit; inf if it is not known.
 
     ``from_theory`` says that theory knows the error, and not the scatter of the runs.
@@ -40,11 +40,11 @@ class Estimate:
         """Whether an exact value is as near as four standard deviations of a normal number would be, or as rounding."""
         return abs(self.value - exact) <= max(self._reach(_FOUR_SIGMA), rounding)
 
-    def times(self, factor: float) -> "Estimate":
+    def times(self, factor: float) -> "PooledEstimate":
         """Return the estimate times an exact number."""
         return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
 
-    def plus(self, number: float) -> "Estimate":
+    def plus(self, number: float) -> "PooledEstimate":
         """Return the estimate plus an exact number."""
         return replace(self, value=self.value + number)
 
@@ -56,23 +56,25 @@ class Estimate:
         return float(stdtrit(self.runs - 1, 1.0 - tail)) * self.standard_error if self.runs > 1 else inf
 
 
-def estimate(values: Sequence[float]) -> Estimate:
+def estimate(values: Sequence[float]) -> PooledEstimate:
     """Return the mean of independent runs' values with its standard error, from their scatter alone."""
     found = np.asarray(values, dtype=np.float64)
-    return Estimate(value=float(found.mean()), standard_error=_error(found) if found.size > 1 else inf, runs=found.size)
+    return PooledEstimate(
+        value=float(found.mean()), standard_error=_error(found) if found.size > 1 else inf, runs=found.size
+    )
 
 
-def difference(first: Estimate, second: Estimate) -> Estimate:
+def difference(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
     """Return first - second for independent runs; counts the fewer runs."""
     error = hypot(first.standard_error, second.standard_error)
-    return Estimate(value=first.value - second.value, standard_error=error, runs=min(first.runs, second.runs))
+    return PooledEstimate(value=first.value - second.value, standard_error=error, runs=min(first.runs, second.runs))
 
 
 LARGEST: Final = 1e75
 """Figures beyond it are left out as nan is: squares of their squares are not finite. None of ours come near."""
 
 
-def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> Estimate:
+def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> PooledEstimate:
     """Return a figure over replicates, nan among them left out, with the standard error that their scatter gives.
 
     Standard deviations are pooled as squares: the root of their mean square falls less short of the true one than their
@@ -80,29 +82,31 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> E
     """
     found = np.array([value for value in values if abs(value) <= LARGEST])
     if not found.size:
-        return Estimate(value=nan, standard_error=inf, runs=0)
+        return PooledEstimate(value=nan, standard_error=inf, runs=0)
     if found.size == 1:
         known = isfinite(standard_error)
-        return Estimate(
+        return PooledEstimate(
             value=float(found[0]), standard_error=standard_error if known else inf, runs=1, from_theory=known
         )
     if not name.endswith("_std"):
         return estimate(found.tolist())
     squares = np.square(found)
     value = sqrt(float(squares.mean()))
-    return Estimate(value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size)
+    return PooledEstimate(
+        value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size
+    )
 
 
-def ratio(first: Estimate, second: Estimate) -> Estimate:
+def ratio(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
     """Return first / second for independent runs, with the standard error of first order; counts the fewer runs."""
     if not first.value or not second.value:
-        return Estimate(value=nan, standard_error=inf, runs=0)
+        return PooledEstimate(value=nan, standard_error=inf, runs=0)
     value = first.value / second.value
     relative = hypot(first.standard_error / first.value, second.standard_error / second.value)
-    return Estimate(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
+    return PooledEstimate(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
 
 
-def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -> Estimate:
+def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -> PooledEstimate:
     """Return first / second of a figure over runs that were made in pairs, each pair on the same seed.
 
     What a pair has in common cancels: with r = sum a / sum b over pairs (of standard deviations their squares, and the
@@ -112,14 +116,14 @@ def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -
         [pair for pair in zip(first, second, strict=True) if all(abs(value) <= LARGEST for value in pair)]
     ).reshape(-1, 2)
     if not len(pairs) or not pairs[:, 1].any():
-        return Estimate(value=nan, standard_error=inf, runs=0)
+        return PooledEstimate(value=nan, standard_error=inf, runs=0)
     squared = name.endswith("_std")
     one, other = (np.square(pairs) if squared else pairs).T
     value = float(one.sum() / other.sum())
     error = _error(one - value * other) / abs(float(other.mean())) if len(pairs) > 1 else inf
     if squared:
         value, error = sqrt(value), error / (2.0 * sqrt(value)) if value else 0.0
-    return Estimate(value=value, standard_error=error, runs=len(pairs))
+    return PooledEstimate(value=value, standard_error=error, runs=len(pairs))
 
 
 def _error(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:

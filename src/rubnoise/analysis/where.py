@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import Refused
 from rubnoise.record.sink import Columns
 from rubnoise.scenario.problems import Place, Problem
-from rubnoise.storage.schema import JUNCTIONS, Column
+from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
 
 Sort = Literal["name", "number", "comparison", "and", "or", "not", "(", ")", "end"]
@@ -160,7 +160,7 @@ class Condition:
     chosen: Choose
 
 
-def condition(text: str, columns: Sequence[Column] = JUNCTIONS.columns) -> Condition:
+def condition(text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> Condition:
     """Return the condition that a text writes about rows with these columns.
 
     Raises ConditionRefused, with the text and a caret below what is wrong, where it writes none.
@@ -181,7 +181,7 @@ def did_you_mean(word: str, names: Iterable[str]) -> str:
 class _Reader:
     """Reads a condition from left to right, one word ahead; ``named`` are the columns that it has met."""
 
-    def __init__(self, text: str, columns: Sequence[Column]) -> None:
+    def __init__(self, text: str, columns: Sequence[Dataset]) -> None:
         self._text = text
         self._columns = {column.name: column for column in columns}
         self._tokens = tokens(text)
@@ -305,7 +305,7 @@ class _Reader:
         bit = STATES[word.text]
         return lambda rows: (rows["state"] & bit) != 0 if bit else rows["state"] == 0
 
-    def _value(self, side: Token, column: Column) -> Callable[[Columns], Any]:
+    def _value(self, side: Token, column: Dataset) -> Callable[[Columns], Any]:
         if side.sort == "name":
             self.named.add(side.text)
             return lambda rows: rows[side.text]
@@ -314,7 +314,7 @@ class _Reader:
             raise self._refused(side, "too large a number")
         return lambda _: value
 
-    def _quantity(self, side: Token, column: Column) -> float:
+    def _quantity(self, side: Token, column: Dataset) -> float:
         unit = side.text[side.digits :].strip(" ")
         if unit in STATES or unit in self._columns:
             raise refusal(self._text, side.end - len(unit), side.end, f'"{unit}" does not belong here', _JOINED)

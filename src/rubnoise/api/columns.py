@@ -39,7 +39,7 @@ class Column(NDArrayOperatorsMixin):
 
     ndim = 1
 
-    def __init__(self, about: schema.Column, rows: int, read: Read) -> None:
+    def __init__(self, about: schema.Dataset, rows: int, read: Read) -> None:
         """Stand for a column of a number of rows, which ``read`` reads."""
         self.name = about.name
         self.units = about.units

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Inference(inference.Inference):
+class Inference(inference.InferenceResult):
     """What a trace shows about its junctions: ``found.estimates["diameter"].interval``.
 
     ``estimates`` by name, ``tests`` of the trace against the model, ``flags`` what speaks against it, ``laws``
@@ -36,7 +36,7 @@ class Inference(inference.Inference):
     strength: Any = None
 
     @classmethod
-    def of(cls, found: inference.Inference, *, name: str, speed: Any, strength: Any) -> Self:
+    def of(cls, found: inference.InferenceResult, *, name: str, speed: Any, strength: Any) -> Self:
         """Keep what was found with the name of its trace, its speed and its known strength."""
         kept = {each.name: getattr(found, each.name) for each in fields(found)}
         return cls(**kept, name=name, speed=speed, strength=strength)

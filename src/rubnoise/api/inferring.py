@@ -297,7 +297,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
 
 
-def found_scenario(found: inference.Inference, *, speed: Any = None, strength: Any = None) -> str:
+def found_scenario(found: inference.InferenceResult, *, speed: Any = None, strength: Any = None) -> str:
     """Return the text of a scenario that simulates what was found, over the distance of the trace.
 
     Raises Refused where number or strength is not identified: a scenario needs both.

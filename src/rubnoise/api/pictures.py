@@ -11,7 +11,7 @@ from rubnoise.api.estimates import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused
-from rubnoise.inference.inference import Inference
+from rubnoise.inference.inference import InferenceResult
 from rubnoise.units import LENGTH, QuantityError, in_unit, read_quantity
 
 if TYPE_CHECKING:
@@ -111,14 +111,14 @@ def appearance(size: str | None, style: str, *, title: bool) -> "Appearance":
     return Appearance(inches=None if size is None else in_inches(size), style=style, title=title)
 
 
-def drawn_fit(found: Inference) -> "Figure":
+def drawn_fit(found: InferenceResult) -> "Figure":
     """Draw what an inference found and return its figure (see rubnoise.Inference.plot)."""
     from rubnoise.figures.inference import figure
 
     return figure(found)
 
 
-def page_of_fit(found: Inference, name: str, lines: list[str]) -> str:
+def page_of_fit(found: InferenceResult, name: str, lines: list[str]) -> str:
     """Return the page of an inference (see rubnoise.Inference.report)."""
     from rubnoise.figures.inference import page
 

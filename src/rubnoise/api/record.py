@@ -144,7 +144,7 @@ class MemoryReader:
         return self._record.groups[group][name][start:stop]
 
 
-def _column(about: schema.Column, values: NDArray[Any]) -> Column:
+def _column(about: schema.Dataset, values: NDArray[Any]) -> Column:
     def read(start: int, stop: int) -> NDArray[Any]:
         return values[start:stop]
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from rubnoise.analysis.replicates import Estimate
+    from rubnoise.analysis.replicates import PooledEstimate
     from rubnoise.api.kinds import Style
     from rubnoise.scenario import Scenario
 
@@ -122,7 +122,7 @@ class SweepResult(Opened):
         """Return how many runs are "planned", "done" or "failed"."""
         return int(np.count_nonzero(self.runs["state"][:] == state))
 
-    def estimates(self, figure: str) -> "list[Estimate]":
+    def estimates(self, figure: str) -> "list[PooledEstimate]":
         """Return a figure of every point, pooled over its replicates: a mean, of standard deviations that of squares.
 
         Raises KeyError for a figure that no run has.
@@ -132,7 +132,7 @@ class SweepResult(Opened):
         values, point = self.runs[figure][:], self.runs["point"][:]
         return [pooled(figure, values[point == number].tolist()) for number in range(len(self.points))]
 
-    def ratios(self, figure: str, key: str, value: Any) -> "list[Estimate]":
+    def ratios(self, figure: str, key: str, value: Any) -> "list[PooledEstimate]":
         """Return a figure of every point over that of the point which differs from it in having a value of a swept key.
 
         Runs on the same seed are compared pair by pair, since what they have in common cancels. Raises KeyError for a

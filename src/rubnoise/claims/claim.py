@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import isnan
 
-from rubnoise.analysis.replicates import Estimate
+from rubnoise.analysis.replicates import PooledEstimate
 
 _CLOSE = 0.05
 """Relative difference up to which a printed number needs a correction and not another claim."""
@@ -28,7 +28,7 @@ class ClaimedNumber:
     """
 
     name: str
-    simulated: Estimate
+    simulated: PooledEstimate
     exact: float
     unit: str = ""
     printed: float | None = None

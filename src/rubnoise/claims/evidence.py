@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rubnoise.analysis.replicates import Estimate, estimate
+from rubnoise.analysis.replicates import PooledEstimate, estimate
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario.shipped import shipped
@@ -24,7 +24,7 @@ class Found:
 
     model: Model
     values: Mapping[str, Any]
-    numbers: dict[str, Estimate]
+    numbers: dict[str, PooledEstimate]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,5 +83,5 @@ def gather(name: str, read: Read, report: Report) -> Evidence:
     )
 
 
-def _together(runs: list[dict[str, float]]) -> dict[str, Estimate]:
+def _together(runs: list[dict[str, float]]) -> dict[str, PooledEstimate]:
     return {name: estimate([run[name] for run in runs]) for name in runs[0]}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import isnan, log
 
-from rubnoise.analysis.replicates import Estimate, ratio
+from rubnoise.analysis.replicates import PooledEstimate, ratio
 from rubnoise.claims.claim import ClaimedNumber
 
 Range = tuple[float, float]
@@ -74,10 +74,10 @@ class FieldClaim:
         return {None: FieldVerdict.NO_TEST, True: FieldVerdict.AGREES, False: FieldVerdict.DISAGREES}[agree]
 
 
-def exponent(near: Estimate, far: Estimate, factor: float) -> Estimate:
+def exponent(near: PooledEstimate, far: PooledEstimate, factor: float) -> PooledEstimate:
     """Return n of a power law between two points whose variable differs by ``factor``: ln(far/near) / ln(factor)."""
     found = ratio(far, near)
-    return Estimate(
+    return PooledEstimate(
         value=log(found.value) / log(factor),
         standard_error=found.standard_error / found.value / abs(log(factor)),
         runs=found.runs,
@@ -85,7 +85,12 @@ def exponent(near: Estimate, far: Estimate, factor: float) -> Estimate:
 
 
 def exponent_of(
-    name: str, near: tuple[Estimate, float], far: tuple[Estimate, float], factor: float, *, times: float = 1.0
+    name: str,
+    near: tuple[PooledEstimate, float],
+    far: tuple[PooledEstimate, float],
+    factor: float,
+    *,
+    times: float = 1.0,
 ) -> ClaimedNumber:
     """Return an exponent, simulated and exact, times a number that turns one variable into another.
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import inf, log10, nan
 
-from rubnoise.analysis.replicates import Estimate, ratio
+from rubnoise.analysis.replicates import PooledEstimate, ratio
 from rubnoise.claims import sources
 from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
@@ -46,7 +46,7 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     ]
 
 
-def _amplitude(point: Found, of: str = "velocity") -> tuple[Estimate, float]:
+def _amplitude(point: Found, of: str = "velocity") -> tuple[PooledEstimate, float]:
     """Return an amplitude of the slider as simulated and, one-way, as exact."""
     exact = nan if point.model.is_two_way else getattr(response(point.model), f"{of}_std")
     return point.numbers[f"{of}_std"], exact
@@ -197,7 +197,7 @@ def _damping(found: Evidence) -> FieldClaim:
         quantity=ClaimedNumber(
             name="level of velocity at ten times the damping",
             unit="dB",
-            simulated=Estimate(
+            simulated=PooledEstimate(
                 value=20.0 * log10(quotient.value),
                 standard_error=20.0 / _LN_10 * quotient.standard_error / quotient.value,
                 runs=quotient.runs,

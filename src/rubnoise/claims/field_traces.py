@@ -7,7 +7,7 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
-from rubnoise.analysis.replicates import Estimate
+from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
 from rubnoise.claims.claim import ClaimedNumber
@@ -157,7 +157,7 @@ def _rabinowicz_1955(paper: Found, loaded: Found, fine: Found) -> list[FieldClai
     ]
 
 
-def _relative_std(point: Found) -> tuple[Estimate, float]:
+def _relative_std(point: Found) -> tuple[PooledEstimate, float]:
     area = area_cumulants(point.model)
     return point.numbers["relative_std"], area.std / area.mean
 

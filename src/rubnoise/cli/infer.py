@@ -15,7 +15,7 @@ from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
-    from rubnoise.inference.inference import Inference, OtherPulse
+    from rubnoise.inference.inference import InferenceResult, OtherPulse
 
 NAMES = (
     "junction_count",
@@ -195,7 +195,7 @@ def command(
         raise TraceDoubtful(f"{printable(trace)}: flagged: {'; '.join(found.flags)}")
 
 
-def contents(found: "Inference", trace: str) -> dict[str, Any]:
+def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
     """Return an inference by name."""
     return {
         "trace": trace,
@@ -227,7 +227,7 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
     }
 
 
-def _other(found: "Inference") -> dict[str, Any]:
+def _other(found: "InferenceResult") -> dict[str, Any]:
     told = {}
     for key, other in (("offset", found.other_offset), ("shape", found.other_shape)):
         if other is not None:
@@ -261,7 +261,7 @@ _LABELS = {
 }
 
 
-def described(found: "Inference", trace: str) -> Iterator[str]:
+def described(found: "InferenceResult", trace: str) -> Iterator[str]:
     """Yield what was found, line by line."""
     yield from _heading(found, trace)
     if found.refused_because is not None:
@@ -291,7 +291,7 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
         yield remark(f"{'FLAGGED: ' if test.flagged else ''}{in_shell(test.words)} (p = {test.p:.2g})")
 
 
-def _heading(found: "Inference", trace: str) -> Iterator[str]:
+def _heading(found: "InferenceResult", trace: str) -> Iterator[str]:
     """Yield how long the trace is, and what of it was left out."""
     signal = found.signal
     length = signal.tick * signal.values.size
@@ -300,7 +300,7 @@ def _heading(found: "Inference", trace: str) -> Iterator[str]:
         yield remark(words)
 
 
-def _granted(found: "Inference") -> Iterator[str]:
+def _granted(found: "InferenceResult") -> Iterator[str]:
     """Yield what was taken for granted, and how number and strength move with it."""
     if found.assumptions:
         yield "taken for granted"

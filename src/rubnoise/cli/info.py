@@ -14,7 +14,7 @@ from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.replicates import Estimate
+    from rubnoise.analysis.replicates import PooledEstimate
     from rubnoise.api import Run
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.storage.layout import RunDescription
@@ -284,7 +284,7 @@ def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
     return key, next(values[key] for values in sweep.values if str(values[key]) == text)
 
 
-def _interval(estimate: "Estimate") -> dict[str, float | int | None]:
+def _interval(estimate: "PooledEstimate") -> dict[str, float | int | None]:
     """Return value, standard error, 95 % interval and the number of runs; None for what is not known."""
     numbers = {
         "value": estimate.value,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.selection import RowNumbers
     from rubnoise.analysis.where import Condition
     from rubnoise.record.reader import Rows
-    from rubnoise.storage.schema import Column
+    from rubnoise.storage.schema import Dataset
 
 ROWS_SHOWN = 20
 """Rows printed as text by default."""
@@ -77,7 +77,7 @@ class ChosenRows:
     sort: str | None
     rows: "RowNumbers"
     total: int
-    columns: "tuple[Column, ...]"
+    columns: "tuple[Dataset, ...]"
 
     @classmethod
     def of(
@@ -183,8 +183,8 @@ def _named_columns(tree: "Condition | None", sort: str | None) -> frozenset[str]
 
 
 def _chosen_columns(
-    columns: str | None, there: "tuple[Column, ...]", named: frozenset[str] | None
-) -> "tuple[Column, ...]":
+    columns: str | None, there: "tuple[Dataset, ...]", named: frozenset[str] | None
+) -> "tuple[Dataset, ...]":
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         twice = next((name for name in names if names.count(name) > 1), None)
@@ -196,7 +196,7 @@ def _chosen_columns(
     return tuple(column for column in there if column.name in named.union(BRIEF))
 
 
-def _column_named(name: str, option: str, there: "tuple[Column, ...]") -> "Column":
+def _column_named(name: str, option: str, there: "tuple[Dataset, ...]") -> "Dataset":
     from rubnoise.analysis.where import did_you_mean
     from rubnoise.storage.schema import JUNCTIONS
 

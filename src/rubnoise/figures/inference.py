@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, as_bytes, house_style, logarithmic, new_figure
-from rubnoise.inference.inference import Inference
+from rubnoise.inference.inference import InferenceResult
 from rubnoise.web_page import web_page
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _STYLE = (
 )
 
 
-def page(found: Inference, name: str, lines: list[str]) -> str:
+def page(found: InferenceResult, name: str, lines: list[str]) -> str:
     """Return a page of HTML that needs no network: the texts of the command, and five pictures."""
     with house_style():
         picture = as_bytes(_drawn(found), "svg").decode("utf-8")
@@ -35,13 +35,13 @@ def page(found: Inference, name: str, lines: list[str]) -> str:
     return web_page(body, title=title, styles=[_STYLE])
 
 
-def figure(found: Inference) -> "Figure":
+def figure(found: InferenceResult) -> "Figure":
     """Return trace, spectrum, residuals, autocorrelation and histogram as one figure, which a notebook shows."""
     with house_style():
         return _drawn(found)
 
 
-def _drawn(found: Inference) -> "Figure":
+def _drawn(found: InferenceResult) -> "Figure":
     fit, signal = found.fit, found.signal
     if fit is None:
         raise AssertionError("an inference that was refused has no picture")

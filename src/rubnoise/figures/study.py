@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.replicates import Estimate, pooled
+from rubnoise.analysis.replicates import PooledEstimate, pooled
 from rubnoise.analysis.summary import expected_figure
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
@@ -39,7 +39,7 @@ class Spot:
     place: float
     numbers: Mapping[str, float]
     label: str
-    seen: Estimate
+    seen: PooledEstimate
     exact: float
     scenario: Scenario
 

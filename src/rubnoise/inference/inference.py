@@ -69,7 +69,7 @@ class OtherPulse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Inference:
+class InferenceResult:
     """What a trace shows about its junctions.
 
     ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
@@ -118,7 +118,7 @@ def infer_signal(
     drift: bool = False,
     assumed: Assumed = NOTHING,
     tests: bool = True,
-) -> Inference:
+) -> InferenceResult:
     """Return what a signal tells: by its spectrum, and by its mean where the zero of the sensor is known.
 
     Strokes of both ways tell the zero themselves. ``strength`` in MPa is E[psi], where it is known; ``masked`` are
@@ -168,7 +168,7 @@ def infer_signal(
         return _other(fitted(pulse_of(shape, offset)), best, signal) if tests and (asked or doubtful) else None
 
     estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
-    return Inference(
+    return InferenceResult(
         estimates=estimates,
         not_identified=_not_identified(best, signal, compared=compared),
         law=best.problem.population.name,
@@ -187,8 +187,8 @@ def infer_signal(
     )
 
 
-def _refusal(signal: Signal, reason: str) -> Inference:
-    return Inference(
+def _refusal(signal: Signal, reason: str) -> InferenceResult:
+    return InferenceResult(
         estimates={},
         not_identified={},
         law="",

@@ -22,7 +22,7 @@ from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import packed, page
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.resume import CommittedRun
-from rubnoise.storage.schema import GROUPS, JUNCTIONS, Column
+from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
 
@@ -180,11 +180,11 @@ def _tick_bytes(stretch: Stretch) -> float:
     )
 
 
-def _column(name: str) -> Column:
+def _column(name: str) -> Dataset:
     return next(column for column in JUNCTIONS.columns if column.name == name)
 
 
-def _column_data(column: Column, values: NDArray[Any]) -> dict[str, Any]:
+def _column_data(column: Dataset, values: NDArray[Any]) -> dict[str, Any]:
     return {"units": column.units, "means": column.long_name, **packed(values)}
 
 

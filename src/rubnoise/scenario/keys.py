@@ -8,7 +8,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from rubnoise.contact.births import BIRTHS
-from rubnoise.contact.laws import LAWS, Entry
+from rubnoise.contact.laws import LAWS, LawEntry
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
 from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
@@ -301,7 +301,7 @@ def _own_keys(
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
 
 
-def _takes(entry: Entry, key: str) -> bool:
+def _takes(entry: LawEntry, key: str) -> bool:
     return any(each.name == key for each in entry.parameters)
 
 

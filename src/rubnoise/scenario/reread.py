@@ -13,7 +13,7 @@ from rubnoise.scenario.problems import report
 from rubnoise.scenario.reading import examined
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
-from rubnoise.scenario.sweep import Choice, Sweep
+from rubnoise.scenario.sweep import PointOverlay, Sweep
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
 
 NAME: Final = "scenario_toml"
@@ -81,7 +81,7 @@ def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Re
     table, wrong = read_table(given)
     if given.problems or wrong:
         raise ScenarioRefused(report([*given.problems, *wrong]))
-    choice = Choice(NAME, "", origin=given, axes=table.axes, indices=_indices(table, run))
+    choice = PointOverlay(NAME, "", origin=given, axes=table.axes, indices=_indices(table, run))
     scenario = _scenario(given.topped(choice, without=SWEEP))
     replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
     seeds = frozenset(point.seed for point in replicates)

@@ -89,7 +89,7 @@ _ENGINE_OF_SWEEPS = "batch"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice(Overlay):
+class PointOverlay(Overlay):
     """What one point puts on top of the file: a value for every swept key, which stands in the list of its axis."""
 
     origin: Layers
@@ -197,7 +197,7 @@ def _checked(given: Layers) -> Sweep:
 
 
 def _examined(given: Layers, table: Table, indices: tuple[int, ...]) -> Examined:
-    choice = Choice(given.main.name, "", origin=given, axes=table.axes, indices=indices)
+    choice = PointOverlay(given.main.name, "", origin=given, axes=table.axes, indices=indices)
     scenario, problems = examined(given.topped(choice, without=SWEEP))
     return Examined(values=choice.values, scenario=scenario, problems=problems)
 

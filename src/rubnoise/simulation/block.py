@@ -21,7 +21,7 @@ from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
 from rubnoise.simulation.kernels import Scratch, peak_areas
-from rubnoise.simulation.load import LoadMotion
+from rubnoise.simulation.load import MovingSeparation
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.slider import Propagator, SliderMotion
 from rubnoise.simulation.state import MOVING, LiveRows, State
@@ -35,7 +35,7 @@ SCRATCH_NUMBERS: Final = 12 * LARGEST_TICK_RANGE
 heap where it is more than twice the largest piece ever freed: after a run, all arrays of a tick range, which the next
 one would have to be given anew."""
 
-Motion = SliderMotion | LoadMotion
+Motion = SliderMotion | MovingSeparation
 
 Watch = Callable[[float, int, int], None]
 """Called after each tick range: distance reached (um), junctions born, live count. It may raise to stop the run."""
@@ -134,7 +134,7 @@ def _motion(run: RunSetup, state: State) -> Motion | None:
         return None
     moving = {name: getattr(state, name) for name in MOVING}
     if run.model.separation is not None:
-        return LoadMotion(run.model, run.model.separation, run.constants, run.scratch, **moving)
+        return MovingSeparation(run.model, run.model.separation, run.constants, run.scratch, **moving)
     return SliderMotion(run.model, run.constants, run.scratch, **moving)
 
 
@@ -152,7 +152,7 @@ def _moving(
         return lambda tick_range, rows, _: two_way.through(rows, tick_range.last_distance)
     if motion is None:
         return None
-    if isinstance(motion, LoadMotion):
+    if isinstance(motion, MovingSeparation):
         return partial(_write_load, slider, starts)
     return partial(_write_slider, slider, motion, starts)
 
@@ -161,7 +161,7 @@ def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, ro
     # The moments of the force come with its sum where the slider needs them over the ticks themselves.
     moving = run.constants is not None and run.constants.cells_per_tick == 1
     found = sample(run.model, rows, tick_range, run.scratch if moving else None)
-    if isinstance(motion, LoadMotion):
+    if isinstance(motion, MovingSeparation):
         found = motion.through(tick_range, rows, found)  # the force in /trace is the one that the load leaves
     run.sink.write("trace", tick_range.first, found.columns)
     if run.watch is not None:

@@ -84,7 +84,7 @@ def advance_load(
 
 
 @dataclass(slots=True)
-class LoadMotion:
+class MovingSeparation:
     """A separation and its slider on their way: their places (um) and velocities (um/s) are at the last finished tick.
 
     ``scratch`` is for the moments of cells that are not ticks.

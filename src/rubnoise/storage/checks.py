@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.schema import CHUNK_ROWS, Column, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
 
 ATTRIBUTE_BYTES = 1 << 22
 ATTRIBUTES_LIMIT = 256
@@ -25,7 +25,7 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
     return found
 
 
-def sound_dataset(owner: h5py.Group, column: Column, file_size: int) -> h5py.Dataset:
+def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> h5py.Dataset:
     """Return the dataset of a column, its type, shape and storage as the schema has them.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than

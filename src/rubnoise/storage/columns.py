@@ -13,7 +13,7 @@ from rubnoise.arrays import Bytes
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingPlace
-from rubnoise.storage.layout import Place
+from rubnoise.storage.layout import ByteRange
 
 PIECE_BYTES: Final = 1 << 15
 """Bytes that wait at most: to touch more memory for the first time costs more than the calls that it saves."""
@@ -38,7 +38,7 @@ class ColumnFile:
     none is taken before somebody asks.
     """
 
-    def __init__(self, descriptor: int, place: Place | GrowingPlace, *, hashed: bool = True) -> None:
+    def __init__(self, descriptor: int, place: ByteRange | GrowingPlace, *, hashed: bool = True) -> None:
         self._descriptor = descriptor
         self._place = place
         self._dtype = np.dtype(place.dtype)
@@ -58,7 +58,7 @@ class ColumnFile:
         """Where the column begins in its file; 0 for one without rows, and for one that grows."""
         return self._place.offset
 
-    def moved(self, descriptor: int, place: Place) -> "ColumnFile":
+    def moved(self, descriptor: int, place: ByteRange) -> "ColumnFile":
         """Return the column where all of its rows have been copied to."""
         column = ColumnFile(descriptor, place)
         column._hash, column.rows_written = self._hash, self.rows_written

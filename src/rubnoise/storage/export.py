@@ -15,7 +15,7 @@ from rubnoise.storage.output import check_output, naming_file, whole_files
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.resume import refusal
-from rubnoise.storage.schema import CONVENTIONS, Column, Group, Scalar
+from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
 Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
@@ -35,7 +35,7 @@ class ExportTable:
 
     file: RunFile
     group: Group
-    columns: tuple[Column, ...]
+    columns: tuple[Dataset, ...]
     rows: int
 
     @classmethod
@@ -72,7 +72,7 @@ def origin(file: RunFile) -> dict[str, Scalar]:
     }
 
 
-def heading(column: Column) -> str:
+def heading(column: Dataset) -> str:
     """Return a column's name with its unit, in letters that every tool takes for a name: max_area_um2.
 
     A power loses its ^, a slash reads per, and what is a plain number has no unit: velocity_um_per_s, state.
@@ -123,7 +123,7 @@ def _write_table(owner: Any, table: ExportTable, between: Callable[[], None]) ->
         between()
 
 
-def _variable(owner: Any, column: Column, dimension: str) -> Any:
+def _variable(owner: Any, column: Dataset, dimension: str) -> Any:
     variable = owner.create_variable(column.name, (dimension,), np.dtype(column.dtype))
     variable.attrs.update({"units": column.units, "long_name": column.long_name, "symbol": column.symbol})
     attribute, codes = column.coded
@@ -149,7 +149,7 @@ def write_parquet(
             between()
 
 
-def _field(column: Column) -> Any:
+def _field(column: Dataset) -> Any:
     import pyarrow as pa
 
     about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}

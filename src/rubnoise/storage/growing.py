@@ -14,7 +14,7 @@ from typing import Final, Self
 import numpy as np
 
 from rubnoise.storage import disk
-from rubnoise.storage.layout import DTYPES, Name, Place
+from rubnoise.storage.layout import DTYPES, ByteRange, Name
 from rubnoise.storage.schema import GROUPS
 
 STEP_BYTES: Final = 1 << 18
@@ -142,7 +142,7 @@ class GrowingFile:
             disk.sync_folder(self._path.parent)
             self._named = True
 
-    def copy(self, name: Name, place: Place, target: int) -> None:
+    def copy(self, name: Name, place: ByteRange, target: int) -> None:
         """Copy a column to its place in another open file, in one piece; not where a power cut has taken rows of it."""
         source, left, offset = self.place(name), place.end - place.offset, place.offset
         if place.rows > source.held:

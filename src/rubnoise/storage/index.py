@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rubnoise.storage.layout import stored_columns
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.provenance import now, package_version
-from rubnoise.storage.schema import CONVENTIONS, HASH, LOAD, SLIDER, TRACE, Column, Feature, Group
+from rubnoise.storage.schema import CONVENTIONS, HASH, LOAD, SLIDER, TRACE, Dataset, Feature, Group
 from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text, text_bytes
 
 FORMAT: Final = "rubnoise-sweep"
@@ -36,15 +36,15 @@ TEXTS: Final = (
 """The attributes of an index that are not the same in all of them."""
 
 ROWS_AT_ONCE: Final = 4096
-RUN: Final = Column(name="run", dtype="<i8", units="1", symbol="r", long_name="row number of the run")
-POINT: Final = Column(name="point", dtype="<i8", units="1", symbol="p", long_name="number of the point")
+RUN: Final = Dataset(name="run", dtype="<i8", units="1", symbol="r", long_name="row number of the run")
+POINT: Final = Dataset(name="point", dtype="<i8", units="1", symbol="p", long_name="number of the point")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Filled:
     """A column of the index with its values: numbers, or texts as bytes of one length."""
 
-    about: Column
+    about: Dataset
     values: NDArray[Any]
 
 
@@ -68,7 +68,7 @@ class Stack:
         of_load = {LOAD: self.ticks} if "load" in self.features else {}
         return {TRACE: self.ticks} | of_slider | of_load
 
-    def columns(self, group: Group) -> tuple[Column, ...]:
+    def columns(self, group: Group) -> tuple[Dataset, ...]:
         """The columns of a group that its runs have, the scale first."""
         return stored_columns(group, self.features)
 
@@ -153,14 +153,14 @@ def describe(file: h5py.File, index: Index) -> None:
     put_text(file, HASH, seal_of_index(attributes, hashes))
 
 
-def create_scale(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py.Dataset:
+def create_scale(owner: h5py.Group, about: Dataset, values: NDArray[Any]) -> h5py.Dataset:
     """Create the column on which the others depend."""
     scale = described(owner, about, values)
     scale.make_scale(about.name)
     return scale
 
 
-def described(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py.Dataset:
+def described(owner: h5py.Group, about: Dataset, values: NDArray[Any]) -> h5py.Dataset:
     """Create a column with its values, what they are, and their hash."""
     raw = np.asarray(values, dtype=about.dtype)
     dataset = describe_column(owner.create_dataset(about.name, data=raw), about)
@@ -168,7 +168,7 @@ def described(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py.Da
     return dataset
 
 
-def describe_column(dataset: h5py.Dataset, about: Column) -> h5py.Dataset:
+def describe_column(dataset: h5py.Dataset, about: Dataset) -> h5py.Dataset:
     """Say of a dataset what it is."""
     for name, text in {"units": about.units, "long_name": about.long_name, "symbol": about.symbol}.items():
         if text:
@@ -194,7 +194,7 @@ def _refer(owner: h5py.Group, group: Group, count: int, stack: Stack) -> None:
 
 
 def _virtual(
-    owner: h5py.Group, about: Column, files: Sequence[str], group: Group, count: int, *, flat: bool
+    owner: h5py.Group, about: Dataset, files: Sequence[str], group: Group, count: int, *, flat: bool
 ) -> h5py.Dataset:
     """Create a dataset that stands for the columns of files; by HDF5's own calls, as h5py's take five times as long."""
     shape = (count,) if flat else (len(files), count)

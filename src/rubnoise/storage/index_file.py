@@ -14,7 +14,7 @@ from rubnoise.record.reader import Reader
 from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
 from rubnoise.storage.reader import OpenFile, RunFile, open_run, opened
 from rubnoise.storage.rows import StoredColumn
-from rubnoise.storage.schema import HASH, Column
+from rubnoise.storage.schema import HASH, Dataset
 
 if TYPE_CHECKING:
     pass
@@ -51,7 +51,7 @@ class IndexFile(OpenFile):
         """Return the columns that are unreadable or have another hash than is kept beside them, by their paths."""
         return tuple(path for path, kept in self.hashes.items() if self._hash(*path[1:].split("/", 1)) != kept)
 
-    def columns(self, group: str) -> tuple[Column, ...]:
+    def columns(self, group: str) -> tuple[Dataset, ...]:
         """Return what the columns of "points", "runs" or "summaries" are, in their order; texts have a dtype of str."""
         return tuple(_about(name, place) for name, place in self._places[group].items())
 
@@ -93,11 +93,11 @@ def open_index(path: str | os.PathLike[str]) -> IndexFile:
     return opened(IndexFile, path)
 
 
-def _about(name: str, place: Mapping[str, Any]) -> Column:
+def _about(name: str, place: Mapping[str, Any]) -> Dataset:
     kind = np.dtype(place["dtype"])
     dtype = f"<U{kind.itemsize}" if kind.kind == "S" else kind.str
     units, meaning = (str(place.get(about, "")) for about in ("units", "long_name"))
-    return Column(name=name, units=units, long_name=meaning, symbol="", dtype=dtype)
+    return Dataset(name=name, units=units, long_name=meaning, symbol="", dtype=dtype)
 
 
 def _decoded(values: NDArray[Any]) -> NDArray[Any]:

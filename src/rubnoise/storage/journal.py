@@ -22,7 +22,7 @@ from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.columns import Mark
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.layout import DTYPES, Name, Place, RunDescription
+from rubnoise.storage.layout import DTYPES, ByteRange, Name, RunDescription
 
 Kind = Literal["run", "rows", "end"]
 """What a record holds: which run this is; how far its rows are; what is yet to be written for the file to be whole."""
@@ -140,7 +140,7 @@ class Ending:
 
     pieces: tuple[tuple[int, bytes], ...]
     size: int
-    grown: tuple[tuple[Name, Place], ...] = ()
+    grown: tuple[tuple[Name, ByteRange], ...] = ()
 
     def packed(self) -> bytes:
         """Return it as the content of a record."""
@@ -161,7 +161,7 @@ class Ending:
             begin += length
         grown = json.loads(content[begin:]) if content[begin:] else []
         grown = tuple(
-            ((group, name), Place(offset=int(offset), rows=int(rows), dtype=DTYPES[group, name]))
+            ((group, name), ByteRange(offset=int(offset), rows=int(rows), dtype=DTYPES[group, name]))
             for group, name, offset, rows in grown
         )
         return cls(tuple(pieces), size, grown)

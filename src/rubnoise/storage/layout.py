@@ -12,7 +12,7 @@ from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.provenance import Provenance
-from rubnoise.storage.schema import GROUPS, Column, Feature, Group
+from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
 STRUCTURE_BYTES = 24 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
@@ -57,7 +57,7 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
     )
 
 
-def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, ...]:
+def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Dataset, ...]:
     """Return the columns that a group has in a run with these features, the scale first."""
     kept = (column for column in group.columns if column.needs is None or column.needs in features)
     return tuple(column.as_in(features) for column in kept)
@@ -94,7 +94,7 @@ def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
     )
 
 
-def _all_columns(features: frozenset[Feature]) -> Iterator[tuple[Group, Column]]:
+def _all_columns(features: frozenset[Feature]) -> Iterator[tuple[Group, Dataset]]:
     for group in stored_groups(features):
         for column in stored_columns(group, features):
             yield group, column
@@ -104,7 +104,7 @@ DTYPES: Final = {(group.name, column.name): column.dtype for group in GROUPS for
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class ByteRange:
     """Where the bytes of a contiguous column lie in its file; without rows they lie nowhere and the offset is 0."""
 
     offset: int
@@ -129,16 +129,16 @@ class Place:
         yield self.offset + first, size
 
 
-def places_of(found: Mapping[str, Any]) -> dict[Name, Place]:
+def places_of(found: Mapping[str, Any]) -> dict[Name, ByteRange]:
     """Return where the columns lie that read_structure has found; those in chunks have no place of their own."""
     return {
-        (group, name): Place(offset=place.get("offset", 0), rows=place["rows"], dtype=DTYPES[group, name])
+        (group, name): ByteRange(offset=place.get("offset", 0), rows=place["rows"], dtype=DTYPES[group, name])
         for group, columns in found["columns"].items()
         for name, place in columns.items()
     }
 
 
-def between(columns: Iterable[Place], size: int) -> tuple[range, ...]:
+def between(columns: Iterable[ByteRange], size: int) -> tuple[range, ...]:
     """Return the places of a file that hold no rows, in order.
 
     Raises RunFileRefused where columns lie over one another or beyond the file.

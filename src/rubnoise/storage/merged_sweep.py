@@ -19,7 +19,7 @@ from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_
 from rubnoise.storage.index_file import open_index, open_named
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Column
+from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Dataset
 from rubnoise.storage.structure import LIBRARY_VERSIONS
 
 COPIED: Final = ("points", RUNS, SUMMARIES)
@@ -180,23 +180,23 @@ def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[
         raise RunFileRefused(f"{run.path}: damaged: /{group}/{name} is not what its hash was taken of")
 
 
-def _junctions(run: RunFile, row: int, column: Column) -> Iterator[tuple[int, NDArray[Any]]]:
+def _junctions(run: RunFile, row: int, column: Dataset) -> Iterator[tuple[int, NDArray[Any]]]:
     """Return a column of the junctions of a run, which may be the number of the run, or one that it does not have."""
     if column.name in run.columns[JUNCTIONS.name]:
         return _panels(run, JUNCTIONS.name, column.name)
     return _same(row if column is RUN else _missing(column), column, run.rows("junctions"))
 
 
-def _same(value: object, about: Column, count: int) -> Iterator[tuple[int, NDArray[Any]]]:
+def _same(value: object, about: Dataset, count: int) -> Iterator[tuple[int, NDArray[Any]]]:
     """Yield a column that has one value in all of its rows, as `_panels` does."""
     for first in range(0, count, CHUNK_ROWS):
         yield first, np.full(min(CHUNK_ROWS, count - first), value, dtype=about.dtype)
 
 
-def _missing(about: Column) -> float | int:
+def _missing(about: Dataset) -> float | int:
     return np.nan if np.dtype(about.dtype).kind == "f" else 0
 
 
-def _empty(owner: h5py.Group, about: Column, shape: tuple[int, ...]) -> h5py.Dataset:
+def _empty(owner: h5py.Group, about: Dataset, shape: tuple[int, ...]) -> h5py.Dataset:
     empty = owner.create_dataset(about.name, shape, np.dtype(about.dtype), fillvalue=_missing(about))
     return describe_column(empty, about)

@@ -22,7 +22,7 @@ from rubnoise.storage.columns import ColumnFile, Mark
 from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.inspection import check_structure
 from rubnoise.storage.journal import Commit, Ending
-from rubnoise.storage.layout import Name, Place, RunDescription, between, digest_of, grows, stored_groups
+from rubnoise.storage.layout import ByteRange, Name, RunDescription, between, digest_of, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
 from rubnoise.storage.output import OutputPaths, is_file, reserve
 from rubnoise.storage.pages import PagedFile, Unfailing
@@ -129,7 +129,7 @@ class Part:
     def __init__(
         self,
         descriptor: int,
-        columns: Mapping[Name, Place],
+        columns: Mapping[Name, ByteRange],
         structure: PagedFile,
         pulse: Pulse,
         growing: GrowingFile | None = None,

@@ -18,7 +18,7 @@ from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, TEXTS
 from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.rows import REMEDY
-from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
+from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Dataset, Feature, Scalar
 from rubnoise.storage.seal import read_provenance, read_root, read_seal, read_summary
 
 
@@ -104,7 +104,7 @@ def _columns(file: h5py.File, features: frozenset[Feature], size: int) -> dict[s
     return found
 
 
-def _column(owner: h5py.Group, column: Column, size: int) -> dict[str, Any]:
+def _column(owner: h5py.Group, column: Dataset, size: int) -> dict[str, Any]:
     dataset = sound_dataset(owner, column, size)
     place: dict[str, Any] = {"rows": dataset.size, "digest": _or_refusal(lambda: read_text(dataset, HASH))}
     if dataset.chunks is None:

@@ -25,7 +25,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk, lock
-from rubnoise.storage.layout import DTYPES, Name, Place, between, digest_of, places_of, row_count, stored_extent
+from rubnoise.storage.layout import DTYPES, ByteRange, Name, between, digest_of, places_of, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
@@ -139,7 +139,7 @@ class RunFile(OpenFile):
         return {group: tuple(columns) for group, columns in self._columns.items()}
 
     @property
-    def places(self) -> dict[Name, Place]:
+    def places(self) -> dict[Name, ByteRange]:
         """Where the columns lie; those that are compressed have no place of their own."""
         return places_of(self._found)
 

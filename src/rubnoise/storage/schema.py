@@ -23,7 +23,7 @@ HASH_DIGITS: Final = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Column:
+class Dataset:
     """One dataset of one dimension; ``needs`` names the feature without which it is absent.
 
     ``flags`` are the meanings of bits, ``values`` those of whole numbers. ``instead``: with a feature, what it is in
@@ -40,7 +40,7 @@ class Column:
     values: tuple[tuple[int, str], ...] = ()
     instead: tuple[tuple[Feature, str, tuple[tuple[int, str], ...]], ...] = ()
 
-    def as_in(self, features: Collection[Feature]) -> "Column":
+    def as_in(self, features: Collection[Feature]) -> "Dataset":
         """Return the column as it stands in a file with some features."""
         for feature, long_name, values in self.instead:
             if feature in features:
@@ -66,7 +66,7 @@ class Group:
     name: str
     long_name: str
     length: Literal["junctions", "ticks", "slider", "load", "landmarks", "balance", "blocks", "curve", "table"]
-    columns: tuple[Column, ...]
+    columns: tuple[Dataset, ...]
     plotted: str
     needs: tuple[Feature, ...] = ()
     grows: tuple[Feature, ...] = ()
@@ -98,33 +98,35 @@ JUNCTIONS: Final = Group(
         ),
     ),
     columns=(
-        Column(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
-        Column(
+        Dataset(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
+        Dataset(
             name="encounter", dtype="<i8", units="1", symbol="i", long_name="number of the summit touched", needs="free"
         ),
-        Column(name="birth_distance", units="um", symbol="s_birth", long_name="sliding distance at first touch"),
-        Column(name="death_distance", units="um", symbol="s_death", long_name="sliding distance at separation"),
-        Column(name="life_distance", units="um", symbol="L_j", long_name="sliding distance from birth to death"),
-        Column(name="diameter", units="um", symbol="d", long_name="diameter of the two circles in contact"),
-        Column(
+        Dataset(name="birth_distance", units="um", symbol="s_birth", long_name="sliding distance at first touch"),
+        Dataset(name="death_distance", units="um", symbol="s_death", long_name="sliding distance at separation"),
+        Dataset(name="life_distance", units="um", symbol="L_j", long_name="sliding distance from birth to death"),
+        Dataset(name="diameter", units="um", symbol="d", long_name="diameter of the two circles in contact"),
+        Dataset(
             name="lateral_offset",
             units="um",
             symbol="b",
             long_name="distance of one circle's centre from the line of the other's, across the motion",
             needs="offset",
         ),
-        Column(name="max_area", units="um^2", symbol="A_jmax", long_name="area at full overlap"),
-        Column(name="max_overlap", units="um", symbol="delta_max", long_name="largest overlap in height", needs="free"),
-        Column(
+        Dataset(name="max_area", units="um^2", symbol="A_jmax", long_name="area at full overlap"),
+        Dataset(
+            name="max_overlap", units="um", symbol="delta_max", long_name="largest overlap in height", needs="free"
+        ),
+        Dataset(
             name="shear_strength",
             units="MPa",
             symbol="psi",
             long_name="shear strength of the junction",
             needs="strength",
         ),
-        Column(name="birth_time", units="s", symbol="t_birth", long_name="time of first touch", needs="speed"),
-        Column(name="death_time", units="s", symbol="t_death", long_name="time of separation", needs="speed"),
-        Column(
+        Dataset(name="birth_time", units="s", symbol="t_birth", long_name="time of first touch", needs="speed"),
+        Dataset(name="death_time", units="s", symbol="t_death", long_name="time of separation", needs="speed"),
+        Dataset(
             name="state",
             dtype="|u1",
             units="1",
@@ -141,10 +143,10 @@ TRACE: Final = Group(
     length="ticks",
     plotted="real_contact_area",
     columns=(
-        Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
-        Column(name="real_contact_area", units="um^2", symbol="A_r", long_name="real contact area"),
-        Column(name="junction_count", dtype="<u4", units="1", symbol="N_j", long_name="number of live junctions"),
-        Column(name="friction_force", units="uN", symbol="F_s", long_name="friction force", needs="strength"),
+        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Dataset(name="real_contact_area", units="um^2", symbol="A_r", long_name="real contact area"),
+        Dataset(name="junction_count", dtype="<u4", units="1", symbol="N_j", long_name="number of live junctions"),
+        Dataset(name="friction_force", units="uN", symbol="F_s", long_name="friction force", needs="strength"),
     ),
 )
 
@@ -156,12 +158,12 @@ SLIDER: Final = Group(
     grows=("slider",),
     plotted="displacement",
     columns=(
-        Column(name="time", units="s", symbol="t", long_name="time"),
-        Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
-        Column(name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider"),
-        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
-        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
-        Column(
+        Dataset(name="time", units="s", symbol="t", long_name="time"),
+        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Dataset(name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider"),
+        Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
+        Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
+        Dataset(
             name="phase",
             dtype="|u1",
             units="1",
@@ -182,17 +184,17 @@ LOAD: Final = Group(
     plotted="separation",
     instead=(("free", "the slider as it rises and falls under its load, free to leave its contact", "separation"),),
     columns=(
-        Column(name="time", units="s", symbol="t", long_name="time"),
-        Column(
+        Dataset(name="time", units="s", symbol="t", long_name="time"),
+        Dataset(
             name="separation",
             units="um",
             symbol="z",
             long_name="separation of the surfaces less its mean",
             instead=(("free", "separation of the surfaces less that at rest", ()),),
         ),
-        Column(name="velocity", units="um/s", symbol="z'", long_name="normal velocity of the slider"),
-        Column(name="load", units="uN", symbol="P", long_name="load that the junctions bear"),
-        Column(
+        Dataset(name="velocity", units="um/s", symbol="z'", long_name="normal velocity of the slider"),
+        Dataset(name="load", units="uN", symbol="P", long_name="load that the junctions bear"),
+        Dataset(
             name="live_overlap",
             units="um",
             symbol="delta",
@@ -210,10 +212,10 @@ LANDMARKS: Final = Group(
     plotted="displacement",
     instead=(("free", "where the slider loses contact, and makes it again", "impact_speed"),),
     columns=(
-        Column(name="landmark", dtype="<i8", units="1", symbol="n", long_name="row number of the landmark"),
-        Column(name="time", units="s", symbol="t", long_name="time"),
-        Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
-        Column(
+        Dataset(name="landmark", dtype="<i8", units="1", symbol="n", long_name="row number of the landmark"),
+        Dataset(name="time", units="s", symbol="t", long_name="time"),
+        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Dataset(
             name="kind",
             dtype="|u1",
             units="1",
@@ -222,23 +224,23 @@ LANDMARKS: Final = Group(
             values=_values(LandmarkKind) + _values(ContactKind),
             instead=(("two-way", "what the slider begins", _values(LandmarkKind)),),
         ),
-        Column(
+        Dataset(
             name="impact_speed",
             units="um/s",
             symbol="v_imp",
             long_name="how fast the overlap grows where contact is made, and shrinks where it is lost",
             needs="free",
         ),
-        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider", needs="slider"),
-        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider", needs="slider"),
-        Column(
+        Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider", needs="slider"),
+        Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider", needs="slider"),
+        Dataset(
             name="force_before",
             units="uN",
             symbol="F_-",
             long_name="friction force on the slider just before",
             needs="two-way",
         ),
-        Column(
+        Dataset(
             name="force_after",
             units="uN",
             symbol="F_+",
@@ -255,36 +257,36 @@ BALANCE: Final = Group(
     needs=("two-way",),
     plotted="displacement",
     columns=(
-        Column(name="time", units="s", symbol="t", long_name="time at the end of the run"),
-        Column(name="distance", units="um", symbol="s", long_name="sliding distance at the end of the run"),
-        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider at the end"),
-        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider at the end"),
-        Column(name="time_stuck", units="s", symbol="t_stick", long_name="time that the slider has stuck"),
-        Column(
+        Dataset(name="time", units="s", symbol="t", long_name="time at the end of the run"),
+        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance at the end of the run"),
+        Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider at the end"),
+        Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider at the end"),
+        Dataset(name="time_stuck", units="s", symbol="t_stick", long_name="time that the slider has stuck"),
+        Dataset(
             name="displacement_integral",
             units="um*s",
             symbol="I_x",
             long_name="integral of the displacement over time",
         ),
-        Column(
+        Dataset(
             name="displacement_squared_integral",
             units="um^2*s",
             symbol="I_xx",
             long_name="integral of the squared displacement over time",
         ),
-        Column(
+        Dataset(
             name="velocity_squared_integral",
             units="um^2/s",
             symbol="I_vv",
             long_name="integral of the squared velocity over time",
         ),
-        Column(
+        Dataset(
             name="friction_work",
             units="uN*um",
             symbol="W",
             long_name="work of friction: integral of the force that the contact bears over the path",
         ),
-        Column(
+        Dataset(
             name="reverse_work", units="uN*um", symbol="W_-", long_name="the part of friction_work done in reversals"
         ),
     ),
@@ -298,25 +300,25 @@ BLOCKS: Final = Group(
     plotted="birth_distance",
     instead=(("free", "where every stretch begins, and rows of /junctions known by then", "birth_distance"),),
     columns=(
-        Column(name="block", dtype="<i8", units="1", symbol="k", long_name="number of the block"),
-        Column(name="birth_distance", units="um", symbol="s_birth", long_name="first birth that belongs to the block"),
-        Column(name="first_junction", dtype="<i8", units="1", symbol="j_0", long_name="junctions born before it"),
-        Column(name="first_tick", dtype="<i8", units="1", symbol="i_0", long_name="ticks finished before it"),
-        Column(
+        Dataset(name="block", dtype="<i8", units="1", symbol="k", long_name="number of the block"),
+        Dataset(name="birth_distance", units="um", symbol="s_birth", long_name="first birth that belongs to the block"),
+        Dataset(name="first_junction", dtype="<i8", units="1", symbol="j_0", long_name="junctions born before it"),
+        Dataset(name="first_tick", dtype="<i8", units="1", symbol="i_0", long_name="ticks finished before it"),
+        Dataset(
             name="time",
             units="s",
             symbol="t",
             long_name="time of the last row of /slider before the slider reaches it",
             needs="two-way",
         ),
-        Column(
+        Dataset(
             name="distance",
             units="um",
             symbol="s",
             long_name="sliding distance in that row",
             needs="two-way",
         ),
-        Column(
+        Dataset(
             name="phase",
             dtype="|u1",
             units="1",
@@ -325,21 +327,21 @@ BLOCKS: Final = Group(
             needs="two-way",
             values=_values(Phase),
         ),
-        Column(
+        Dataset(
             name="displacement",
             units="um",
             symbol="x",
             long_name="displacement of the slider at the last tick before it",
             needs="slider",
         ),
-        Column(
+        Dataset(
             name="velocity",
             units="um/s",
             symbol="x'",
             long_name="velocity of the slider at the last tick before it",
             needs="slider",
         ),
-        Column(
+        Dataset(
             name="separation",
             units="um",
             symbol="z",
@@ -347,7 +349,7 @@ BLOCKS: Final = Group(
             instead=(("free", "separation less that at rest at the last tick before it", ()),),
             needs="load",
         ),
-        Column(
+        Dataset(
             name="separation_velocity",
             units="um/s",
             symbol="z'",
@@ -364,8 +366,8 @@ LIFE_CURVE: Final = Group(
     lacks=("offset", "free"),
     plotted="area_fraction",
     columns=(
-        Column(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
-        Column(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
+        Dataset(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
+        Dataset(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
     ),
 )
 
@@ -376,16 +378,16 @@ LIFE_TABLE: Final = Group(
     needs=("offset",),
     plotted="area_fraction",
     columns=(
-        Column(
+        Dataset(
             name="u", units="1", symbol="u", long_name="sliding distance since birth over half of the life, from 0 to 2"
         ),
-        Column(
+        Dataset(
             name="offset_fraction",
             units="1",
             symbol="b/d",
             long_name="size of the lateral offset over diameter, from 0 to 1 for each u",
         ),
-        Column(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
+        Dataset(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
     ),
 )
 

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.storage.layout import Name, Place, RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
 from rubnoise.storage.schema import (
@@ -20,7 +20,7 @@ from rubnoise.storage.schema import (
     GROUPS,
     HASH,
     HASH_DIGITS,
-    Column,
+    Dataset,
     Group,
     Scalar,
     motion_of,
@@ -33,7 +33,7 @@ ATTRIBUTES_IN_HEADER = 1 << 15
 """More than any group has."""
 
 
-def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> dict[Name, Place]:
+def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> dict[Name, ByteRange]:
     """Build the whole structure in an empty file and return where its columns lie.
 
     Columns are contiguous, or chunks when ``compressed``, which have no place of their own.
@@ -41,7 +41,7 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
     root = root_attributes(description)
     for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
         _put(file.id, name, value)
-    places: dict[Name, Place] = {}
+    places: dict[Name, ByteRange] = {}
     for group in stored_groups(description.features):
         rows, columns = row_count(group, description.extent), stored_columns(group, description.features)
         about = group.about(description.features)
@@ -54,9 +54,9 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
     return places
 
 
-def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, Place]:
+def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, ByteRange]:
     """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
-    places: dict[Name, Place] = {}
+    places: dict[Name, ByteRange] = {}
     features = motion_of(file["junctions"])
     for group in GROUPS:
         if group.name in rows:
@@ -92,8 +92,8 @@ def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
     _put(owner.id, name, text)
 
 
-def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
-    return Place(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
+def _place(dataset: h5py.h5d.DatasetID, column: Dataset) -> ByteRange:
+    return ByteRange(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
 
 
 def root_attributes(description: RunDescription) -> dict[str, Scalar]:
@@ -110,8 +110,14 @@ def root_attributes(description: RunDescription) -> dict[str, Scalar]:
 
 
 def _compose_group(
-    file: h5py.File, group: Group, about: tuple[str, str], stored: tuple[Column, ...], rows: int, *, compressed: bool
-) -> list[tuple[Column, h5py.h5d.DatasetID]]:
+    file: h5py.File,
+    group: Group,
+    about: tuple[str, str],
+    stored: tuple[Dataset, ...],
+    rows: int,
+    *,
+    compressed: bool,
+) -> list[tuple[Dataset, h5py.h5d.DatasetID]]:
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
     creation = _chunked(min(rows, CHUNK_ROWS)) if compressed and rows else _contiguous()
@@ -181,7 +187,7 @@ def _describe_group(owner: h5py.h5g.GroupID, about: tuple[str, str], scale: str)
     _put(owner, "axes", (scale,))
 
 
-def _describe_column(dataset: h5py.h5d.DatasetID, column: Column) -> None:
+def _describe_column(dataset: h5py.h5d.DatasetID, column: Dataset) -> None:
     _put(dataset, "units", column.units)
     _put(dataset, "long_name", column.long_name)
     _put(dataset, "symbol", column.symbol)

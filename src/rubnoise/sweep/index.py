@@ -20,7 +20,7 @@ from rubnoise.storage.index_file import open_index
 from rubnoise.storage.layout import features_of
 from rubnoise.storage.merged_sweep import write_merged
 from rubnoise.storage.output import whole_file
-from rubnoise.storage.schema import SLIDER, TRACE, Column
+from rubnoise.storage.schema import SLIDER, TRACE, Dataset
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.run_status import DONE, RecordedRuns, RunStatus
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
@@ -41,20 +41,20 @@ _PURE: Final = ("skewness", "kurtosis")
 def text(name: str, meaning: str, texts: Sequence[str]) -> Filled:
     """Return texts as bytes of one length; at least two, as h5netcdf hands single bytes over undecoded."""
     raw = [each.encode("utf-8", "backslashreplace") for each in texts]
-    about = Column(name=name, units="", long_name=meaning, symbol="", dtype=f"|S{max(2, *map(len, [b'', *raw]))}")
+    about = Dataset(name=name, units="", long_name=meaning, symbol="", dtype=f"|S{max(2, *map(len, [b'', *raw]))}")
     return Filled(about=about, values=np.array(raw, about.dtype))
 
 
 def whole(name: str, meaning: str, numbers: Sequence[int]) -> Filled:
     """Return whole numbers."""
-    about = Column(name=name, units="1", long_name=meaning, symbol="", dtype="<i8")
+    about = Dataset(name=name, units="1", long_name=meaning, symbol="", dtype="<i8")
     return Filled(about=about, values=np.array(numbers, dtype=np.int64))
 
 
 def figure(name: str, values: NDArray[np.float64]) -> Filled:
     """Return a figure of /summary, in the unit of the quantity with whose name its own begins."""
     return Filled(
-        about=Column(name=name, units=_unit(name), long_name=name.replace("_", " "), symbol=""), values=values
+        about=Dataset(name=name, units=_unit(name), long_name=name.replace("_", " "), symbol=""), values=values
     )
 
 
@@ -72,7 +72,7 @@ def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
     meaning = SECTIONS[section].model_fields[name].description or name
     units = {(value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1") for value in values}
     if len(units) == 1 and all(isinstance(value, int | float) for value in values):
-        about = Column(name=key, units=units.pop(), long_name=meaning, symbol="")
+        about = Dataset(name=key, units=units.pop(), long_name=meaning, symbol="")
         return Filled(about=about, values=np.array(values, dtype=np.float64))
     return text(key, meaning, [value.as_text() if isinstance(value, Quantity) else str(value) for value in values])
 

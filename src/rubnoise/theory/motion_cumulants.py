@@ -23,7 +23,7 @@ _SMALL = 1e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FreeMotion:
+class FreeDecay:
     """m x'' + c x' + k x = 0 with a = c/(2m) and r^2 = a^2 - k/m: ``rate`` a and ``square_root`` r^2 in s^-1, s^-2."""
 
     rate: float
@@ -54,10 +54,10 @@ class FreeMotion:
         return np.real(0.5 * (slow + fast)), np.where(few, series, np.real(divided))
 
 
-def free_motion(slider: Slider) -> FreeMotion:
+def free_motion(slider: Slider) -> FreeDecay:
     """Return the free motion of a slider; its square root is taken as a product, which keeps its digits near 0."""
     rate, natural = slider.damping / (2.0 * slider.mass), slider.natural_angular_frequency
-    return FreeMotion(rate=rate, square_root=(rate - natural) * (rate + natural), natural=natural)
+    return FreeDecay(rate=rate, square_root=(rate - natural) * (rate + natural), natural=natural)
 
 
 Powers = tuple[int, int]
@@ -117,7 +117,7 @@ def panels_of_half_a_life(drive: Drive, diameter: float) -> int:
 
 
 def _driven(
-    free: FreeMotion, times: Doubles, steps: Doubles, area: Doubles, ends: Doubles
+    free: FreeDecay, times: Doubles, steps: Doubles, area: Doubles, ends: Doubles
 ) -> tuple[Doubles, Doubles, tuple[Doubles, Doubles]]:
     """Return int odd(t - u) A du and int even(t - u) A du at all nodes, and both at the end of the life.
 
@@ -143,15 +143,13 @@ def _driven(
     return swing.reshape(times.shape), surge.reshape(times.shape), state
 
 
-def _moved(
-    free: FreeMotion, motion: tuple[Doubles, Doubles], state: tuple[Doubles, Doubles]
-) -> tuple[Doubles, Doubles]:
+def _moved(free: FreeDecay, motion: tuple[Doubles, Doubles], state: tuple[Doubles, Doubles]) -> tuple[Doubles, Doubles]:
     even, odd = motion
     swing, surge = state
     return even * swing + odd * surge, even * surge + free.square_root * odd * swing
 
 
-def _after(free: FreeMotion, state: tuple[Doubles, Doubles], mass: float) -> tuple[Doubles, Doubles, Doubles]:
+def _after(free: FreeDecay, state: tuple[Doubles, Doubles], mass: float) -> tuple[Doubles, Doubles, Doubles]:
     """Return weights, displacement and velocity at nodes of the decay from a state, over what does not repeat."""
     horizon = _GONE / free.slowest
     if free.square_root < 0.0:
@@ -167,7 +165,7 @@ def _after(free: FreeMotion, state: tuple[Doubles, Doubles], mass: float) -> tup
     return weights[:, None], swing / mass, (surge - free.rate * swing) / mass
 
 
-def _repeats(free: FreeMotion) -> float:
+def _repeats(free: FreeDecay) -> float:
     """Return what half a turn leaves of a ringing slider, with its sign; 0 where it is gone by then."""
     if free.square_root >= 0.0:
         return 0.0

@@ -161,7 +161,7 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
     return float(second), float(third), float(m4 - 4 * m1 * m3 + 6 * m1**2 * m2 - 3 * m1**4)
 
 
-class Start:
+class AliveAtStart:
     """Gathers the rows of junctions that were alive at the start."""
 
     def __init__(self) -> None:
@@ -193,7 +193,7 @@ class Start:
         return np.concatenate(self._offsets) if self._offsets else None
 
 
-def start_findings(model: Model, start: Start) -> list[Finding]:
+def start_findings(model: Model, start: AliveAtStart) -> list[Finding]:
     """Return number, ages and diameters at the start beside their laws; raises Refused unless births are random.
 
     The number is Poisson(lam E[life]), ages are uniform over a life, diameters have a density proportional to d f(d),

@@ -8,7 +8,7 @@ from typing import Final
 
 from rubnoise.contact.births import gamma, poisson, regular, scattered
 from rubnoise.contact.births.gamma import GammaBirths
-from rubnoise.contact.births.law import BirthLaw, Entry, GapLaw, Key
+from rubnoise.contact.births.law import BirthLaw, BirthLawEntry, GapLaw, Key
 from rubnoise.contact.births.poisson import PoissonBirths
 from rubnoise.contact.births.regular import RegularBirths
 from rubnoise.contact.births.scattered import ClusteredBirths, JitteredBirths, ScatteredBirths
@@ -16,8 +16,8 @@ from rubnoise.contact.births.scattered import ClusteredBirths, JitteredBirths, S
 __all__ = [
     "BIRTHS",
     "BirthLaw",
+    "BirthLawEntry",
     "ClusteredBirths",
-    "Entry",
     "GammaBirths",
     "GapLaw",
     "JitteredBirths",
@@ -27,7 +27,7 @@ __all__ = [
     "ScatteredBirths",
 ]
 
-BIRTHS: Final[dict[str, Entry]] = {
+BIRTHS: Final[dict[str, BirthLawEntry]] = {
     entry.name: entry
     for entry in (poisson.ENTRY, regular.ENTRY, gamma.ENTRY, scattered.CLUSTERED_ENTRY, scattered.JITTERED_ENTRY)
 }

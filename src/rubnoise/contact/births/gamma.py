@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births.law import Entry, Key
+from rubnoise.contact.births.law import BirthLawEntry, Key
 from rubnoise.contact.deviates import gamma_deviates
 from rubnoise.contact.laws.law import LEAST
 
@@ -76,7 +76,7 @@ def _exactly(shape: float, more: int = 0) -> Any:
         return mpmath.mpf(shape) + more
 
 
-ENTRY = Entry(
+ENTRY = BirthLawEntry(
     name="gamma",
     about="independent gamma gaps of a shape: 1 is poisson, large is regular, below 1 comes in bunches",
     make=GammaBirths,

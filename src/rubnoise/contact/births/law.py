@@ -62,7 +62,7 @@ class Key:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class BirthLawEntry:
     """A law of births: its name in scenarios, what a page says of it, the keys it takes, and how it is made.
 
     ``make`` takes mean_spacing (um) and the keys by name: lengths in um, ratios as parts of 1.

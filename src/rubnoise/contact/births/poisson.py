@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births.law import Entry
+from rubnoise.contact.births.law import BirthLawEntry
 from rubnoise.contact.deviates import exponential
 
 
@@ -57,4 +57,4 @@ class PoissonBirths:
         return 0.0
 
 
-ENTRY = Entry(name="poisson", about="independent exponential gaps of sliding distance", make=PoissonBirths)
+ENTRY = BirthLawEntry(name="poisson", about="independent exponential gaps of sliding distance", make=PoissonBirths)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births.law import Entry
+from rubnoise.contact.births.law import BirthLawEntry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,4 +65,4 @@ class RegularBirths:
         return inf
 
 
-ENTRY = Entry(name="regular", about="equal gaps", make=RegularBirths)
+ENTRY = BirthLawEntry(name="regular", about="equal gaps", make=RegularBirths)

@@ -12,7 +12,7 @@ from math import ceil, floor
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births.law import Entry, Key
+from rubnoise.contact.births.law import BirthLawEntry, Key
 from rubnoise.contact.deviates import exponential, normal_quantile
 from rubnoise.streams import Stream, generator, uniforms
 
@@ -186,7 +186,7 @@ class JitteredBirths(ScatteredBirths):
         return centres + self.width * _offsets(seed, number, _CENTRES)
 
 
-CLUSTERED_ENTRY = Entry(
+CLUSTERED_ENTRY = BirthLawEntry(
     name="clustered",
     about="clusters about random places (Neyman and Scott)",
     make=ClusteredBirths,
@@ -197,7 +197,7 @@ CLUSTERED_ENTRY = Entry(
         ),
     ),
 )
-JITTERED_ENTRY = Entry(
+JITTERED_ENTRY = BirthLawEntry(
     name="jittered",
     about="equal gaps whose births are moved at random",
     make=JitteredBirths,

@@ -12,7 +12,7 @@ from rubnoise.contact.laws import discrete, fixed, gamma, lognormal, normal, pow
 from rubnoise.contact.laws.discrete import Empirical, Mixture
 from rubnoise.contact.laws.fixed import Fixed
 from rubnoise.contact.laws.gamma import Exponential, Gamma
-from rubnoise.contact.laws.law import Entry, Law, Parameter
+from rubnoise.contact.laws.law import Law, LawEntry, Parameter
 from rubnoise.contact.laws.lognormal import Lognormal
 from rubnoise.contact.laws.normal import Normal
 from rubnoise.contact.laws.power import Power
@@ -21,11 +21,11 @@ from rubnoise.contact.laws.weibull import Weibull
 __all__ = [
     "LAWS",
     "Empirical",
-    "Entry",
     "Exponential",
     "Fixed",
     "Gamma",
     "Law",
+    "LawEntry",
     "Lognormal",
     "Mixture",
     "Normal",
@@ -36,7 +36,7 @@ __all__ = [
     "law_for",
 ]
 
-LAWS: Final[dict[str, Entry]] = {
+LAWS: Final[dict[str, LawEntry]] = {
     entry.name: entry
     for entry in (
         fixed.ENTRY,
@@ -67,7 +67,7 @@ class Spread:
     parameters: tuple[tuple[str, Any], ...] = ()
 
     @property
-    def entry(self) -> Entry:
+    def entry(self) -> LawEntry:
         """The law's entry in the registry; that of one value where there is no spread."""
         entry = LAWS[self.law]
         return entry if self.absolute or self.relative or not entry.takes_spread else LAWS["fixed"]

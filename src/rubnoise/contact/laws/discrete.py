@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws.fixed import Fixed
-from rubnoise.contact.laws.law import Entry, Law
+from rubnoise.contact.laws.law import Law, LawEntry
 from rubnoise.streams import LARGEST_UNIFORM
 
 
@@ -133,7 +133,7 @@ def largest_of(law: Law) -> float:
     return float(law.draw(np.array([LARGEST_UNIFORM]))[0])
 
 
-Part = tuple[Entry, float, float]
+Part = tuple[LawEntry, float, float]
 """A part of a mixture as given: its law's entry, its mean, and its standard deviation over its mean."""
 
 
@@ -183,7 +183,7 @@ def _empirical_moment(centre: Any, _std: Any, own: dict[str, Any], power: int) -
     return mpmath.fsum(terms)
 
 
-MIXTURE_ENTRY = Entry(
+MIXTURE_ENTRY = LawEntry(
     name="mixture",
     about="one of several laws, each with its weight",
     make=_mixture,
@@ -191,7 +191,7 @@ MIXTURE_ENTRY = Entry(
     takes_spread=False,
     own_keys=("weights", "parts"),
 )
-EMPIRICAL_ENTRY = Entry(
+EMPIRICAL_ENTRY = LawEntry(
     name="empirical",
     about="measured values, each as likely",
     make=_empirical,

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws.law import Entry
+from rubnoise.contact.laws.law import LawEntry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ class Fixed:
         return np.full(count, self.value)
 
 
-ENTRY = Entry(
+ENTRY = LawEntry(
     name="fixed",
     about="one value",
     make=lambda centre, _std, _own: Fixed(value=centre),

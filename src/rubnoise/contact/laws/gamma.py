@@ -10,7 +10,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import density_at_the_mean, exponential, gamma_deviates, likely_range
-from rubnoise.contact.laws.law import LEAST, Entry, rounded_moment
+from rubnoise.contact.laws.law import LEAST, LawEntry, rounded_moment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +104,7 @@ def _height_and_shape(mean: float, std: float) -> tuple[float, float]:
         return float(density_at_the_mean(shape)), float(shape)
 
 
-EXPONENTIAL_ENTRY = Entry(
+EXPONENTIAL_ENTRY = LawEntry(
     name="exponential",
     about="a standard deviation equal to the mean",
     make=lambda centre, _std, _own: Exponential(mean=centre),
@@ -113,7 +113,7 @@ EXPONENTIAL_ENTRY = Entry(
     with_spread="gamma",
 )
 
-GAMMA_ENTRY = Entry(
+GAMMA_ENTRY = LawEntry(
     name="gamma",
     about="an exponential tail",
     make=lambda centre, std, _own: Gamma(mean=centre, std=std),

@@ -59,7 +59,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class LawEntry:
     """A law of the registry: its name in scenarios, what a page says of it, the keys it takes, and how it is made.
 
     ``make`` takes centre, standard deviation and the law's own parameters and returns the law; ``moment`` returns

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import antilogarithm, normal_above
-from rubnoise.contact.laws.law import Entry, rounded_moment
+from rubnoise.contact.laws.law import LawEntry, rounded_moment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,7 +77,7 @@ def _median_and_log_std(mean: float, std: float) -> tuple[float, float]:
         return float(mean / mpmath.sqrt(1 + variation)), float(mpmath.sqrt(mpmath.log1p(variation)))
 
 
-ENTRY = Entry(
+ENTRY = LawEntry(
     name="lognormal",
     about="a normal logarithm",
     make=lambda centre, std, _own: Lognormal(mean=centre, std=std),

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import normal_above
-from rubnoise.contact.laws.law import Entry, rounded_moment
+from rubnoise.contact.laws.law import LawEntry, rounded_moment
 from rubnoise.streams import LARGEST_UNIFORM
 
 
@@ -95,7 +95,7 @@ def _positive_mass(centre: float, std: float) -> float:
         return float(mpmath.ncdf(mpmath.mpf(centre) / std))
 
 
-ENTRY = Entry(
+ENTRY = LawEntry(
     name="normal",
     about="redrawn while not positive",
     make=lambda centre, std, _own: Normal(centre=centre, std=std),

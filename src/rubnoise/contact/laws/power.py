@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import antilogarithm, logarithm
-from rubnoise.contact.laws.law import Entry, Parameter
+from rubnoise.contact.laws.law import LawEntry, Parameter
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,7 +107,7 @@ def _unit_power_moment(power: int, exponent: float, smallest: float, largest: fl
     return power_moment(mpmath.mpf(exponent), mpmath.mpf(smallest), mpmath.mpf(largest), power)
 
 
-ENTRY = Entry(
+ENTRY = LawEntry(
     name="power",
     about="density ~ x^-exponent between smallest and largest",
     make=lambda centre, _std, own: _scaled_power(centre, **own),

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import antilogarithm, exponential, gamma_deviates, logarithm
-from rubnoise.contact.laws.law import Entry, rounded_moment
+from rubnoise.contact.laws.law import LawEntry, rounded_moment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,7 +90,7 @@ def _scale_and_exponent(mean: float, std: float) -> tuple[float, float]:
         return float(mean / mpmath.gamma(1 + exponent)), float(exponent)
 
 
-ENTRY = Entry(
+ENTRY = LawEntry(
     name="weibull",
     about="the weakest of many parts",
     make=lambda centre, std, _own: Weibull(mean=centre, std=std),

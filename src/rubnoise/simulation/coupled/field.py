@@ -53,7 +53,7 @@ AGE, SIZE, INVERSE, SHARE = range(4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Field:
+class ForceField:
     """G over the cells ``first`` ... ``end`` - 1, ``spacing`` um each.
 
     moments (3, cells): int_0^1 G P_i(2y - 1) dy over each (uN); rows: all that live anywhere in it, in order of birth;

@@ -12,7 +12,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
 from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
-from rubnoise.simulation.coupled.field import GROUP, Field
+from rubnoise.simulation.coupled.field import GROUP, ForceField
 from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
 from rubnoise.simulation.coupled.quadrature import NODES, TABLE
 from rubnoise.simulation.coupled.state import CoupledState
@@ -141,21 +141,21 @@ class CoupledMotion:
         state, constants = self.state, self._constants
         width = float(constants[layout.SPACING])
         living, births, deaths = self._living(float(begin) * width, float(end) * width)
-        field = Field.over(self._model.pulse.shape, living, begin, end, width, self._scratch)
+        field = ForceField.over(self._model.pulse.shape, living, begin, end, width, self._scratch)
         order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
         whole, numbers = state.whole.copy(), state.numbers.copy()
         whole[layout.BORN] = len(living) - np.count_nonzero(np.isnan(births))
         whole[layout.DIED] = len(living) - np.count_nonzero(np.isnan(deaths))
         met = (field.lives, field.shape, order, births, deaths)
-        motion = layout.Motion(whole, numbers, constants)
-        stretch = layout.Stretch(field.moments, begin, end, self._last, self._rest)
+        motion = layout.MotionState(whole, numbers, constants)
+        stretch = layout.CellStretch(field.moments, begin, end, self._last, self._rest)
         workspace = layout.Workspace(
             TABLE, np.zeros(WORK), np.zeros(10), np.empty(4 * (len(living) + 1)), np.empty(NODES)
         )
         code = FULL
         while code == FULL:
             before = whole.copy()
-            code = advance(motion, stretch, met, layout.Output(self._out, self._marks), workspace)
+            code = advance(motion, stretch, met, layout.RowSpace(self._out, self._marks), workspace)
             if code == LOST:
                 place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
                 raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")

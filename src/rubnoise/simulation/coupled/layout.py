@@ -46,7 +46,7 @@ IN_DISTANCE, IN_TIME = range(2)
 """What a step within a cell has for its clock."""
 
 
-class Motion(NamedTuple):
+class MotionState(NamedTuple):
     """A slider's state, changed in place, and the constants of its motion."""
 
     whole: Integers
@@ -54,7 +54,7 @@ class Motion(NamedTuple):
     constants: Doubles
 
 
-class Stretch(NamedTuple):
+class CellStretch(NamedTuple):
     """The cells ``first`` ... ``end`` - 1 with three moments of G in each; the run ends ``rest`` um into ``last``."""
 
     moments: Doubles
@@ -64,7 +64,7 @@ class Stretch(NamedTuple):
     rest: float
 
 
-class Output(NamedTuple):
+class RowSpace(NamedTuple):
     """Space for rows and for landmarks, a column each."""
 
     rows: Doubles
@@ -81,7 +81,7 @@ class Workspace(NamedTuple):
     far: Doubles
 
 
-class Start(NamedTuple):
+class SlipStart(NamedTuple):
     """Where a step in slip begins: ``way`` is +1 forward and -1 in reversal.
 
     displacement: x (um); speed: u = |w| (um/s); growth, jerk: u' and u'' (um/s^2, um/s^3), for steps in time;

@@ -36,11 +36,11 @@ from rubnoise.simulation.coupled.layout import (
     STIFFNESS,
     STUCK,
     TOUCH,
-    Motion,
-    Output,
-    Start,
+    CellStretch,
+    MotionState,
+    RowSpace,
+    SlipStart,
     Step,
-    Stretch,
     Workspace,
 )
 from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, PLAIN, RIGHT
@@ -150,7 +150,7 @@ def drag_fades(constants: Doubles, u: float, width: float, force: float) -> bool
 
 
 @compiled_within
-def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, workspace: Workspace) -> int:
+def take_cells(motion: MotionState, stretch: CellStretch, met: Met, out: Doubles, workspace: Workspace) -> int:
     """Pass uniform cells from an edge of the grid: MOVED, FULL or UNFIT."""
     whole, numbers, constants = motion
     way = -1.0 if whole[PHASE] == REVERSED else 1.0
@@ -173,7 +173,7 @@ def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, workspa
         even = abs(gain) + uneven <= constants[BEND_LIMIT] * lowest
         kinks = float(cells * cells * cells) <= 2.0 * lowest * constants[KINK_LIMIT]
         if even and kinks and fades and couples(constants, width, u, WEAK_DRAG) <= 0.02:
-            start = Start(way, x, u, 0.0, 0.0, 0.0)
+            start = SlipStart(way, x, u, 0.0, 0.0, 0.0)
             after, duration = uniform_cell(constants, start, width, (mean, way * slope, bend), workspace.work)
             if after > 0.0:
                 if numbers[OVER] + duration > float(out.shape[1] - whole[ROWS] - 2) * constants[ROW_TIME]:
@@ -196,7 +196,7 @@ def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, workspa
 
 @compiled_into
 def try_event_cell(
-    constants: Doubles, start: Start, length: float, clock: int, part: Part, workspace: Workspace
+    constants: Doubles, start: SlipStart, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, int]:
     """Return speed, size, time and clock of an event cell to a border, or of a half, a quarter ...; speed 0: none."""
     size, u = length, start.speed
@@ -212,7 +212,7 @@ def try_event_cell(
 
 @compiled_into
 def find_time_step(
-    constants: Doubles, start: Start, step: float, length: float, clock: int, part: Part, workspace: Workspace
+    constants: Doubles, start: SlipStart, step: float, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, float, int, bool]:
     """Find a step in time that is right to its tolerance, ends before the border, and at w = 0 if it comes to that.
 
@@ -247,7 +247,14 @@ def find_time_step(
 
 @compiled_into
 def take_part(
-    motion: Motion, cell: int, offset: float, limit: float, met: Met, output: Output, part: Part, workspace: Workspace
+    motion: MotionState,
+    cell: int,
+    offset: float,
+    limit: float,
+    met: Met,
+    output: RowSpace,
+    part: Part,
+    workspace: Workspace,
 ) -> int:
     """Pass a part of a gathered cell, or the whole of it, but not beyond ``limit`` um in it: MOVED, FULL or LOST."""
     whole, numbers, constants = motion
@@ -260,7 +267,7 @@ def take_part(
     if whole[FRESH] == 0:
         pull = way * (constants[STIFFNESS] * x + constants[DAMPING] * drive) - constants[DAMPING] * u
         growth = (pull - force_in_cell(offset, part)) / constants[MASS]
-    start = Start(way, x, u, growth, way * constants[STIFFNESS] * constants[DRIVE] / constants[MASS], offset)
+    start = SlipStart(way, x, u, growth, way * constants[STIFFNESS] * constants[DRIVE] / constants[MASS], offset)
     kind, ending, keep = IN_DISTANCE, MOVING, numbers[STEP]
     after, size, duration, clock = 0.0, 0.0, 0.0, border_clock
     if u > 0.0:
@@ -296,7 +303,7 @@ def take_part(
 
 
 @compiled_within
-def wanting(motion: Motion, stretch: Stretch) -> int:
+def wanting(motion: MotionState, stretch: CellStretch) -> int:
     """Return whether cells are wanted that are not there, or the run is over: AHEAD, BACK, DONE or MOVED.
 
     Cells come in groups, so that how many may be taken together does not depend on where a range ends.
@@ -313,7 +320,7 @@ def wanting(motion: Motion, stretch: Stretch) -> int:
 
 
 @compiled_bare
-def advance(motion: Motion, stretch: Stretch, met: Met, output: Output, workspace: Workspace) -> int:
+def advance(motion: MotionState, stretch: CellStretch, met: Met, output: RowSpace, workspace: Workspace) -> int:
     """Move until something is wanting, and return what: DONE, AHEAD, BACK, FULL or LOST.
 
     met: the lives in the stretch, and their first passages.

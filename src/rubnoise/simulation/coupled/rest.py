@@ -40,9 +40,9 @@ from rubnoise.simulation.coupled.layout import (
     VV_TIME,
     X_TIME,
     XX_TIME,
-    Motion,
-    Output,
-    Start,
+    MotionState,
+    RowSpace,
+    SlipStart,
     Workspace,
 )
 from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES
@@ -57,7 +57,7 @@ _LANDINGS: Final = 12
 
 
 @compiled_within
-def leave_stick(motion: Motion, output: Output) -> bool:
+def leave_stick(motion: MotionState, output: RowSpace) -> bool:
     """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was space."""
     whole, numbers, constants = motion
     step, drive, damping = constants[ROW_TIME], constants[DRIVE], constants[DAMPING]
@@ -86,7 +86,7 @@ def leave_stick(motion: Motion, output: Output) -> bool:
 
 
 @compiled_within
-def arrive(motion: Motion, marks: Doubles, force: float, ending: int) -> None:
+def arrive(motion: MotionState, marks: Doubles, force: float, ending: int) -> None:
     """Decide what follows at w = 0, where the contact can bear ``force`` uN.
 
     ending: STOPPED, or TOUCHING, which makes f = G: a stick of no length, whatever rounding makes of the difference.
@@ -137,7 +137,7 @@ def lowest_between(low: float, high: float, work: Doubles) -> float:
 
 
 @compiled_within
-def first_standstill(start: Start, end: float, touch: float, workspace: Workspace) -> float:
+def first_standstill(start: SlipStart, end: float, touch: float, workspace: Workspace) -> float:
     """Return q where u falls to 0 first in a step in time that begins with u > 0, or touches it; 2 if nowhere.
 
     A minimum below a thousandth of the largest speed has a minus sign: the step is to end there.
@@ -164,7 +164,7 @@ def first_standstill(start: Start, end: float, touch: float, workspace: Workspac
 
 @compiled_within
 def land(
-    constants: Doubles, start: Start, duration: float, clock: int, part: Part, workspace: Workspace, ending: int
+    constants: Doubles, start: SlipStart, duration: float, clock: int, part: Part, workspace: Workspace, ending: int
 ) -> tuple[float, float, float, int, bool]:
     """Make a step in time end where w = 0 (STOPPED), or where w' = 0 (TOUCHING), by Newton's method in its duration.
 

@@ -47,7 +47,7 @@ from rubnoise.simulation.coupled.layout import (
     VV_TIME,
     X_TIME,
     XX_TIME,
-    Motion,
+    MotionState,
     Step,
     Workspace,
 )
@@ -86,7 +86,7 @@ def write_row(
 
 
 @compiled_within
-def write_landmark(motion: Motion, marks: Doubles, kind: int, before: float, after: float) -> None:
+def write_landmark(motion: MotionState, marks: Doubles, kind: int, before: float, after: float) -> None:
     """Put down a landmark at the state's time and place, where w = 0; before and after: the friction force in uN."""
     whole, numbers, constants = motion
     n = whole[LANDMARKS]
@@ -134,7 +134,7 @@ def _power_value(powers: Doubles, y: float) -> float:
 
 
 @compiled_within
-def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Doubles) -> None:
+def meet_in_cells(motion: MotionState, met: Met, first: int, width: float, powers: Doubles) -> None:
     """Note the first passages of births and deaths in uniform cells; powers: 1/u as a polynomial in the place."""
     whole, numbers, constants = motion
     lives, _, order, births, deaths = met
@@ -155,7 +155,7 @@ def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Do
 
 @compiled_within
 def write_cells(
-    motion: Motion, met: Met, out: Doubles, step: Step, first: int, after: float, workspace: Workspace
+    motion: MotionState, met: Met, out: Doubles, step: Step, first: int, after: float, workspace: Workspace
 ) -> None:
     """Write the rows inside uniform cells that have just been worked out, from the state before them."""
     whole, numbers, constants = motion
@@ -190,7 +190,7 @@ def write_cells(
 
 
 @compiled_within
-def sum_uniform(motion: Motion, way: float, width: float, mean: float, work: Doubles) -> None:
+def sum_uniform(motion: MotionState, way: float, width: float, mean: float, work: Doubles) -> None:
     """Add what uniform cells bring to the integrals over time and over the path."""
     _, numbers, constants = motion
     drive, x = constants[DRIVE], numbers[DISPLACEMENT]
@@ -234,7 +234,7 @@ def place_in_step(time: float, step: Step, work: Doubles) -> float:
 
 
 @compiled_within
-def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step) -> None:
+def meet_in_part(motion: MotionState, met: Met, cell: int, offset: float, step: Step) -> None:
     """Note first passages in a step within a cell: they lie at its end, or at its beginning to within rounding."""
     whole, numbers, constants = motion
     length, duration = step.size, step.duration
@@ -255,7 +255,9 @@ def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step)
 
 
 @compiled_within
-def write_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles) -> None:
+def write_part(
+    motion: MotionState, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles
+) -> None:
     """Write the rows of an event cell, or of a step in time, from the state before it."""
     whole, numbers, constants = motion
     way, size, duration, clock, kind = step
@@ -279,7 +281,7 @@ def write_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Ste
 
 
 @compiled_within
-def sum_part(motion: Motion, step: Step, workspace: Workspace) -> None:
+def sum_part(motion: MotionState, step: Step, workspace: Workspace) -> None:
     """Add what an event cell or a step in time brings to the integrals over time and over the path."""
     _, numbers, constants = motion
     way, size, duration, clock, kind = step

@@ -19,7 +19,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, compiled_within, inlined
 from rubnoise.simulation.coupled.field import Part, force_in_lanes
-from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, Start, Workspace
+from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, SlipStart, Workspace
 from rubnoise.simulation.coupled.quadrature import (
     BOTH,
     CLOCKS,
@@ -183,7 +183,7 @@ def _relaxed(g: tuple[float, float, float], r: tuple[float, float, float]) -> tu
 
 @compiled_bare
 def uniform_cell(
-    constants: Doubles, start: Start, width: float, moments: tuple[float, float, float], work: Doubles
+    constants: Doubles, start: SlipStart, width: float, moments: tuple[float, float, float], work: Doubles
 ) -> tuple[float, float]:
     """Pass one cell, or some together; return the speed behind it and the time.
 
@@ -249,7 +249,7 @@ def through_cell(before: float, after: float, power: float, work: Doubles, power
 
 @compiled_bare
 def event_cell(
-    constants: Doubles, start: Start, length: float, clock: int, part: Part, workspace: Workspace
+    constants: Doubles, start: SlipStart, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float]:
     """Pass a length (um) of a gathered cell from an offset in it; return the speed behind it, the time, and an error.
 
@@ -308,7 +308,7 @@ def event_cell(
 
 @compiled_within
 def time_step(
-    constants: Doubles, start: Start, duration: float, clock: int, part: Part, workspace: Workspace
+    constants: Doubles, start: SlipStart, duration: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, bool]:
     """Go on for a duration (s) in a gathered cell: return speed, distance passed, error, and whether.
 
