@@ -168,7 +168,7 @@ def test_statistics_are_the_simulators(name: str) -> None:
 
 @pytest.mark.parametrize("name", STATISTICS)
 def test_statistics_of_many_long_runs_are_the_simulators(name: str) -> None:
-    compare_statistics(name, 24, 3.0)
+    compare_statistics(name, 24, 1.5)
 
 
 FRAMES = """

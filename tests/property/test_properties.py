@@ -412,7 +412,7 @@ def _changed(file: h5py.File, draw: Any) -> None:
             assume(np.any(owner.attrs[attribute] != before))
 
 
-@settings(max_examples=examples(20, 200), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(20, 100), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_whatever_a_result_says_of_itself_counts(result: Path, tmp_path: Path, data: st.DataObject) -> None:
     path = Path(copy(result, tmp_path / "x.h5"))
