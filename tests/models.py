@@ -21,7 +21,7 @@ from rubnoise.contact.births import (
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, Pulse
-from rubnoise.model import Model, Separation, Slider
+from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
@@ -118,6 +118,20 @@ def loaded(
         load=weight, hardness=1000.0, height_scale=height, mass=mass, damping=2.0 * ratio * mass * omega
     )
     return replace(held, hardness=1000.0, separation=separation)
+
+
+def bouncing(
+    *, restitution: float | None = 0.7, growth: float | None = None, ratio: float = 0.0, **changes: Any
+) -> Model:
+    """Return a slider that may leave its contact, at v = V/(c omega_c); growth: beta s_0 omega_c."""
+    shape = {"count": 0.5, "relative_speed": 1.0, "height": 5.0, "weight": 5e4, "mass": 5e-3, "tick": 0.5}
+    linear = loaded(ratio=ratio, **shape | changes)
+    held = linear.separation
+    assert held is not None
+    rate = held.oscillator.natural_angular_frequency
+    beta = None if growth is None else growth / (held.height_scale * rate)
+    free = FreeSeparation(held=held, restitution=None if growth else restitution, impact_damping=beta)
+    return replace(linear, separation=None, free=free)
 
 
 def bare(**changes: Any) -> Model:

@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NAMES = (
     "detection",
     "family",
-    "free_motion",
+    "free_cost",
     "inference",
     "load",
     "run_cost",
