@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rubnoise.cli.layout import printable, sentence, size
+from rubnoise.cli.options import ReplaceFile
 from rubnoise.cli.plot import distance
 from rubnoise.cli.progress import watching
 
@@ -29,7 +30,7 @@ def command(
     ] = None,
     seconds: Annotated[float, typer.Option(help="Length of the film.", metavar="T", min=0.1, max=600.0)] = 8.0,
     rate: Annotated[int, typer.Option("--fps", help="Frames a second.", metavar="N", min=1, max=50)] = 20,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Draw a run as a film: its junctions sliding over each other, and the growing real contact area below.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import about, grouped, groups_that_fit, line, printable
+from rubnoise.cli.options import AsJson, Changes
 from rubnoise.errors import RubnoiseError
 
 if TYPE_CHECKING:
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
 def command(
     files: Annotated[list[Path], typer.Argument(help="Scenario files.", metavar="FILE", show_default=False)],
     *,
-    changes: Annotated[
-        list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    changes: Changes = None,
+    as_json: AsJson = False,
 ) -> None:
     """Check scenarios, and print what follows from them: sizes, exact means and spreads, validity and cost.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import remark, table_row
+from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def command(
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace field.md and field.json.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Show no progress.")] = False,
 ) -> None:
     """Test every claim of the paper: its words, the numbers simulated and exact, and the verdict.

@@ -10,6 +10,7 @@ import typer
 
 from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
 from rubnoise.cli.layout import number, printable, remark, table_row
+from rubnoise.cli.options import AsJson
 from rubnoise.errors import Refused, RunOutside
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Compare the stored rows of a result with exact theory; the exit code is 3 if a value is outside.
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from rubnoise.cli.layout import line, number, remark, sentence
+from rubnoise.cli.options import AsJson
 
 
 class Heights(StrEnum):
@@ -45,7 +46,7 @@ def command(
         Path | None,
         typer.Option("-o", "--output", help="Write [interface] into a file, for scenarios to extend.", metavar="FILE"),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Work out the static contact of a rough surface with a smooth one (Greenwood and Williamson).
 

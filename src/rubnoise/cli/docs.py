@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from rubnoise.cli.layout import sentence, size
+from rubnoise.cli.options import ReplaceFile
 
 
 def command(
@@ -13,7 +14,7 @@ def command(
     output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")] = Path(
         "rubnoise.html"
     ),
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write the documentation of this version as one web page, which needs no network.
 

@@ -5,6 +5,7 @@ from typing import Annotated, Final
 
 import typer
 
+from rubnoise.cli.options import Quiet
 from rubnoise.cli.progress import StatusLine, announce_compilation, on_terminal
 
 PICTURES: Final = ("png", "pdf", "svg")
@@ -38,7 +39,7 @@ def command(
         typer.Option(help="Folder with scenarios of these names, instead of the installed ones.", metavar="DIR"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing pictures.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Draw figures 2 to 9 of the paper: simulated by the scenarios of scenarios/paper, and by exact theory.
 

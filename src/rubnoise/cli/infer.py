@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import line, printable, remark
+from rubnoise.cli.options import AsJson
 from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
@@ -132,7 +133,7 @@ def command(
     bootstrap: Annotated[
         int, typer.Option(help="Simulate so many traces of what was found, to check its errors.", metavar="N", min=0)
     ] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Write a scenario that simulates what was found.", metavar="TOML"),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import agreement_table, grouped, line, printable, sentence, size
+from rubnoise.cli.options import AsJson
 from rubnoise.cli.sweep import format_failures
 from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder
@@ -40,7 +41,7 @@ def command(
             help="The same over the points with this value of a swept key.", metavar="KEY=VALUE", show_default=False
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Show a result file, with measured and exact figures, or the progress of a run or a sweep.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.cli.layout import filled, grouped, number, printable, table_row
+from rubnoise.cli.options import AsJson
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
@@ -33,7 +34,7 @@ def command(
     ] = None,
     *,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print its curve: distance, time, area and force.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png file.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
 ) -> None:

@@ -11,6 +11,7 @@ import typer
 
 from rubnoise.cli.junction import state_names
 from rubnoise.cli.layout import grouped, groups_that_fit, number, printable
+from rubnoise.cli.options import AsJson
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def command(
     ] = None,
     columns: Annotated[str | None, typer.Option(help="The columns to print.", metavar="A,B,...")] = None,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, units in its heading.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """List the junctions that meet a condition, in order of birth or of a column.
 

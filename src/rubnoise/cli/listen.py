@@ -11,6 +11,7 @@ import typer
 
 from rubnoise import __version__
 from rubnoise.cli.layout import grouped, line, number, remark, sentence
+from rubnoise.cli.options import ReplaceFile
 from rubnoise.cli.progress import watching
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def command(
         typer.Option(help="Length of the sound, from the start; default: all.", metavar="S", show_default=False),
     ] = None,
     rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write the slider's motion as sound: band-limited, without mean, peak at -3 dB, physical scale in the file.
 

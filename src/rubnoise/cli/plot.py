@@ -12,6 +12,7 @@ import typer
 
 from rubnoise.api.kinds import Kind
 from rubnoise.cli.layout import printable
+from rubnoise.cli.options import ReplaceFile
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
@@ -101,7 +102,7 @@ def command(
         str, typer.Option(help="screen, paper (small letters) or slides (large ones).", metavar="STYLE")
     ] = "screen",
     title: Annotated[bool, typer.Option("--title/--no-title", help="With titles, or without for a caption.")] = True,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Draw a run beside theory: area, single lives, distributions, spectra, autocovariance, count, and the slider.
 

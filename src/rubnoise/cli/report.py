@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from rubnoise.cli.options import ReplaceFile
+
 
 def command(
     file: Annotated[
@@ -18,7 +20,7 @@ def command(
             "-o", "--output", help="The page to write; default: RUN_report.html, in this folder.", metavar="OUT.html"
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write a report of a result: its scenario in words, measured and exact figures, pictures, sound and origin.
 

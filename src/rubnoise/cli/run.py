@@ -6,27 +6,20 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, line, sentence, size
+from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from rubnoise.api import Run
     from rubnoise.scenario import Scenario
-
-
-ENGINES: Final = ("events", "batch")
-
-
-def engines() -> tuple[str, ...]:
-    """Return the values of --engine, which shells complete; loading the scenario refuses others."""
-    return ENGINES
 
 
 @interrupted_at_once
@@ -49,18 +42,11 @@ def command(
         list[str] | None,
         typer.Option("--set", help="Change a key, e.g. --set sliding.distance=5mm.", metavar="KEY=VALUE"),
     ] = None,
-    engine: Annotated[
-        str | None,
-        typer.Option(
-            help="events or batch, instead of the file's; both give the same bits.",
-            metavar="ENGINE",
-            autocompletion=engines,
-        ),
-    ] = None,
+    engine: EngineName = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Check everything, run nothing, write nothing.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Run a scenario and keep everything in one HDF5 file: every junction's life, area, force and motion.
 
@@ -140,8 +126,8 @@ def resume(
     ],
     *,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Resume a run after a signal, a kill, a full disk or a power cut, with the same bits.
 

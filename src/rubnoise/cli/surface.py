@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.cli.layout import line, number, printable, remark, sentence
+from rubnoise.cli.options import AsJson
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def command(
         typer.Option("-o", "--output", help="Write the scenario, or the synthetic surface.", metavar="FILE"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write a page with maps and curves.", metavar="HTML")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
     synthesise: Annotated[bool, typer.Option("--synthesise", help="Make a self-affine surface instead.")] = False,
     points: Annotated[int, typer.Option(help="Its points a side.", metavar="N")] = 512,

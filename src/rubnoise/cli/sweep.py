@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import grouped, printable, remark
+from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
-from rubnoise.cli.run import engines
 
 if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
@@ -60,20 +60,13 @@ def command(
         list[str] | None,
         typer.Option("--set", help="Change a key, e.g. --set sweep.replicates=40.", metavar="KEY=VALUE"),
     ] = None,
-    engine: Annotated[
-        str | None,
-        typer.Option(
-            help="events or batch, instead of the file's; both give the same bits.",
-            metavar="ENGINE",
-            autocompletion=engines,
-        ),
-    ] = None,
+    engine: EngineName = None,
     merge: Annotated[
         bool,
         typer.Option("--merge", help="At the end, or that of the last shard, write all into one file, merged.h5."),
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Make every run of a sweep, each a result file in one folder, with an index of them all.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import sentence, size
+from rubnoise.cli.options import ReplaceFile
 
 if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
@@ -24,7 +25,7 @@ def command(
     output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")] = Path(
         "lesson.html"
     ),
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write a web page for a class: births and deaths of junctions, controls, exact predictions and lessons.
 

@@ -10,6 +10,7 @@ import typer
 
 from rubnoise.cli.layout import ONE_WAY_ALONE, line, number, printable, remark, sentence
 from rubnoise.cli.load import format_load
+from rubnoise.cli.options import AsJson, Changes
 from rubnoise.cli.plot import check_picture, write_picture
 
 
@@ -22,9 +23,7 @@ def command(
         ),
     ] = None,
     *,
-    changes: Annotated[
-        list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")
-    ] = None,
+    changes: Changes = None,
     wavenumbers: Annotated[
         list[str] | None,
         typer.Option("--at-wavenumber", help="Wavenumbers of the spectrum, in rad/um.", metavar="K,..."),
@@ -53,7 +52,7 @@ def command(
         bool, typer.Option("--white", help="Add white noise of the same level at low frequency (Kilburn).")
     ] = False,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV, one row per number.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
 ) -> None:

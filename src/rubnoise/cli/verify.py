@@ -9,6 +9,7 @@ import typer
 
 from rubnoise.cli.commands import Command
 from rubnoise.cli.layout import grouped, printable, remark
+from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal, watching_reads
 from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
@@ -47,7 +48,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Play a run again and compare every value of its result; the exit code is 3 if something differs.
 

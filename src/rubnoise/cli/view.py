@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rubnoise.cli.options import ReplaceFile
+
 if TYPE_CHECKING:
     from rubnoise.pages.run_view import RunView
 
@@ -31,7 +33,7 @@ def command(
     stop: Annotated[
         str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write a page to explore a result: curves to zoom into, a bar for the life of each junction, and filters.
 
