@@ -6,6 +6,7 @@ from rubnoise.claims import (
     area_spread,
     contact_and_slider,
     field_levels,
+    field_normal,
     field_spectra,
     field_traces,
     rabinowicz,
@@ -17,7 +18,7 @@ from rubnoise.claims.evidence import Report
 from rubnoise.claims.field import FieldClaim
 
 _OF_PAPER = (contact_and_slider.claims, rabinowicz.claims, area_spread.claims, spectrum.claims, unequal_sizes.claims)
-_OF_FIELD = (field_levels.claims, field_spectra.claims, field_traces.claims)
+_OF_FIELD = (field_levels.claims, field_normal.claims, field_spectra.claims, field_traces.claims)
 
 ORDER = (
     "life_mean",

@@ -16,7 +16,8 @@ paper are on [another page](paper.md).
 
 A row *agrees* if the exact number lies in the published range and the 95 % interval of the runs touches it. It has
 *no test* if no number could disagree. `(2)` marks numbers that are known from the notes of others. The published
-levels are for motion normal to the surface; the rows are for the motion along it, at a constant separation.
+levels are for motion normal to the surface. Rows that say so are for a slider that may leave its contact
+([load.md](load.md#free-to-bounce)); the other rows are for the motion along the surface, at a constant separation.
 """
 
 _LOAD = """
@@ -24,7 +25,7 @@ _LOAD = """
 
 A slider that rises and falls on its load ([load.md](load.md)) has $m = (1 + n)/2$, $m$ the exponent of height and $n$
 that of speed: [theory](theory.md#exponents-of-size-and-speed) has the proof. First order alone has $n = 1$ at low
-speed and $-1/2$ at high speed, so values between need a free motion, with contact lost.
+speed and $-1/2$ at high speed. A slider that bounces has values between, in the rows above.
 """
 
 _EXPONENTS: tuple[tuple[str, Range, Range], ...] = (
@@ -43,12 +44,9 @@ seen: no test either.
 _LACKS = """
 ## What the model lacks
 
-- Shocks whose rate and strength depend on speed (Ben Abdelounis and others 2011), and jumps of the slider (Zouabi
-  2016).
 - Damping in the contact, and a nominal area (Le Bot and Bou-Chakra 2010; Le Bot and others 2011).
 - Specimens with many modes, a size and a material (Othman and Elkholy 1990).
-- A contact in a single point (Ponthus and others 2019), and excitation by displacement of both sides (Rice and
-  Moslehy 1997).
+- Excitation by displacement of both sides (Rice and Moslehy 1997).
 """
 
 
