@@ -6,6 +6,7 @@ from itertools import count, pairwise
 from pathlib import Path
 from typing import Any, ClassVar
 
+import h5py
 import numpy as np
 import pytest
 from scipy.signal import lsim
@@ -24,6 +25,7 @@ from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 from rubnoise.theory.free_motion import free_motion, height_exponent
 from rubnoise.theory.load import load_errors, load_motion
+from tests.cli.terminal import call
 from tests.models import bouncing, contents, recorded
 from tests.unit.tampering import change, scenario_of
 
@@ -298,6 +300,27 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     with rubnoise.open(result) as file:
         assert set(file.compare().outside) & seen
         assert column.split("/")[0] in {check.name for check in file.verify().different}
+
+
+@pytest.mark.parametrize("left_out", [(), ("slider",), ("slider", "strength")])
+def test_exports_and_python_say_of_every_column_what_the_file_says(left_out: tuple[str, ...], tmp_path: Path) -> None:
+    strength = {} if "strength" in left_out else {"strength": {"law": "normal", "mean": "250 MPa", "spread": "20 %"}}
+    path = tmp_path / "x.h5"
+    rubnoise.run(scenario_of("diameter", *left_out, **KEYS | strength), path, seed=2).close()
+    assert call("export", str(path), "--to", "netcdf", "-o", str(tmp_path / "x.nc")).code == 0
+    with h5py.File(path) as file, h5py.File(tmp_path / "x.nc") as exported, rubnoise.open(path) as run:
+        groups = run.groups_by_name()
+        assert ("slider" in exported) == (not left_out)
+        assert ("friction_force" in exported["trace"]) == ("strength" not in left_out)
+        for name, group in exported.items():
+            assert group.attrs["long_name"] == groups[name].long_name == file[name].attrs["long_name"].decode()
+            for column in group:
+                found, wanted = group[column].attrs, file[name][column].attrs
+                assert found["long_name"] == groups[name][column].long_name == wanted["long_name"].decode()
+                assert found.get("flag_meanings", "") == wanted.get("flag_meanings", b"").decode()
+        assert "every touch of a summit" in exported["junctions"].attrs["long_name"]
+        assert "free to leave its contact" in exported["load"].attrs["long_name"]
+        assert "loses contact" in exported["landmarks"].attrs["long_name"]
 
 
 def test_areas_are_those_of_the_summits(result: Path) -> None:

@@ -81,9 +81,9 @@ class Record(MemoryRecord, Contents):
 
     def _columns(self, group: schema.Group) -> Columns:
         arrays = self.groups[group.name]
-        features = schema.motion_of(self.groups["junctions"])
-        kept = [about.as_in(features) for about in group.columns if about.name in arrays]
-        return Columns(group, {about.name: _column(about, arrays[about.name]) for about in kept})
+        stored = group.as_in(schema.motion_of(self.groups["junctions"]))
+        kept = [about for about in stored.columns if about.name in arrays]
+        return Columns(stored, {about.name: _column(about, arrays[about.name]) for about in kept})
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return {"title": self.scenario.title if self.scenario is not None else ""}

@@ -384,11 +384,11 @@ def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open rea
 
 
 def _columns(file: Rows, name: str) -> Columns:
-    group = next(group for group in GROUPS if group.name == name)
-    rows = file.rows(name)
     features = schema.motion_of(file.columns["junctions"])
+    group = next(group for group in GROUPS if group.name == name).as_in(features)
+    rows = file.rows(name)
     found = {
-        about.name: Column(about.as_in(features), rows, partial(file.column, name, about.name))
+        about.name: Column(about, rows, partial(file.column, name, about.name))
         for about in group.columns
         if about.name in file.columns[name]
     }

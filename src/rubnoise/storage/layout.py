@@ -49,9 +49,9 @@ def features_of(model: Model) -> frozenset[Feature]:
 
 
 def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
-    """Return the groups of columns that a run with these features has."""
+    """Return the groups of columns that a run with these features has, as its file describes them."""
     return tuple(
-        group
+        group.as_in(features)
         for group in GROUPS
         if (not group.needs or not features.isdisjoint(group.needs)) and features.isdisjoint(group.lacks)
     )
@@ -59,8 +59,8 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
 
 def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Dataset, ...]:
     """Return the columns that a group has in a run with these features, the scale first."""
-    kept = (column for column in group.columns if column.needs is None or column.needs in features)
-    return tuple(column.as_in(features) for column in kept)
+    columns = group.as_in(features).columns
+    return tuple(column for column in columns if column.needs is None or column.needs in features)
 
 
 def row_count(group: Group, extent: Extent) -> int:

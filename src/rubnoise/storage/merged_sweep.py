@@ -19,7 +19,7 @@ from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_
 from rubnoise.storage.index_file import open_index, open_named
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Dataset
+from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Dataset, motion_of
 from rubnoise.storage.structure import LIBRARY_VERSIONS
 
 COPIED: Final = ("points", RUNS, SUMMARIES)
@@ -136,8 +136,9 @@ def _write_stack(
 ) -> None:
     for name, datasets in given.items():
         owner = file.create_group(f"{TRACES}/{number}/{name}", track_order=True)
-        group = next(group for group in GROUPS if group.name == name)
         rows = datasets[RUN.name][:]
+        features = motion_of(results[int(rows[0])].columns)
+        group = next(group for group in GROUPS if group.name == name).as_in(features)
         about, *rest = (column for column in group.columns if column.name in datasets)
         runs = create_scale(owner, RUN, rows)
         with open_run(results[int(rows[0])].path) as one:

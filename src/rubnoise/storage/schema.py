@@ -74,10 +74,11 @@ class Group:
     lacks: tuple[Feature, ...] = ()
     instead: tuple[tuple[Feature, str, str], ...] = ()
 
-    def about(self, features: Collection[Feature]) -> tuple[str, str]:
-        """Return what it is in words, and the column to plot, in a file with some features."""
-        said = next(((name, plotted) for feature, name, plotted in self.instead if feature in features), None)
-        return (self.long_name, self.plotted) if said is None else said
+    def as_in(self, features: Collection[Feature]) -> "Group":
+        """Return it with its columns as a file with some features describes them."""
+        said = next((words for feature, *words in self.instead if feature in features), (self.long_name, self.plotted))
+        columns = tuple(column.as_in(features) for column in self.columns)
+        return replace(self, long_name=said[0], plotted=said[1], columns=columns)
 
 
 def _values(numbers: type[IntEnum]) -> tuple[tuple[int, str], ...]:

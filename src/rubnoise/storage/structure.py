@@ -44,8 +44,7 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
     places: dict[Name, ByteRange] = {}
     for group in stored_groups(description.features):
         rows, columns = row_count(group, description.extent), stored_columns(group, description.features)
-        about = group.about(description.features)
-        for column, dataset in _compose_group(file, group, about, columns, rows, compressed=compressed):
+        for column, dataset in _compose_group(file, group, columns, rows, compressed=compressed):
             places[group.name, column.name] = _place(dataset, column)
     _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
     provenance = _create_notes(file, "provenance")
@@ -58,12 +57,11 @@ def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, ByteRange]:
     """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
     places: dict[Name, ByteRange] = {}
     features = motion_of(file["junctions"])
-    for group in GROUPS:
+    for group in (each.as_in(features) for each in GROUPS):
         if group.name in rows:
-            stored = tuple(column.as_in(features) for column in group.columns if column.name in file[group.name])
-            about = group.about(features)
+            stored = tuple(column for column in group.columns if column.name in file[group.name])
             del file[group.name]
-            for column, dataset in _compose_group(file, group, about, stored, rows[group.name], compressed=False):
+            for column, dataset in _compose_group(file, group, stored, rows[group.name], compressed=False):
                 places[group.name, column.name] = _place(dataset, column)
     return places
 
@@ -112,7 +110,6 @@ def root_attributes(description: RunDescription) -> dict[str, Scalar]:
 def _compose_group(
     file: h5py.File,
     group: Group,
-    about: tuple[str, str],
     stored: tuple[Dataset, ...],
     rows: int,
     *,
@@ -129,7 +126,7 @@ def _compose_group(
     h5py.h5ds.set_scale(scale, first.name.encode())
     for _, dataset in rest:
         h5py.h5ds.attach_scale(dataset, scale, 0)
-    _describe_group(owner, about, first.name)
+    _describe_group(owner, group, first.name)
     for column, dataset in columns:
         _describe_column(dataset, column)
     return columns
@@ -174,16 +171,15 @@ def _chunked(rows: int) -> h5py.h5p.PropDCID:
     return creation
 
 
-def _describe_group(owner: h5py.h5g.GroupID, about: tuple[str, str], scale: str) -> None:
+def _describe_group(owner: h5py.h5g.GroupID, about: Group, scale: str) -> None:
     """Say what the group is, and in NeXus terms what to plot against what.
 
     One column only: viewers draw auxiliary signals on the axis of the first, where a force of 5e4 uN hides an area of
     200 um^2.
     """
-    long_name, plotted = about
-    _put(owner, "long_name", long_name)
+    _put(owner, "long_name", about.long_name)
     _put(owner, "NX_class", "NXdata")
-    _put(owner, "signal", plotted)
+    _put(owner, "signal", about.plotted)
     _put(owner, "axes", (scale,))
 
 
