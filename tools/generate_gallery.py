@@ -176,6 +176,47 @@ SLIDER: Final = Room(
     ),
 )
 
+LOAD: Final = Room(
+    title="A load that weighs",
+    begins="A light slider that leaves the surface and falls back on it. Of most of this there is no theory.",
+    before=("rubnoise run scenarios/load/bouncing.toml -o bouncing.h5",),
+    pictures=(
+        of_run(
+            "Flights and impacts",
+            "load",
+            "Load, separation and normal velocity. Flights are shaded, and rings mark impacts. The mean load is exact.",
+            run="bouncing.h5",
+        ),
+        of_run(
+            "Impact speeds and flight times",
+            "landmarks",
+            "How fast the slider falls on the surface, and how long it was off.",
+            run="bouncing.h5",
+        ),
+        of_run(
+            "Distribution of the load",
+            "histogram --of load",
+            "How often each load occurs. The share of the time off the surface is in the title.",
+            name="histogram_load",
+            run="bouncing.h5",
+        ),
+        of_run(
+            "Spectrum of the normal velocity",
+            "psd --of normal-velocity",
+            "In Hz. Hops make most of it, far below the contact resonance.",
+            name="psd_normal-velocity",
+            run="bouncing.h5",
+        ),
+        of_run(
+            "Spectrum of the load",
+            "psd --of load",
+            "In Hz. Impacts are short, so that the load has more at high frequencies.",
+            name="psd_load",
+            run="bouncing.h5",
+        ),
+    ),
+)
+
 SWEEPS: Final = Room(
     title="Sweeps",
     begins="A quantity of many runs, with 95 % intervals and the exact curve.",
@@ -230,7 +271,7 @@ TOOLS: Final = Room(
     ),
 )
 
-ROOMS: Final = (CONTACT, SLIDER, SWEEPS, PAPER, TOOLS)
+ROOMS: Final = (CONTACT, SLIDER, LOAD, SWEEPS, PAPER, TOOLS)
 
 
 def page() -> Iterator[str]:

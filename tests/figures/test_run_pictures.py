@@ -53,8 +53,8 @@ CONSTANT = SCENARIO | {
 }
 
 
-MOTION = {"slider", "phase", "landmarks"}
-"""Pictures of the slider."""
+MOTION = {"slider", "phase", "landmarks", "load"}
+"""Pictures of the slider, along the surface and up and down."""
 
 
 def _stretch(folder: Path, values: dict[str, Any]) -> Iterator[Stretch]:
@@ -94,7 +94,7 @@ PALE = {"histogram", "sizes", "life_distances", "gaps", "spectrogram", "contact"
 """Pictures in which nothing is exact, and those whose colours are mixed."""
 
 
-@pytest.mark.parametrize("name", [name for name in PICTURES if name != "landmarks"])
+@pytest.mark.parametrize("name", [name for name in PICTURES if name not in {"landmarks", "load"}])
 def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: Any) -> None:
     png = picture(name, full, "png")
     pixels = _pixels(png)

@@ -36,6 +36,14 @@ def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def bouncing(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a run of a light slider that hops, over 6 mm."""
+    path = tmp_path_factory.mktemp("bouncing") / "bouncing.h5"
+    rubnoise.run(rubnoise.load(ROOT / "scenarios" / "load" / "bouncing.toml", ["sliding.distance=6 mm"]), path).close()
+    return path
+
+
+@pytest.fixture(scope="session")
 def sweep_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a sweep of six runs over the number of junctions."""
     folder = tmp_path_factory.mktemp("sweep")

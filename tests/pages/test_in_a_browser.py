@@ -322,3 +322,38 @@ def test_a_sweep_shows_its_runs(browser: Any, sweep_folder: Path, tmp_path: Path
     with opened(browser, kept) as page:
         assert page.inner_text("#run-title") == title
         assert page.is_checked("#y-log")
+
+
+def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
+    browser: Any, bouncing: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "bouncing.html"
+    path.write_text(page_of(bouncing), encoding="utf-8")
+    with rubnoise.open(bouncing) as run:
+        landmarks = run.groups()["landmarks"]
+        made = landmarks["kind"][:] == 5
+        speeds, places = landmarks["impact_speed"][:][made], landmarks["distance"][:][made]
+        off = 100.0 * float(np.mean(run.trace["junction_count"][:] == 0))
+        touch = int(np.argmax(run.junctions["diameter"][:]))
+        overlap = float(run.junctions["max_overlap"][touch])
+    with opened(browser, path.as_uri()) as page:
+        page.click("#hardest-impact")
+        start, stop = window(page)
+        assert start < places[np.argmax(speeds)] < stop
+        assert f"{speeds.max():.6g}"[:6] in page.inner_text("#largest").replace(",", "")
+        page.click("#largest-junction")
+        assert page.inner_text("#life-title").startswith(f"Touch {touch}")
+        assert f"{float(f'{overlap:.4f}'):g}" in page.inner_text("#life-figures")
+        assert page.locator("#life-curve").is_hidden()
+        page.click("#all")
+        page.select_option("#counted", "load")
+        page.wait_for_timeout(300)
+        said = re.search(r"in ([0-9.]+) % of them the slider is off the surface", page.inner_text("#histogram-says"))
+        assert said is not None
+        assert abs(float(said[1]) - off) < 0.06
+        heard = page.locator("#heard option").evaluate_all(
+            "all => all.filter(one => !one.disabled).map(one => one.value)"
+        )
+        assert heard == ["area", "normal", "load"]
+        curves = page.locator("#contact .chart").evaluate_all("all => all.map(one => one.dataset.curve)")
+        assert curves[-3:] == ["load", "separation", "normal_velocity"]

@@ -41,6 +41,22 @@ def test_a_report_has_figures_pictures_sound_and_film(text: str, one_way: Path) 
     assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
 
 
+def test_a_report_of_free_motion_says_how_long_it_was_off_and_shows_no_theory(bouncing: Path, tmp_path: Path) -> None:
+    assert call("report", bouncing, "-o", tmp_path / "report.html").code == 0
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    with rubnoise.open(bouncing) as run:
+        off = 100.0 * float(np.mean(run.trace["junction_count"][:] == 0))
+        fallen = int(np.sum(run.groups()["landmarks"]["kind"] == 5))
+        end = float(run.groups()["load"]["time"][-1])
+    said = re.search(r"off the surface for ([0-9.]+) % of the time, and fell on it ([0-9.]+) times a second", text)
+    assert said is not None
+    assert abs(float(said[1]) - off) < 0.2
+    assert float(said[2]) == pytest.approx(fallen / end, rel=6e-3)
+    assert text.count("data:image/png;base64,") == 9
+    assert "the exact density" not in text
+    assert "The normal velocity of the slider" in text
+
+
 def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: Path, tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.toml"
     found = re.search(r"<pre>(.*?)</pre>", text, re.DOTALL)

@@ -187,13 +187,15 @@ class Neighbours:
         )
 
 
-def neighbours(file: Reader, number: int, start: float, stop: float) -> Neighbours:
+def neighbours(file: Reader, number: int, start: float, stop: float, *, touches: bool = False) -> Neighbours:
     """Return all rows but ``number`` that live anywhere between two distances in um; a chunk is held at a time.
 
     Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
-    RunFileRefused if one of the rows found is no life, Refused for the touches of free motion, which are none.
+    RunFileRefused if one of the rows found is no life, Refused for the touches of free motion, whose areas no row says;
+    ``touches`` takes them for what begins and ends.
     """
-    refuse_touches(file.columns["junctions"])
+    if not touches:
+        refuse_touches(file.columns["junctions"])
     total = file.rows("junctions")
     found = [np.zeros(0, dtype=np.int64)]
     for first in range(0, total, CHUNK_ROWS):

@@ -19,6 +19,7 @@ Kind = Literal[
     "gaps",
     "spectrogram",
     "contact",
+    "load",
 ]
 """The names of pictures of a run."""
 

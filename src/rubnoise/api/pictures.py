@@ -64,9 +64,9 @@ def drawn(
         beside = Trace(beside)
     heard = heard_of(of)
     if heard is not None and what not in HEARD:
-        raise Refused(f'of={of!r}: is for "psd" and "spectrogram"')
+        raise Refused(f'of={of!r}: is for "psd", "spectrogram" and "histogram"')
     if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and not (what == "psd" and heard):
-        raise Refused('beside: another run goes with "slider", "phase", and "psd" of force, displacement or velocity')
+        raise Refused('beside: another run goes with "slider", "phase", "load", and "psd" of anything but the area')
     if isinstance(beside, Trace) and what != "psd":
         raise Refused('beside: a trace of yours goes with "psd"')
     ends = [None if each is None else float(in_unit(each, "um")) for each in (start, stop)]
@@ -203,8 +203,8 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
     return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]
 
 
-UNITS: Final = {"displacement": "um", "velocity": "um/s", "force": "uN"}
-PICTURED: Final = {"displacement": 1e12, "velocity": 1e6, "force": 1e6}
+UNITS: Final = {"displacement": "um", "velocity": "um/s", "force": "uN", "normal-velocity": "um/s", "load": "uN"}
+PICTURED: Final = {"displacement": 1e12, "velocity": 1e6, "force": 1e6, "normal-velocity": 1e6, "load": 1e6}
 """From m^2/Hz, (m/s)^2/Hz and N^2/Hz to the um^2/Hz, (mm/s)^2/Hz and mN^2/Hz of the pictures."""
 
 

@@ -27,12 +27,14 @@ PICTURES: tuple[Kind, ...] = get_args(Kind)
 
 
 class SpectrumOf(StrEnum):
-    """What a spectrum can be of."""
+    """What a spectrum and a histogram can be of."""
 
     AREA = "area"
     FORCE = "force"
     DISPLACEMENT = "displacement"
     VELOCITY = "velocity"
+    NORMAL_VELOCITY = "normal-velocity"
+    LOAD = "load"
 
 
 RECORDS = (".csv", ".tsv", ".txt")
@@ -75,8 +77,8 @@ def command(
     of: Annotated[
         SpectrumOf,
         typer.Option(
-            help="Whose spectrum psd and spectrogram draw: area, over wavenumber, or force, displacement or velocity,"
-            " in Hz.",
+            help="Of what psd, spectrogram and histogram are: area, or force, displacement, velocity, normal-velocity"
+            " or load.",
             metavar="QUANTITY",
         ),
     ] = SpectrumOf.AREA,
@@ -84,7 +86,7 @@ def command(
         Path | None,
         typer.Option(
             "--with",
-            help="Another run, laid over the first: for slider, phase, and psd of force, displacement or velocity."
+            help="Another run, laid over the first: for slider, phase, load, and psd of anything but the area."
             " For psd also a record of yours, a csv file.",
             metavar="RUN.h5|CSV",
             show_default=False,
@@ -108,7 +110,8 @@ def command(
 
     overview shows the run at a glance, contact the junctions from above at --from; sizes, life_distances and gaps are
     histograms beside their laws. lifelines has a bar from birth to death for each junction. slider is its motion in
-    time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks. Of a sweep a
+    time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks, or how hard it
+    falls back on the surface; load is its rise and fall under a load that weighs. Of a sweep a
     quantity is drawn against what is swept, with intervals and the exact curve; psd draws the spectra of its points,
     one above the other.
 
@@ -159,11 +162,11 @@ def _plot_run(
     heard = _heard(of)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
     if heard is not None and what not in HEARD:
-        raise typer.BadParameter(f"--of is for psd and spectrogram, not for {what}")
+        raise typer.BadParameter(f"--of is for psd, spectrogram and histogram, not for {what}")
     if has_measured and what != "psd":
         raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what}")
     if beside is not None and not has_measured and what not in OVERLAID and not (what == "psd" and heard):
-        raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
+        raise typer.BadParameter("--with is for slider, phase, load, and psd --of anything but area")
     path = output or Path(f"{file.stem}_{what}{_ending(heard)}.png")
     check_picture(path, force=force)
     with finished_run(file) as run, ExitStack() as opened:

@@ -54,7 +54,7 @@ def trace_figure(stretch: Stretch) -> "Figure":
 
 
 def _draw_area(axes: "Axes", stretch: Stretch) -> None:
-    if stretch.model.free is None:
+    if stretch.has_theory:
         area = area_cumulants(stretch.model)
         exact_band(axes, area.mean, area.std)
     axes.plot(*stretch.curve("trace", "real_contact_area"), color=BLUE, lw=0.9, label="simulated")
@@ -180,7 +180,7 @@ COUNT: Final = "live junctions"
 
 def count_figure(stretch: Stretch) -> "Figure":
     """Draw N(s) of the stretch's beginning, and beside it how often each number was alive in the whole stretch."""
-    theory = exact(stretch.model)
+    theory = exact(stretch.model) if stretch.has_theory else None
     figure = new_figure(7.2, 3.4)
     add_title(figure, stretch, "How many junctions are alive")
     along, often = figure.subplots(1, 2, width_ratios=[2.2, 1])
@@ -189,8 +189,9 @@ def count_figure(stretch: Stretch) -> "Figure":
     return figure
 
 
-def _draw_count(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
-    exact_band(axes, theory.count_mean, theory.count_std)
+def _draw_count(axes: "Axes", stretch: Stretch, theory: Exact | None) -> None:
+    if theory is not None:
+        exact_band(axes, theory.count_mean, theory.count_std)
     axes.plot(*stretch.curve("trace", "junction_count"), color=BLUE, lw=0.8, drawstyle="steps-post", label="simulated")
     axes.set_xlim(stretch.start, stretch.stop)
     from_zero(axes)
@@ -200,11 +201,13 @@ def _draw_count(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
     legend_above(axes)
 
 
-def _draw_count_shares(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
+def _draw_count_shares(axes: "Axes", stretch: Stretch, theory: Exact | None) -> None:
     lowest, share = _count_shares(stretch)
     numbers = lowest + np.arange(share.size)
     axes.bar(numbers, share, width=1.0, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
-    if isinstance(stretch.model.births, PoissonBirths):
+    if theory is None:
+        pass
+    elif isinstance(stretch.model.births, PoissonBirths):
         axes.plot(numbers, _poisson(numbers, theory.count_mean), "o", color=VERMILION, ms=3.0, label="exact: Poisson")
     else:
         axes.axvline(theory.count_mean, color=VERMILION, label="exact mean")
@@ -257,10 +260,11 @@ def lanes(birth: NDArray[np.float64], death: NDArray[np.float64]) -> NDArray[np.
 def lifelines_figure(stretch: Stretch) -> "Figure":
     """Draw the lives of a stretch as bars in lanes, a line across its middle, and below them the count.
 
-    Raises Refused for a stretch with more junctions than a picture can show.
+    In free motion a bar is a touch of a summit. Raises Refused for a stretch with more than a picture can show.
     """
-    shown = stretch.narrowed(default_width(stretch))
-    alive = neighbours(stretch.file, -1, shown.start, shown.stop)
+    width = default_width(stretch) if stretch.has_theory else TRACE_LIVES * stretch.model.mean_life_distance
+    shown = stretch.narrowed(width)
+    alive = neighbours(stretch.file, -1, shown.start, shown.stop, touches=True)
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
@@ -268,10 +272,11 @@ def lifelines_figure(stretch: Stretch) -> "Figure":
         )
     middle = 0.5 * (shown.start + shown.stop)
     figure = new_figure(7.2, 5.2)
-    add_title(figure, stretch, f"{alive.rows.size} lives, from birth to death")
+    words = "lives, from birth to death" if stretch.has_theory else "touches, from contact made to contact lost"
+    add_title(figure, stretch, f"{alive.rows.size} {words}")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
     _draw_lives(above, shown, alive, middle)
-    _draw_count(below, shown, exact(shown.model))
+    _draw_count(below, shown, exact(shown.model) if shown.has_theory else None)
     below.axvline(middle, color=INK, lw=1.0)
     return figure
 

@@ -70,10 +70,14 @@ def histogram_figure(stretch: Stretch) -> "Figure":
 
 
 def _moments_title(stretch: Stretch, values: Doubles, law: Distribution | None) -> str:
-    exact = area_cumulants(stretch.model)
-    moments = f"mean {values.mean():.4g} (exact {exact.mean:.4g}), std {values.std():.4g} ({exact.std:.4g}) µm²"
+    moments = f"mean {values.mean():.4g}, std {values.std():.4g} µm²"
+    if stretch.has_theory:
+        exact = area_cumulants(stretch.model)
+        moments = f"mean {values.mean():.4g} (exact {exact.mean:.4g}), std {values.std():.4g} ({exact.std:.4g}) µm²"
     title = f"How large the real contact area is: {moments}"
-    if law is not None and law.atom_at_zero > RARE:
+    if not stretch.has_theory:
+        title += f"\noff the surface: {100.0 * np.mean(values == 0.0):.3g} % of the time"
+    elif law is not None and law.atom_at_zero > RARE:
         title += f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {law.atom_at_zero:.3g})"
     first, last = stretch.rows("trace")
     return title + (f"\nfrom its first {values.size * stretch.model.tick:.4g} µm" if values.size < last - first else "")
@@ -94,6 +98,8 @@ def _histogram(values: Doubles, tick: float) -> Histogram:
 
 
 def _law(stretch: Stretch) -> Distribution | None:
+    if not stretch.has_theory:
+        return None
     try:
         return distribution(stretch.model)
     except Refused:
@@ -127,15 +133,16 @@ def acf_figure(stretch: Stretch) -> "Figure":
     reach = min(int(LAG_LIVES * stretch.model.mean_life_distance / stretch.model.tick) + 1, (last - first) // 2)
     steps = np.arange(0, reach + 1, max(1, reach // LAGS))
     lag = stretch.model.tick * steps
-    products = LaggedProducts(steps.tolist(), area_cumulants(stretch.model).mean)
+    products = LaggedProducts(steps.tolist(), _mean_area(stretch))
     for chunk in stretch.chunks("trace", "real_contact_area"):
         products.add(chunk)
     figure = new_figure(7.2, 3.8)
     add_title(figure, stretch, "Autocovariance of the real contact area")
     axes = figure.subplots()
-    _draw_exact_covariance(axes, stretch, float(lag[-1]))
-    life = stretch.model.mean_life_distance
-    axes.axvline(life, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=_life_label(stretch))
+    if stretch.has_theory:
+        _draw_exact_covariance(axes, stretch, float(lag[-1]))
+        life = stretch.model.mean_life_distance
+        axes.axvline(life, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=_life_label(stretch))
     axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
     axes.set_xlim(0.0, lag[-1])
     rounding = (NEAREST * area_cumulants(stretch.model).mean) ** 2
@@ -145,6 +152,14 @@ def acf_figure(stretch: Stretch) -> "Figure":
     axes.set_ylabel("autocovariance (µm⁴)")
     legend_above(axes, columns=2)
     return figure
+
+
+def _mean_area(stretch: Stretch) -> float:
+    """Return the mean area in um^2: the exact one, or where theory does not know it that of the stretch."""
+    if stretch.has_theory:
+        return area_cumulants(stretch.model).mean
+    total = sum(float(chunk.sum()) for chunk in stretch.chunks("trace", "real_contact_area"))
+    return total / float(np.subtract(*stretch.rows("trace")[::-1]))
 
 
 def _life_label(stretch: Stretch) -> str:
@@ -196,21 +211,23 @@ def psd_figure(stretch: Stretch) -> "Figure":
     ticks.
     """
     seen = area_spectrum(stretch)
-    figure = new_figure(7.2, 5.4)
+    figure = new_figure(7.2, 5.4 if stretch.has_theory else 4.2)
     segments = f"{seen.segments} segments of {seen.ticks * stretch.model.tick:.4g} µm"
     add_title(figure, stretch, f"The spectrum of the real contact area ({segments})")
-    axes, ratio = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
-    _draw_exact_density(axes, stretch, seen)
+    heights = [2.6, 1.0] if stretch.has_theory else [1.0]
+    axes, *ratio = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0]
+    if stretch.has_theory:
+        _draw_exact_density(axes, stretch, seen)
     axes.plot(seen.wavenumber[1:], seen.density[1:], color=BLUE, lw=0.8, label="simulated (Welch, Hann window)")
-    expected = _draw_expected_estimate(axes, stretch, seen)
-    _draw_ratio(ratio, seen, expected)
+    if stretch.has_theory:
+        _draw_ratio(ratio[0], seen, _draw_expected_estimate(axes, stretch, seen))
     logarithmic(axes.xaxis)
     logarithmic(axes.yaxis)
     # Zeros of the theory lie far below what has a logarithm.
     highest = float(seen.density.max())
     axes.set_ylim(0.1 * float(seen.density.min(where=seen.density > 0.0, initial=highest)), 10.0 * highest)
     axes.set_xlim(seen.wavenumber[1], seen.wavenumber[-1])
-    ratio.set_xlabel("wavenumber (rad/µm)")
+    [axes, *ratio][-1].set_xlabel("wavenumber (rad/µm)")
     axes.set_ylabel(f"two-sided spectral density\n({UNIT})")
     legend_above(axes)
     return figure

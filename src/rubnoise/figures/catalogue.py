@@ -11,6 +11,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
 from rubnoise.figures.contact import contact_figure
+from rubnoise.figures.load import load_figure, motion_histogram_figure
 from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
 from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
@@ -53,18 +54,21 @@ PICTURES: Final[dict[Kind, Callable[[Stretch], "Figure"]]] = {
     "gaps": gaps_figure,
     "spectrogram": spectrogram_figure,
     "contact": contact_figure,
+    "load": load_figure,
 }
 
 HEARD: Final[dict[Kind, Callable[[Stretch, Heard], "Figure"]]] = {
     "psd": motion_spectrum_figure,
     "spectrogram": spectrogram_figure,
+    "histogram": motion_histogram_figure,
 }
-"""Pictures that can be of the slider's force or motion, in place of the area."""
+"""Pictures that can be of force, motion or load, in place of the area."""
 
-ALONE: Final[frozenset[Kind]] = frozenset(("trace", "spectrogram"))
-"""Pictures that show rows alone, and so also those of free motion, which has no theory to stand beside."""
-
-OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}
+OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {
+    "slider": slider_figure,
+    "phase": phase_figure,
+    "load": load_figure,
+}
 """Pictures in which another run can be laid over the first."""
 
 
@@ -110,9 +114,9 @@ def drawing(
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows, or draw it in the place of ``ax``.
 
-    heard: whose spectrum `psd` shows, in place of the area's; beside: a run that is laid over the first; measured: a
-    spectrum of the user's own; look: its size, its style, and whether it has titles. Raises Refused if a run
-    has not what is shown.
+    heard: of what `psd`, `spectrogram` and `histogram` are, in place of the area; beside: a run that is laid over the
+    first; measured: a spectrum of the user's own; look: its size, its style, and whether it has titles. Raises Refused
+    if a run has not what is shown.
     """
     with house_style(look.style), in_place_of(ax), of_size(look.inches):
         figure = _figure(name, stretch, heard, beside, measured)
@@ -164,10 +168,6 @@ def without_titles(figure: "Figure") -> None:
 def _figure(
     name: Kind, stretch: Stretch, heard: Heard | None, beside: Stretch | None, measured: Measured | None
 ) -> "Figure":
-    if stretch.model.free is not None and name not in ALONE:
-        raise Refused(
-            f"{name}: shows theory beside a run, and free motion has none; {', '.join(sorted(ALONE))} show it"
-        )
     if heard is not None and beside is not None:
         figure = motion_spectrum_figure(stretch, heard, beside)
     elif heard is not None:

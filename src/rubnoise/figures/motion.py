@@ -1,13 +1,17 @@
-"""The motion of a slider in a stretch of a run: its rows, which are uniform in time, and where it sticks."""
+"""The motion of a slider in a stretch of a run: along the surface, or up and down under its load.
+
+Its rows are uniform in time. It may stick, and it may leave the surface.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.flights import Flights
 from rubnoise.analysis.stick_slip import StickSlip, first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
@@ -27,10 +31,18 @@ MOST_SPANS: Final = 1500
 """Sticks that are shaded one by one; of more each column of the picture is as dark as its share of sticks."""
 
 
+Group = Literal["slider", "load"]
+"""Which motion: along the surface, or up and down."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """Rows ``first`` to before ``last`` of /slider, ``apart`` s from one to the next, and the physics of the run."""
+    """Rows ``first`` to before ``last`` of a group, ``apart`` s from one to the next, and the physics of the run.
 
+    ``slider`` swings by itself: the mass on its spring, or under a load the mass on its contact.
+    """
+
+    group: Group
     file: Reader
     model: Model
     slider: Slider
@@ -40,22 +52,26 @@ class Motion:
     last: int
 
     @classmethod
-    def of(cls, stretch: Stretch) -> Self:
-        """Return the motion in a stretch; raises Refused for a run without a slider, and for fewer than two rows."""
+    def of(cls, stretch: Stretch, group: Group = "slider") -> Self:
+        """Return the motion in a stretch; raises Refused for a run without it, and for fewer than two rows."""
         model, file = stretch.model, stretch.file
-        if model.slider is None or model.sliding_speed is None or "slider" not in file.columns:
-            raise Refused("the run has no slider to draw; [slider] in its scenario would give it one")
-        first, last = stretch.rows("slider")
+        held = model.held
+        slider = model.slider if group == "slider" else None if held is None else held.oscillator
+        if slider is None or model.sliding_speed is None or group not in file.columns:
+            what = "slider" if group == "slider" else "load that weighs"
+            raise Refused(f"the run has no {what} to draw; [{group}] in its scenario would give it one")
+        first, last = stretch.rows(group)
         if last - first < 2:
             raise Refused(
                 f"the slider passes {stretch.start:g} to {stretch.stop:g} um in less than the"
-                f" {model.tick / model.sliding_speed:.3g} s between two rows of /slider"
+                f" {model.tick / model.sliding_speed:.3g} s between two rows of /{group}"
             )
         apart = model.tick / model.sliding_speed
         return cls(
+            group=group,
             file=file,
             model=model,
-            slider=model.slider,
+            slider=slider,
             speed=model.sliding_speed,
             apart=apart,
             first=first,
@@ -86,7 +102,7 @@ class Motion:
 
     def between(self, begin: float, end: float) -> Self:
         """Return the rows from one time to another, in s, as far as the run goes; raises Refused for fewer than two."""
-        rows = self.file.rows("slider")
+        rows = self.file.rows(self.group)
         first = min(round(begin / self.apart), rows)
         last = min(max(round(end / self.apart) + 1, first + 2), rows)
         if last - first < 2:
@@ -95,26 +111,30 @@ class Motion:
 
     def curve(self, name: str) -> tuple[Doubles, Doubles]:
         """Return times in s and values of a column; of many rows the extremes of each few."""
-        place, value = thinned(self.file, "slider", name, self.first, self.last)
+        place, value = thinned(self.file, self.group, name, self.first, self.last)
         return self.apart * place, value
 
     def chunks(self, name: str) -> Iterator[NDArray[Any]]:
         """Yield a column as arrays of some rows."""
         for begin in range(self.first, self.last, CHUNK_ROWS):
-            yield self.file.column("slider", name, begin, min(begin + CHUNK_ROWS, self.last))
+            yield self.file.column(self.group, name, begin, min(begin + CHUNK_ROWS, self.last))
 
     def stick_slip(self) -> StickSlip:
         """Return the sticks and slips of a two-way slider, of a very long stretch those of its beginning."""
         return StickSlip.of(self.file, self.begin, self.end, MOST_READ)
 
+    def flights(self) -> Flights | None:
+        """Return when a slider of free motion is off the surface, of a very long stretch its beginning; else None."""
+        return None if self.model.free is None else Flights.of(self.file, self.begin, self.end, MOST_READ)
 
-def motions_of(stretch: Stretch, beside: Stretch | None) -> list[Motion]:
+
+def motions_of(stretch: Stretch, beside: Stretch | None, group: Group = "slider") -> list[Motion]:
     """Return the motion in a stretch, and in that of a run that is laid over it; raises Refused for runs without."""
-    first = Motion.of(stretch)
+    first = Motion.of(stretch, group)
     if beside is None:
         return [first]
     with prefix_refusals(f"--with {beside.file.path}"):
-        return [first, Motion.of(beside)]
+        return [first, Motion.of(beside, group)]
 
 
 def labels_of(motions: Sequence[Motion]) -> list[str]:
@@ -135,14 +155,25 @@ def prefix_refusals(what: str) -> Iterator[None]:
 
 
 def shade_sticks(axes: "Axes", motion: Motion) -> None:
-    """Shade where a two-way slider sticks; a one-way slider never does.
+    """Shade where a two-way slider sticks; a one-way slider never does."""
+    if motion.model.is_two_way:
+        found = motion.stick_slip()
+        _shade(axes, motion, found.stick_begin, found.stick_end, "stick")
 
-    A picture holds no more columns than so many: of more sticks each is as dark as the share of it that they take.
+
+def shade_flights(axes: "Axes", motion: Motion) -> None:
+    """Shade where a slider that may leave its contact is off the surface."""
+    found = motion.flights()
+    if found is not None:
+        _shade(axes, motion, found.begin, found.end, "off the surface")
+
+
+def _shade(axes: "Axes", motion: Motion, begins: Doubles, ends: Doubles, label: str) -> None:
+    """Shade intervals of time in s.
+
+    A picture holds no more columns than so many: of more intervals each is as dark as the share of it that they take.
     """
-    if not motion.model.is_two_way:
-        return
-    found = motion.stick_slip()
-    begin, width, share = spans(found.stick_begin, found.stick_end, motion.begin, motion.end)
+    begin, width, share = spans(begins, ends, motion.begin, motion.end)
     if begin.size:
         colours = [(*STUCK, float(each)) for each in share]
         axes.broken_barh(
@@ -152,7 +183,7 @@ def shade_sticks(axes: "Axes", motion: Motion) -> None:
             facecolors=colours,
             lw=0.0,
             zorder=0,
-            label="stick",
+            label=label,
         )
 
 

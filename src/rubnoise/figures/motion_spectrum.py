@@ -1,4 +1,4 @@
-"""Spectra of a slider's displacement, velocity and force over frequency, beside the exact ones of one-way coupling."""
+"""Spectra of a slider's motion, force and load over frequency, beside the exact ones where theory has them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.motion import Motion, labels_of, motions_of
+from rubnoise.figures.motion import Group, Motion, labels_of, motions_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
     BLUE,
@@ -28,8 +28,9 @@ from rubnoise.figures.style import (
     new_figure,
 )
 from rubnoise.model import Model
-from rubnoise.theory.drive import drive_of
+from rubnoise.theory.drive import drive_of, separation_of
 from rubnoise.theory.estimated_spectrum import through_window
+from rubnoise.theory.load import load_spectrum
 from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
 from rubnoise.theory.spectrum import force_spectral_density
 from rubnoise.theory.white_noise import white_displacement_spectrum, white_force_spectrum
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Heard = Literal["displacement", "velocity", "force"]
+Heard = Literal["displacement", "velocity", "force", "normal-velocity", "load"]
 FEWEST_ROWS: Final = 16
 FIRST: Final = 2
 """The first bin that is drawn: the mean that is subtracted from each segment changes those before."""
@@ -56,24 +57,36 @@ POINTS: Final = 1500
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Audible:
-    """A column of /slider as a spectrum shows it: factor to the unit on the axis, and the exact two-sided density.
+    """A column as a spectrum shows it: its group, the factor to the unit on the axis, and the exact two-sided density.
 
-    ``white`` is the density that white noise of the same level at low frequency would have (Kilburn).
-    ``still`` is how much of it a slider at rest has, in units of its deflection under the mean force.
+    ``white`` is the density that white noise of the same level at low frequency would have (Kilburn), None where nobody
+    says so. ``still`` is the scale of a slider at rest, of which what varies less is rounding.
     """
 
     column: str
     scale: float
     unit: str
     exact: Callable[[Model, Doubles], Doubles]
-    white: Callable[[Model, Doubles], Doubles]
-    still: Callable[[Model], float]
+    still: Callable[[Motion], float]
+    white: Callable[[Model, Doubles], Doubles] | None = None
+    group: Group = "slider"
 
 
 def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     """Return S_F(w/V)/V, the two-sided density of the force in uN^2 per rad/s."""
     drive = drive_of(model)
     return force_spectral_density(model, drive.strengths, angular_frequency / drive.speed) / drive.speed
+
+
+def _deflection(motion: Motion) -> float:
+    """Return how far the mean force deflects a slider, in um."""
+    return response(motion.model).mean_displacement
+
+
+def _weight(motion: Motion) -> float:
+    """Return the load in uN."""
+    held = motion.model.held
+    return 0.0 if held is None else held.load
 
 
 QUANTITIES: Final[dict[Heard, Audible]] = {
@@ -83,7 +96,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         unit="µm²/Hz",
         exact=displacement_spectrum,
         white=white_displacement_spectrum,
-        still=lambda _: 1.0,
+        still=_deflection,
     ),
     "velocity": Audible(
         column="velocity",
@@ -91,7 +104,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         unit="(mm/s)²/Hz",
         exact=velocity_spectrum,
         white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
-        still=lambda model: drive_of(model).slider.natural_angular_frequency,
+        still=lambda motion: motion.slider.natural_angular_frequency * _deflection(motion),
     ),
     "force": Audible(
         column="friction_force",
@@ -99,40 +112,61 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         unit="mN²/Hz",
         exact=_exact_force,
         white=white_force_spectrum,
-        still=lambda model: drive_of(model).slider.stiffness,
+        still=lambda motion: motion.slider.stiffness * _deflection(motion),
+    ),
+    "normal-velocity": Audible(
+        column="velocity",
+        scale=1e-3,
+        unit="(mm/s)²/Hz",
+        exact=lambda model, frequency: velocity_spectrum(separation_of(model), frequency),
+        still=lambda motion: motion.slider.natural_angular_frequency * _weight(motion) / motion.slider.stiffness,
+        group="load",
+    ),
+    "load": Audible(
+        column="load",
+        scale=1e-3,
+        unit="mN²/Hz",
+        exact=load_spectrum,
+        still=_weight,
+        group="load",
     ),
 }
 
 
-def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | None = None) -> "Figure":
-    """Draw the one-sided spectrum of displacement, velocity or force over frequency in Hz, of another run too if given.
+def whose(heard: Heard) -> str:
+    """Return a quantity in words."""
+    return heard.replace("-", " ")
 
-    Raises Refused for runs without a slider, for too short a stretch, and where nothing but rounding varies.
+
+def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | None = None) -> "Figure":
+    """Draw the one-sided spectrum of a quantity over frequency in Hz, of another run too if given.
+
+    Raises Refused for runs without that motion, for too short a stretch, and where nothing but rounding varies.
     """
-    motions = motions_of(stretch, beside)
+    motions = motions_of(stretch, beside, QUANTITIES[heard].group)
     found = [spectrum_of(motion, heard) for motion in motions]
     for motion, seen in zip(motions, found, strict=True):
         if seen is None:
             needed = FEWEST_ROWS * (SEGMENTS + 1) / 2 * motion.apart
-            raise Refused(f"a spectrum needs {needed:.3g} s of a {heard} that varies")
+            raise Refused(f"a spectrum needs {needed:.3g} s of a {whose(heard)} that varies")
     pairs = list(zip(motions, filter(None, found), strict=True))
     compared = next((pair for pair in pairs if is_expected(pair[0], heard)), None)
     figure = new_figure(7.2, 4.4 if compared is None else 5.6)
-    add_title(figure, stretch, f"The spectrum of the {heard}", beside)
+    add_title(figure, stretch, f"The spectrum of the {whose(heard)}", beside)
     if compared is None:
         draw_spectra(figure.subplots(), pairs, heard)
         return figure
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
     draw_spectra(above, pairs, heard)
-    whose = labels_of(motions)[pairs.index(compared)] if beside is not None else "simulated"
-    _draw_ratio(below, *compared, heard, above, whose)
+    label = labels_of(motions)[pairs.index(compared)] if beside is not None else "simulated"
+    _draw_ratio(below, *compared, heard, above, label)
     above.set_xlabel("")
     return figure
 
 
 def is_expected(motion: Motion, heard: Heard) -> bool:
-    """Whether theory knows the spectrum of a motion: coupled one way, damped, and not of lines alone."""
-    if motion.model.is_two_way:
+    """Whether theory knows the spectrum of a motion: one way, damped, in contact, and not of lines alone."""
+    if motion.model.is_two_way or motion.model.free is not None:
         return False
     try:
         natural = np.array([2.0 * pi * motion.slider.natural_frequency])
@@ -141,21 +175,21 @@ def is_expected(motion: Motion, heard: Heard) -> bool:
         return False
 
 
-def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, above: "Axes", whose: str) -> None:
+def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, above: "Axes", label: str) -> None:
     """Draw the estimate over what theory and the window let one expect, whose band is drawn in the axes above."""
     last = int(np.searchsorted(seen.wavenumber, 2.0 * pi * above.get_xlim()[1], side="right")) - 1
     exact = partial(QUANTITIES[heard].exact, motion.model)
     expected = through_window(exact, motion.apart, hann(seen.ticks), last)[FIRST:]
     frequency = seen.wavenumber[FIRST : last + 1] / (2.0 * pi)
     error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
-    draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error, whose)
+    draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error, label)
     draw_band(above, frequency, 2.0 * QUANTITIES[heard].scale ** 2 * expected, error)
     legend_above(above)
     axes.set_xlabel("frequency (Hz)")
 
 
 def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
-    """Return the two-sided spectrum of a column of /slider over w in rad/s, in the square of its unit per rad/s.
+    """Return the two-sided spectrum of a column over w in rad/s, in the square of its unit per rad/s.
 
     None for too few rows, and where nothing but rounding varies.
     """
@@ -167,7 +201,7 @@ def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
     for chunk in motion.chunks(quantity.column):
         total.add(chunk)
     seen = total.spectrum()
-    rounding = NEAREST * quantity.still(motion.model) * response(motion.model).mean_displacement
+    rounding = NEAREST * quantity.still(motion)
     return seen if seen.power > rounding**2 else None
 
 
@@ -198,19 +232,22 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
         shown = frequency <= highest
         density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[FIRST:] / (2.0 * pi)
         axes.plot(frequency[shown], density[shown], label=label, **look)
-    axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label="natural frequency")
+    name = "natural frequency" if quantity.group == "slider" else "contact resonance"
+    axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=name)
     _draw_exact(axes, [motion for motion, _ in found], quantity, lowest, highest)
     for axis in (axes.xaxis, axes.yaxis):
         logarithmic(axis)
     axes.set_xlim(lowest, highest)
     axes.set_xlabel("frequency (Hz)")
-    axes.set_ylabel(f"spectral density\nof {heard} ({quantity.unit})")
+    axes.set_ylabel(f"spectral density\nof {whose(heard)} ({quantity.unit})")
     legend_above(axes)
 
 
 def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowest: float, highest: float) -> None:
     """Draw the exact density of one-way coupling where theory knows one, and regular births leave one."""
     shown = next((motion for motion in motions if not motion.model.is_two_way), motions[0])
+    if shown.model.free is not None:
+        return
     natural = shown.slider.natural_frequency
     frequency = np.sort(np.append(np.geomspace(lowest, highest, POINTS), np.linspace(0.8, 1.2, POINTS) * natural))
     frequency = frequency[(lowest <= frequency) & (frequency <= highest)]
@@ -222,8 +259,10 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowe
         elsewhere = all(motion.model.is_two_way for motion in motions)
         look: dict[str, Any] = {"ls": (0, (4, 2)), "label": "exact, one-way"} if elsewhere else {"label": "exact"}
         axes.plot(frequency, exact, color=VERMILION, lw=1.0, **look)
+        if shown.model.separation is not None or quantity.white is None:
+            return
         white = 2.0 * quantity.scale**2 * quantity.white(shown.model, 2.0 * pi * frequency)
-        if shown.model.separation is None and white.any():
+        if white.any():
             axes.plot(frequency, white, color=INK, lw=0.8, ls=(0, (1, 1.5)), label="white noise (Kilburn)")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.motion import Motion, labels_of, motions_of, prefix_refusals, shade_sticks
+from rubnoise.figures.motion import Motion, labels_of, motions_of, prefix_refusals, shade_flights, shade_sticks
 from rubnoise.figures.motion_spectrum import curve_styles, draw_spectra, spectrum_of
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import (
@@ -23,6 +23,7 @@ from rubnoise.figures.style import (
     widen_if_constant,
 )
 from rubnoise.theory.campbell import force_cumulants
+from rubnoise.theory.load import load_motion
 from rubnoise.theory.response import response
 
 if TYPE_CHECKING:
@@ -73,25 +74,33 @@ def same_times(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
 
 
 def draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: float) -> None:
-    """Draw a column of some motions over time, of one that is coupled one way with its exact mean and spread.
+    """Draw a column of some motions over time, of one whose mean and spread theory knows with these.
 
-    Where a two-way slider sticks is shaded.
+    Where a two-way slider sticks, and where a slider is off the surface, is shaded.
     """
     first, alone = motions[0], len(motions) == 1
-    if alone and not first.model.is_two_way:
-        mean, std = _exact_moments(first, name)
+    known = _exact_moments(first, name) if alone else None
+    if known is not None:
+        mean, std = known
         exact_band(axes, scale * mean, scale * std)
     labels = ["simulated"] if alone else labels_of(motions)
     for motion, label, look in zip(motions, labels, curve_styles(len(motions)), strict=True):
         time, values = motion.curve(name)
         axes.plot(time, scale * values, label=label, **look)
     shade_sticks(axes, next((motion for motion in motions if motion.model.is_two_way), first))
+    shade_flights(axes, first)
     axes.set_xlim(first.begin, first.end)
     widen_if_constant(axes)
 
 
-def _exact_moments(motion: Motion, name: str) -> tuple[float, float]:
-    """Return the exact mean and standard deviation of the force or the motion in one-way coupling."""
+def _exact_moments(motion: Motion, name: str) -> tuple[float, float] | None:
+    """Return the exact mean and standard deviation of a column, None where theory does not know them."""
+    if motion.model.is_two_way or motion.model.free is not None:
+        return None
+    if motion.group == "load":
+        rises = load_motion(motion.model)
+        spreads = {"separation": rises.separation_std, "velocity": rises.velocity_std, "load": rises.load_std}
+        return motion.model.load or 0.0 if name == "load" else 0.0, spreads[name]
     if name == "friction_force":
         force = force_cumulants(motion.model)
         return force.mean, force.std
@@ -203,7 +212,7 @@ def _mark_exact(axes: "Axes", motion: Motion, *, alone: bool) -> None:
     drive = MILLI * motion.speed
     label = f"speed V of the drive, {drive:.4g} mm/s"
     axes.axhline(drive, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=0.5, label=label)
-    if motion.model.is_two_way or not alone:
+    if motion.model.is_two_way or motion.model.free is not None or not alone:
         return
     exact = response(motion.model)
     if isfinite(exact.displacement_std):
@@ -222,9 +231,12 @@ MOST_DECADES: Final = 8
 def landmarks_figure(stretch: Stretch) -> "Figure":
     """Draw how often slips of each length and sticks of each duration occur, in bins of equal ratio.
 
-    Beside them stand the mean diameter of a junction and the slider's natural period. Raises Refused for a run without
-    a two-way slider, and where it never sticks.
+    Beside them stand the mean diameter of a junction and the slider's natural period. Of a slider that may leave its
+    contact, impacts of each speed and flights of each duration. Raises Refused for a run without landmarks, and where
+    nothing of the kind occurs.
     """
+    if stretch.model.held is not None and not stretch.has_theory:
+        return _flights_figure(stretch, stretch.model.held.height_scale)
     if not stretch.model.is_two_way:
         raise Refused(
             'the slider has no landmarks: only with slider.coupling = "two-way" does it stick and slip;'
@@ -243,6 +255,25 @@ def landmarks_figure(stretch: Stretch) -> "Figure":
     _mark_reference(slips, diameter, f"mean diameter; {longer:,} slips are longer")
     _draw_counts(sticks, found.stick_times, "stick", "stick time", "ms", 1e3)
     _mark_reference(sticks, 1e3 / motion.slider.natural_frequency, "natural period")
+    return figure
+
+
+def _flights_figure(stretch: Stretch, height_scale: float) -> "Figure":
+    motion = Motion.of(stretch, "load")
+    found = motion.flights()
+    if found is None or not found.impacts.size:
+        raise Refused(f"the slider does not fall back on the surface between {motion.begin:.4g} and {motion.end:.4g} s")
+    figure = new_figure(7.2, 3.6)
+    off = 100.0 * found.share(motion.begin, motion.end)
+    shown = f"How fast the slider falls on the surface and how long it was off: {off:.3g} % of the time"
+    add_title(figure, stretch, f"{shown}{_part_shown(motion)}")
+    speeds, times = figure.subplots(1, 2)
+    _draw_counts(speeds, found.speeds, "impact", "impact speed", "mm/s", MILLI)
+    _draw_counts(times, found.times, "flight", "flight time", "ms", 1e3)
+    period = 1.0 / motion.slider.natural_frequency
+    rise = motion.slider.natural_angular_frequency * height_scale
+    _mark_reference(speeds, MILLI * rise, "height scale times contact resonance")
+    _mark_reference(times, 1e3 * period, "period of the contact resonance")
     return figure
 
 

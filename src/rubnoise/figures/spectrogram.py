@@ -7,7 +7,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion
-from rubnoise.figures.motion_spectrum import FARTHEST, QUANTITIES, Heard
+from rubnoise.figures.motion_spectrum import FARTHEST, QUANTITIES, Heard, whose
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import AREA, DISTANCE, add_title, new_figure
 
@@ -38,10 +38,10 @@ def spectrogram_figure(stretch: Stretch, heard: Heard | None = None) -> "Figure"
         labels = DISTANCE, "cycles per µm"
         least = LIVES * stretch.model.mean_life_distance
     else:
-        motion = Motion.of(stretch)
+        motion = Motion.of(stretch, QUANTITIES[heard].group)
         last = min(motion.last, motion.first + MOST_READ)
-        values = motion.file.column("slider", QUANTITIES[heard].column, motion.first, last).astype(np.float64)
-        apart, begin, words = motion.apart, motion.begin, heard
+        values = motion.file.column(motion.group, QUANTITIES[heard].column, motion.first, last).astype(np.float64)
+        apart, begin, words = motion.apart, motion.begin, whose(heard)
         highest = min(0.5 / apart, FARTHEST * motion.slider.natural_frequency)
         labels = "time (s)", "frequency (Hz)"
         least = LIVES * stretch.model.mean_life_distance / motion.speed

@@ -54,6 +54,11 @@ class Stretch:
         whole.check()
         return whole
 
+    @property
+    def has_theory(self) -> bool:
+        """Whether theory knows the statistics of the contact: not of a slider that may leave it."""
+        return self.model.free is None
+
     def check(self) -> None:
         """Raise Refused if there is nothing to be seen between the two distances."""
         if not 0.0 <= self.start < self.stop:

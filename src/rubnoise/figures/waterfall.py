@@ -104,7 +104,11 @@ def _curve(sweep: SweepResult, point: int, key: str, heard: Heard | None) -> Cur
         raise Refused(f"spectra: the point {key_words(key)} {label} has no finished run")
     with sweep.run(str(runs[done[0]])) as run:
         stretch = Stretch.of(run.reader())
-        return _of_area(stretch, label) if heard is None else _of_motion(Motion.of(stretch), heard, label)
+        return (
+            _of_area(stretch, label)
+            if heard is None
+            else _of_motion(Motion.of(stretch, QUANTITIES[heard].group), heard, label)
+        )
 
 
 def _of_area(stretch: Stretch, label: str) -> Curve:
@@ -125,7 +129,7 @@ def _of_motion(motion: Motion, heard: Heard, label: str) -> Curve:
     angular, density = seen.wavenumber[FIRST:last], seen.density[FIRST:last]
     scale = 2.0 * quantity.scale**2
     exact = None
-    if motion.model.free is None and is_expected(motion, heard):
+    if is_expected(motion, heard):
         fine = np.sort(
             np.append(np.geomspace(angular[0], angular[-1], POINTS), natural * np.linspace(0.8, 1.2, POINTS))
         )

@@ -10,12 +10,14 @@ import numpy as np
 from rubnoise.analysis.spectra import hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.model import Model
+from rubnoise.model import Model, Slider
 from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.distribution import distribution
+from rubnoise.theory.drive import separation_of
 from rubnoise.theory.estimated_spectrum import expected_periodogram, through_window
+from rubnoise.theory.load import load_spectrum
 from rubnoise.theory.response import velocity_spectrum
 
 LIVES: Final = 8.0
@@ -31,28 +33,40 @@ POINTS: Final = 200
 
 
 def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
-    """Return for the area, and for the velocity of a slider, the ticks of a segment and what to expect of its spectrum.
+    """Return for area, velocities and load the ticks of a segment and what to expect of its spectrum.
 
-    Densities are two-sided, in um^4 per rad/um and um^2/s^2 per rad/s; one that theory does not know is None, as is the
-    density of the area in 1/um^2.
+    Densities are two-sided, in um^4 per rad/um, um^2/s^2 per rad/s and uN^2 per rad/s; one that theory does not know is
+    None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
     """
-    ticks = _power_of_two(LIVES * model.mean_life_distance / model.tick)
+    ticks, is_known = _power_of_two(LIVES * model.mean_life_distance / model.tick), model.free is None
     found: dict[str, Any] = {
         "area": {
             "step": model.tick,
             "ticks": ticks,
-            "expected": _known(lambda: expected_periodogram(model, model.tick, hann(ticks))[1]),
+            "expected": _known(lambda: expected_periodogram(model, model.tick, hann(ticks))[1]) if is_known else None,
         },
-        "density": _known(lambda: np.stack(_density(model))),
+        "density": _known(lambda: np.stack(_density(model))) if is_known else None,
         "velocity": None,
+        "normal": None,
+        "load": None,
     }
     if "slider" in file.columns and file.rows("slider") > 1 and model.slider is not None:
         step = float(file.column("slider", "time", 1, 2)[0] - file.column("slider", "time", 0, 1)[0])
-        ticks = _power_of_two(PERIODS / model.slider.natural_frequency / step) if model.slider.stiffness else 1 << 10
-        exact = partial(velocity_spectrum, model)
-        expected = None if model.is_two_way else _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
-        found["velocity"] = {"step": step, "ticks": ticks, "expected": expected}
+        own = partial(velocity_spectrum, model) if is_known and not model.is_two_way else None
+        found["velocity"] = _of_motion(model.slider, step, own)
+    if "load" in file.columns and model.held is not None and model.tick_duration is not None:
+        contact, step = model.held.oscillator, model.tick_duration
+        normal = (lambda w: velocity_spectrum(separation_of(model), w)) if is_known else None
+        found["normal"] = _of_motion(contact, step, normal)
+        found["load"] = _of_motion(contact, step, partial(load_spectrum, model) if is_known else None)
     return found
+
+
+def _of_motion(slider: Slider, step: float, exact: Callable[[Doubles], Doubles] | None) -> dict[str, Any]:
+    """Return the step in s, the ticks of a segment, and what to expect of the spectrum of a motion, None if unknown."""
+    ticks = _power_of_two(PERIODS / slider.natural_frequency / step) if slider.stiffness else 1 << 10
+    expected = None if exact is None else _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
+    return {"step": step, "ticks": ticks, "expected": expected}
 
 
 def _density(model: Model) -> tuple[Doubles, Doubles]:

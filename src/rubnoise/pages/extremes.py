@@ -1,4 +1,4 @@
-"""Where a run has its largest: its largest junction, its largest force, its longest stick."""
+"""Where a run has its largest: its largest junction, its largest force, its longest stick, its hardest impact."""
 
 from typing import Any, Final
 
@@ -7,6 +7,7 @@ import numpy as np
 from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.figures.stretch import CHUNK_ROWS
 from rubnoise.record.reader import Reader
+from rubnoise.record.rows import ContactKind
 
 FORCES: Final = ("friction_force", "real_contact_area")
 """What is largest: the force on the contact, or the area of one whose strength is not known."""
@@ -16,14 +17,17 @@ def extremes(file: Reader, tick: float) -> dict[str, Any]:
     """Return the extremes of a whole run, read in chunks; of equal ones the first.
 
     ``junction``: the row of the largest diameter; ``force``: the column of /trace, its value, and the distance in um of
-    that tick; ``stick``, of a slider that sticks: begin and end in s, and the distance in um at which it stands.
+    that tick; ``stick``, of a slider that sticks: begin and end in s, and the distance in um at which it stands;
+    ``impact``, of one that leaves the surface: time in s, distance in um and speed in um/s.
     """
+    leaves = "encounter" in file.columns["junctions"]
     name = next(each for each in FORCES if each in file.columns["trace"])
     row, value = _largest(file, "trace", name)
     return {
         "junction": _largest(file, "junctions", "diameter")[0] if file.rows("junctions") else None,
         "force": {"name": name, "distance": row * tick, "value": value},
-        "stick": _longest_stick(file) if "landmarks" in file.columns else None,
+        "stick": _longest_stick(file) if "landmarks" in file.columns and not leaves else None,
+        "impact": _hardest_impact(file) if leaves else None,
     }
 
 
@@ -35,6 +39,19 @@ def _largest(file: Reader, group: str, name: str) -> tuple[int, float]:
         if values[row] > best:
             best, where = float(values[row]), first + row
     return where, best
+
+
+def _hardest_impact(file: Reader) -> dict[str, float] | None:
+    best: dict[str, float] | None = None
+    for first in range(0, file.rows("landmarks"), CHUNK_ROWS):
+        last = min(first + CHUNK_ROWS, file.rows("landmarks"))
+        names = ("kind", "time", "distance", "impact_speed")
+        kind, time, distance, speed = (file.column("landmarks", name, first, last) for name in names)
+        speed = np.where(kind == ContactKind.CONTACT_MADE, speed, -np.inf)
+        row = int(np.argmax(speed))
+        if speed[row] > (-np.inf if best is None else best["speed"]):
+            best = {"time": float(time[row]), "distance": float(distance[row]), "speed": float(speed[row])}
+    return best
 
 
 def _longest_stick(file: Reader) -> dict[str, float] | None:

@@ -23,8 +23,14 @@ FEW: Final = 256
 """Different values of a column up to which it is held as a table of them and a byte a row."""
 
 OWN: Final = ("diameter", "lateral_offset", "shear_strength")
+OWN_OF_TOUCHES: Final = ("max_area", "max_overlap")
+"""What no diameter says of a touch, since its area follows the separation."""
+
 TIMES: Final = ("birth_time", "death_time")
 WIDTH: Final = 4
+MARK: Final = 16
+"""Bytes of a value, and about those of a row whose end no diameter says."""
+
 MOST_WITH_TIMES: Final = 8_000_000
 """Bytes of lives up to which those of a slider that pushes back have their times, too."""
 
@@ -35,7 +41,10 @@ SAME: Final = 1e-9
 def bytes_of(file: Reader) -> int:
     """Return how many bytes all lives of a file take at most, without their times."""
     there = file.columns["junctions"]
-    return WIDTH * (1 + sum(name in there for name in OWN[:2])) * file.rows("junctions")
+    columns = 1 + sum(name in there for name in OWN[:2])
+    if "encounter" in there:
+        columns += len(OWN_OF_TOUCHES) + MARK // WIDTH
+    return WIDTH * columns * file.rows("junctions")
 
 
 def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, Any]:
@@ -46,6 +55,8 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
     """
     there = file.columns["junctions"]
     own = [name for name in OWN if name in there]
+    if "encounter" in there:
+        own += OWN_OF_TOUCHES
     times = [name for name in TIMES if timed and name in there and 2 * bytes_of(file) <= MOST_WITH_TIMES]
     names = ["birth_distance", "death_distance", "state", *own, *times]
     chunks = list(gather(file, rows, names))

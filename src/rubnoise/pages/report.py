@@ -10,7 +10,6 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.api.kinds import Kind
@@ -25,11 +24,10 @@ from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.model import Model
 from rubnoise.pages.page import HERE
+from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.writing import text_of
 from rubnoise.storage.wave_file import write_wave
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.load import load_motion
 from rubnoise.web_page import part, web_page
 
 CAPTIONS: Final[dict[Kind, str]] = {
@@ -45,7 +43,20 @@ CAPTIONS: Final[dict[Kind, str]] = {
     "phase": "Velocity of the slider over its displacement.",
     "landmarks": "How far the slider slips, and how long it sticks.",
     "lifelines": "Lives of junctions: each bar begins at a birth and ends at a death.",
+    "load": "Load, separation and normal velocity at the beginning of the run, with exact means and spreads.",
 }
+OF_FREE_MOTION: Final[dict[Kind, str]] = {
+    "trace": "Real contact area over the sliding distance, at the beginning of the run.",
+    "histogram": "How often each area occurs while the slider is on the surface.",
+    "psd": "Spectrum of the real contact area, of which there is no theory.",
+    "acf": "Autocovariance of the real contact area, of which there is no theory.",
+    "count": "Number of summits in contact.",
+    "landmarks": "How fast the slider falls on the surface, and how long it was off.",
+    "lifelines": "Touches of summits: each bar begins where contact is made and ends where it is lost.",
+    "load": "Load, separation and normal velocity at the beginning of the run. Flights are shaded, impacts are rings.",
+}
+"""Captions of what has no theory beside it, of a slider that may leave its contact."""
+
 SECONDS: Final = 5.0
 RATE: Final = 44_100
 SPEED_UP: Final = 1.0
@@ -63,8 +74,9 @@ def run_report(file: Reader, between: Between) -> str:
     stretch = Stretch.of(file)
     figures = from_attributes(file.summary)
     origin = file.provenance
+    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(figures)]
     sections = [
-        _section("What was simulated", _paragraphs([*in_words(stretch.model), *motion_in_words(figures)])),
+        _section("What was simulated", _paragraphs(words)),
         _section("Measured and exact", _agreement(figures)),
         _section("Noise of the normal motion", _normal_motion(file, stretch.model)),
         _section("Pictures", "".join(_pictures(stretch, between))),
@@ -121,26 +133,13 @@ def _table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f'<div class="scrolled"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-_SMALLEST, _LARGEST = 1e-4, 1e7  # of numbers that are written without a power of ten
-_RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def _number(value: float | None, digits: int = 6) -> str:
-    if value is None or not isfinite(value):
-        return ""
-    number, _, power = f"{value:.{digits}g}".partition("e")
-    if power and not _SMALLEST <= abs(value) < _LARGEST:
-        return f"{number}\u00d710{str(int(power)).translate(_RAISED)}"
-    return f"{float(f'{value:.{digits}g}'):,.10g}"
-
-
 def _agreement(figures: Sequence[Agreement]) -> str:
     rows = [
         (
             each.name.replace("one_way", "one-way").replace("_", " "),
-            _number(each.observed),
-            _number(each.expected),
-            _number(each.standard_error, 2),
+            number(each.observed),
+            number(each.expected),
+            number(each.standard_error, 2),
             "" if each.z is None else f"{each.z:+.2f}",
         )
         for each in figures
@@ -155,10 +154,10 @@ def _normal_motion(file: Reader, model: Model) -> str:
         heard = heard_bands(file, model)
     except Refused:
         return ""
-    words = f"The normal velocity has {_number(heard.whole_level, 3)} dB re 50 nm/s: {_number(heard.velocity, 3)} µm/s."
+    words = f"The normal velocity has {number(heard.whole_level, 3)} dB re 50 nm/s: {number(heard.velocity, 3)} µm/s."
     exact = heard.frequency * nan if heard.exact is None else heard.exact
     rows = [
-        (_number(frequency, 3), f"{level:.1f}", f"{known:.1f}" if isfinite(known) else "")
+        (number(frequency, 3), f"{level:.1f}", f"{known:.1f}" if isfinite(known) else "")
         for frequency, level, known in zip(heard.frequency, heard.level, exact, strict=True)
     ]
     return _paragraphs([words]) + _table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
@@ -171,10 +170,13 @@ def _picture(content: bytes, caption: str) -> str:
 
 
 def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
-    for name, caption in CAPTIONS.items():
+    captions = CAPTIONS if stretch.has_theory else CAPTIONS | OF_FREE_MOTION
+    for name, caption in captions.items():
         between()
         try:
             yield _picture(picture(name, stretch, "png"), caption)
+            if name == "histogram" and not stretch.has_theory:
+                yield _picture(picture(name, stretch, "png", heard="load"), "How often each load occurs.")
         except Refused as refused:
             if _is_general(refused):
                 raise
@@ -200,7 +202,8 @@ def _sound(file: Reader, between: Between) -> str:
         path = Path(folder) / "sound.wav"
         write_wave(path, samples_of(sound, level, between), samples=sound.samples, rate=sound.rate, texts={})
         content = b64encode(path.read_bytes()).decode("ascii")
-    words = f"The velocity of the slider, {sound.seconds:.3g} s of it, as fast as it happened."
+    what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
+    words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
     return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{content}"></audio>'
 
 
@@ -248,12 +251,12 @@ def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
     """Return a table of every point: the swept values, and each quantity with half the width of its 95 % interval."""
     estimates = {quantity: sweep.estimates(quantity) for quantity in quantities}
     rows = []
-    for number, values in enumerate(sweep.values):
+    for point, values in enumerate(sweep.values):
         cells = [str(values[key]) for key in sweep.keys]
         for quantity in quantities:
-            pooled = estimates[quantity][number]
-            reach = f" ± {_number(pooled.reach, 2)}" if isfinite(pooled.reach) else ""
-            cells.append(f"{_number(pooled.value, 5)}{reach}")
+            pooled = estimates[quantity][point]
+            reach = f" ± {number(pooled.reach, 2)}" if isfinite(pooled.reach) else ""
+            cells.append(f"{number(pooled.value, 5)}{reach}")
         rows.append(cells)
     heading = [*(key.rpartition(".")[2].replace("_", " ") for key in sweep.keys), *map(quantity_words, quantities)]
     return _table(heading, rows)
@@ -261,94 +264,3 @@ def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
 
 def _failures(sweep: SweepResult) -> str:
     return "".join(f"<p>{escape(each.run_id)}: {escape(each.reason)}</p>" for each in sweep.failures)
-
-
-def in_words(model: Model) -> list[str]:
-    """Return sentences about a model, each with the numbers that matter."""
-    area = area_cumulants(model)
-    lines = [
-        (
-            f"Two rough surfaces slide over {_length(model.distance)}. Where their asperities meet, junctions are born,"
-            f" grow to {'a full overlap' if model.pulse.offset == 'none' else 'a largest overlap'}, shrink and die."
-        ),
-        (
-            f"On average {model.mean_junction_count:.4g} junctions live at once. One is born every"
-            f" {model.mean_birth_spacing:.4g} µm of sliding, and each lives for about"
-            f" {model.mean_life_distance:.4g} µm."
-        ),
-        (
-            f"The area of a junction rises and falls as a {model.pulse.shape}. The areas of all live junctions add up"
-            f" to the real contact area: {area.mean:.4g} µm² on average, with a standard deviation of"
-            f" {area.std:.3g} µm²."
-        ),
-    ]
-    if model.pulse.offset != "none":
-        lines.append(
-            "The centres of two asperities miss each other by a lateral offset, anything up to the diameter on either"
-            " side. The larger the offset, the shorter the life and the smaller the area."
-        )
-    if model.sliding_speed is not None:
-        lines.append(f"The sliding speed is {model.sliding_speed / 1000.0:.4g} mm/s.")
-    if model.strengths is not None:
-        strength = model.strengths.moment(1)
-        lines.append(f"The friction force is the area times the shear strength, {strength:.4g} MPa on average.")
-    lines.append(_separation(model))
-    if model.slider is not None:
-        lines.append(_slider(model))
-    return lines
-
-
-def _separation(model: Model) -> str:
-    """Say how the separation moves, or that it is held."""
-    held = model.separation
-    if held is None:
-        return "The separation of the surfaces is held, so that the load varies as the area does."
-    return (
-        f"The slider rests on its load of {1e-6 * held.load:.4g} N, and rises and falls with a contact resonance of"
-        f" {held.oscillator.natural_frequency:.4g} Hz: the regime is {load_motion(model).regime}."
-    )
-
-
-def _slider(model: Model) -> str:
-    slider = model.slider
-    if slider is None:
-        raise AssertionError("a model without a slider has nothing to say of it")
-    words = (
-        f"The force moves a slider of {1000.0 * slider.mass:.4g} g on a spring of {slider.stiffness:.4g} N/m."
-        f" Its natural frequency is {slider.natural_frequency:.4g} Hz and its damping ratio {slider.damping_ratio:.3g}."
-    )
-    if model.is_two_way:
-        return words + " The coupling is two-way: the motion of the slider changes how fast the surfaces slide."
-    return words + " The coupling is one-way: the surfaces slide at constant speed, however the slider moves."
-
-
-def motion_in_words(figures: Sequence[Agreement]) -> list[str]:
-    """Return sentences about the motion that was measured: whether one-way coupling holds, or how the slider sticks."""
-    measured = {each.name: each.observed for each in figures}
-    lines = []
-    if "one_way_validity" in measured:
-        lines.append(_one_way(measured["one_way_validity"]))
-    if "stick_fraction" in measured:
-        lines.append(
-            f"The slider moves with the drive, stuck to the surface, for"
-            f" {_number(100.0 * measured['stick_fraction'], 3)} % of the time. It sticks"
-            f" {_number(measured['sticks_per_s'], 3)} times a second. Each time it then breaks away and slips."
-        )
-    return lines
-
-
-def _one_way(validity: float) -> str:
-    if validity > WORTH_A_WARNING:
-        warning = one_way_warning(validity)
-        return f"{warning[0].upper()}{warning[1:]}."
-    return (
-        f"The velocity of the slider spreads by {validity:.3g} times the sliding speed, so that it is fair to take the"
-        " sliding speed for constant."
-    )
-
-
-def _length(um: float) -> str:
-    for unit, size in (("m", 1e6), ("mm", 1e3)):
-        if um >= size:
-            return f"{um / size:.4g} {unit}"
-    return f"{um:.4g} µm"

@@ -12,6 +12,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.flights import Flights
 from rubnoise.analysis.selection import neighbours
 from rubnoise.analysis.stick_slip import StickSlip, first_landmark
 from rubnoise.errors import Refused
@@ -40,6 +41,7 @@ LIVES_BYTES: Final = 12_500_000
 CURVES: Final = {
     "trace": ("real_contact_area", "junction_count", "friction_force"),
     "slider": ("displacement", "velocity"),
+    "load": ("separation", "velocity", "load"),
 }
 STYLES: Final = ("uPlot.min.css", "view.css")
 SCRIPTS: Final = (
@@ -97,9 +99,7 @@ class RunView:
     def _data(self) -> dict[str, Any]:
         model, file = self.stretch.model, self.stretch.file
         exact = area_cumulants(model)
-        groups = [
-            group for group in GROUPS if group.name in ("trace", "slider", "landmarks") and group.name in file.columns
-        ]
+        groups = [name for name in CURVES if name in file.columns]
         return {
             "title": self.stretch.title or self.name,
             "name": self.name,
@@ -112,8 +112,9 @@ class RunView:
             "planned": self.planned,
             "pulse": model.pulse.name,
             "loaded": "load" in file.columns,
-            "area": {"mean": exact.mean, "std": exact.std},
-            "count": {"mean": model.mean_junction_count},
+            "area": {"mean": exact.mean, "std": exact.std} if self.stretch.has_theory else None,
+            "count": {"mean": model.mean_junction_count} if self.stretch.has_theory else None,
+            "weight": model.load if model.held is not None else None,
             "meanLife": model.mean_life_distance,
             "states": {name: bit for bit, name in _column("state").flags},
             "units": _units(),
@@ -121,8 +122,9 @@ class RunView:
             "junctions": self._lives(),
             "extremes": extremes(file, model.tick),
             "exact": exact_curves(file, model),
-            "groups": {group.name: self._rows(group.name) for group in groups if group.name != "landmarks"},
-            "landmarks": self._landmarks() if "landmarks" in file.columns else None,
+            "groups": {name: self._rows(name) for name in groups},
+            "landmarks": self._landmarks() if model.is_two_way and "landmarks" in file.columns else None,
+            "flights": None if model.free is None else self._flights(),
             "levels": {name: _levels(file, name, CURVES[name]) for name in CURVES if name in file.columns},
         }
 
@@ -132,8 +134,8 @@ class RunView:
         if bytes_of(file) <= LIVES_BYTES:
             rows, (start, stop) = np.arange(file.rows("junctions")), (0.0, self.stretch.model.distance)
         else:
-            shown = neighbours(file, -1, start, stop)
-            rows = neighbours(file, -1, float(shown.birth.min()), float(shown.death.max())).rows
+            shown = neighbours(file, -1, start, stop, touches=True)
+            rows = neighbours(file, -1, float(shown.birth.min()), float(shown.death.max()), touches=True).rows
         return {"start": start, "stop": stop, **lives(file, rows, timed=self.stretch.model.is_two_way)}
 
     def _rows(self, group: str) -> dict[str, Any]:
@@ -163,16 +165,33 @@ class RunView:
             "reversals": {"time": packed(time[turns]), "displacement": packed(place[turns])},
         }
 
+    def _flights(self) -> dict[str, Any]:
+        """Return distances in um at which the slider leaves the surface and falls back on it, and how fast in um/s."""
+        file, speed = self.stretch.file, self.stretch.model.sliding_speed or 1.0
+        end = float(file.column("load", "time", file.rows("load") - 1, file.rows("load"))[0])
+        found = Flights.of(file, 0.0, end, MOST_FLIGHTS)
+        return {
+            "begin": packed(speed * found.begin),
+            "end": packed(speed * found.end),
+            "place": packed(speed * found.impacts),
+            "impact": packed(found.speeds),
+        }
+
+
+MOST_FLIGHTS: Final = 200_000
+"""Landmarks of a run that go into a page: 3 MB; of more the first."""
+
 
 def _is_shown(group: str, name: str) -> bool:
-    """Leave out what the page computes: the place of a tick, and the force on a one-way slider, which /trace has."""
-    return name not in {"trace": ("distance",), "slider": ("friction_force",)}[group]
+    """Leave out what the page computes: places and times of ticks, and the one-way force, which /trace has."""
+    left_out = {"trace": ("distance",), "slider": ("friction_force",), "load": ("time", "live_overlap")}
+    return name not in left_out[group]
 
 
 def _tick_bytes(stretch: Stretch) -> float:
     """Return about how many bytes the ticks of a stretch take; a two-way slider is taken to move evenly."""
     file, share = stretch.file, (stretch.stop - stretch.start) / stretch.model.distance
-    shown = [(group, column) for group in GROUPS for column in group.columns if group.name in ("trace", "slider")]
+    shown = [(group, column) for group in GROUPS for column in group.columns if group.name in CURVES]
     return share * sum(
         file.rows(group.name) * np.dtype(column.dtype).itemsize
         for group, column in shown

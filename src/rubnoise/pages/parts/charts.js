@@ -147,6 +147,30 @@
       ctx.strokeRect(x - size / 2, y - size / 2, size, size);
     }
   };
+  const flights = data.flights && Object.fromEntries(Object.entries(data.flights).map(([name, column]) => [name, view.unpacked(column)]));
+  const drawFlights = (chart) => {
+    if (!flights) return;
+    const { min, max } = chart.scales.x;
+    for (let i = view.firstAtLeast(flights.end, min); i < flights.begin.length && flights.begin[i] <= max; i += 1) {
+      shaded(chart, flights.begin[i], flights.end[i], ink("stick"));
+    }
+  };
+  const drawImpacts = (chart) => {
+    if (!flights) return;
+    const { min, max } = chart.scales.x;
+    const [first, last] = [view.firstAtLeast(flights.place, min), view.firstAtLeast(flights.place, max)];
+    if (last - first > MOST_TURNS) return;
+    const { ctx } = chart;
+    ctx.strokeStyle = ink("exact");
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    for (let i = first; i < last; i += 1) {
+      const value = view.value("load", "velocity", flights.place[i]);
+      if (value === null) continue;
+      ctx.beginPath();
+      ctx.arc(chart.valToPos(flights.place[i], "x", true), chart.valToPos(value, "y", true), 3 * devicePixelRatio, 0, 2 * Math.PI);
+      ctx.stroke();
+    }
+  };
   const drawLife = (chart) => {
     if (view.chosen === null) return;
     shaded(chart, view.lives.birth_distance[view.chosen], view.lives.death_distance[view.chosen], ink("life"));
@@ -185,11 +209,17 @@
 
   const PANELS = [
     { group: "trace", name: "real_contact_area", label: "area (µm²)", exact: data.area, fromZero: true },
-    { group: "trace", name: "junction_count", label: "live junctions", exact: { ...data.count, std: Math.sqrt(data.count.mean) }, fromZero: true },
+    { group: "trace", name: "junction_count", label: "live junctions", exact: data.count && { ...data.count, std: Math.sqrt(data.count.mean) }, fromZero: true },
     { group: "trace", name: "friction_force", label: "force (µN)", fromZero: true },
     { group: "slider", name: "displacement", label: "x (µm)" },
     { group: "slider", name: "velocity", label: "x′ (µm/s)" },
+    { group: "load", name: "load", label: "load (µN)", exact: data.weight && { mean: data.weight }, fromZero: true },
+    { group: "load", name: "separation", label: "z (µm)" },
+    { group: "load", name: "velocity", label: "z′ (µm/s)" },
   ];
+  /** A name for each curve, of which two may be columns of one name. */
+  const curveOf = (group, name) => (group === "load" && name === "velocity" ? "normal_velocity" : name);
+  view.curveOf = curveOf;
 
   const made = [];
   const keyOf = (group) => (clock !== null && group === "slider" ? "time" : "distance");
@@ -212,7 +242,7 @@
         x: { time: false, range: () => (timed ? [view.timeAt(view.window.from), view.timeAt(view.window.to)] : [view.window.from, view.window.to]) },
         y: { range },
       },
-      axes: [{ ...axis(xLabel), size: 38 }, { ...axis(label), size: 74 }],
+      axes: [{ ...axis(xLabel), size: 38 }, { ...axis(label), size: 86 }],
       series: [{}, { stroke: () => ink("curve"), width: 1.4, points: { show: false }, ...series }],
       cursor: {
         y: false, drag: { x: true, y: false, setScale: false },
@@ -241,14 +271,14 @@
       if (!groups[group] || !(name in groups[group].units)) continue;
       const place = document.createElement("div");
       place.className = "chart";
-      place.dataset.curve = name;
+      place.dataset.curve = curveOf(group, name);
       document.getElementById(group === "slider" ? "motion" : "contact").append(place);
       const timed = keyOf(group) === "time";
-      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [drawSticks] : [drawLife, drawMark])];
+      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [drawSticks] : [drawFlights, drawLife, drawMark])];
       const chart = view.newChart(place, {
-        label, name: name.replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
+        label, name: curveOf(group, name).replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
         data: curve(group, name, view.window.from, view.window.to),
-        hooks: { drawClear: before, draw: name === "displacement" ? [drawTurns] : [], setCursor: [(one) => view.pointed(one, timed)] },
+        hooks: { drawClear: before, draw: name === "displacement" ? [drawTurns] : group === "load" && name === "velocity" ? [drawImpacts] : [], setCursor: [(one) => view.pointed(one, timed)] },
       });
       made.push({ chart, redraw: () => chart.setData(curve(group, name, view.window.from, view.window.to)), place });
     }
@@ -257,7 +287,7 @@
     const overview = new uPlot({
       width: place.clientWidth, height: 96, legend: { show: false },
       scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true) } },
-      axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 74 }],
+      axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 86 }],
       series: [{}, { stroke: () => ink("curve"), width: 1, points: { show: false } }],
       cursor: { show: false },
       hooks: {
@@ -301,8 +331,8 @@
   };
 
   /** How much a pixel is of a curve: its digits beyond that cannot be seen. */
-  view.pixelOf = (name) => {
-    const one = made.find(({ place }) => place.dataset.curve === name);
+  view.pixelOf = (group, name) => {
+    const one = made.find(({ place }) => place.dataset.curve === curveOf(group, name));
     if (!one) return null;
     const { min, max } = one.chart.scales.y;
     return (max - min) / one.chart.over.clientHeight;

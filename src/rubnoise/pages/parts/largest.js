@@ -36,13 +36,13 @@
     view.show(s - half, s + half);
   };
 
-  const { junction, force, stick } = data.extremes;
+  const { junction, force, stick, impact } = data.extremes;
   const SHOWN = {
     "largest-junction": junction === null ? null : () => {
       const row = view.rowOf(junction);
       const { diameter, max_area: area } = view.lives;
       view.visit(row);
-      tell(`Largest junction: ${junction}, diameter ${view.number(diameter[row])} µm, full area ${view.number(area[row])} µm².`, view.life(row).peak);
+      tell(`${data.flights ? "Deepest touch" : "Largest junction"}: ${junction}, diameter ${view.number(diameter[row])} µm, full area ${view.number(area[row])} µm².`, view.life(row).peak);
     },
     "largest-force": () => {
       around(force.distance);
@@ -53,7 +53,12 @@
       around(stick.distance);
       tell(`Longest stick: ${view.number(stick.end - stick.begin)} s, from t = ${view.number(stick.begin)} s, at s = ${view.number(stick.distance)} µm.`, stick.distance);
     },
+    "hardest-impact": impact === null ? null : () => {
+      around(impact.distance);
+      tell(`Hardest impact: ${view.number(impact.speed)} µm/s, at t = ${view.number(impact.time)} s, s = ${view.number(impact.distance)} µm.`, impact.distance);
+    },
   };
+  if (data.flights) $("largest-junction").textContent = "Deepest touch";
   if (force.name !== "friction_force") $("largest-force").textContent = "Largest area";
   for (const [id, act] of Object.entries(SHOWN)) {
     $(id).hidden = act === null || (id === "largest-junction" && view.rowOf(junction) === null);

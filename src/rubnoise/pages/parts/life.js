@@ -47,8 +47,24 @@
     return found;
   };
 
+  /** What a row of free motion says: a touch, whose area no row knows from place to place. */
+  const touch = (row) => {
+    const { lives } = view;
+    const [born, died] = [lives.birth_distance[row], lives.death_distance[row]];
+    const middle = 0.5 * (Math.max(born, 0) + Math.min(died, data.distance));
+    return {
+      junction: lives.junction[row], state: lives.state[row], birth: born, death: died, length: died - born,
+      birthTime: lives.birth_time[row], deathTime: lives.death_time[row],
+      diameter: lives.diameter[row], maxArea: lives.max_area[row], maxOverlap: lives.max_overlap[row],
+      strength: "shear_strength" in lives.units ? lives.shear_strength[row] : null,
+      peak: middle,
+      others: view.aliveAt(middle).filter((other) => other !== row).map((other) => lives.junction[other]),
+    };
+  };
+
   view.life = (row) => {
     const { lives } = view;
+    if (data.flights) return touch(row);
     const at = (name) => (name in lives.units ? lives[name][row] : null);
     const [born, died, d, length] = ["birth_distance", "death_distance", "diameter", "life_distance"].map(at);
     const aside = at("lateral_offset");

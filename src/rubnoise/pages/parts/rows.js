@@ -47,13 +47,13 @@ const view = { data: JSON.parse(document.getElementById("data").textContent) };
     const half = aside ? diameter.map((d, row) => Math.sqrt((d - aside[row]) * (d + aside[row]))) : diameter;
     found.life_distance = half.map((length) => 2 * length);
     found.death_distance = birth.map((s, row) => s + found.life_distance[row]);
-    found.max_area = diameter.map((d, row) => areaAtMiddle(half[row], d, aside ? aside[row] : 0));
+    found.max_area ??= diameter.map((d, row) => areaAtMiddle(half[row], d, aside ? aside[row] : 0));
     found.state = new Uint8Array(count);
     const [death, state] = [view.unpacked(marked.death), view.unpacked(marked.state)];
     view.unpacked(marked.row).forEach((row, i) => {
       found.state[row] = state[i];
       found.death_distance[row] = death[i];
-      if (state[i] & 4) found.life_distance[row] = death[i] - birth[row];
+      if (state[i] & 4 || found.max_overlap) found.life_distance[row] = death[i] - birth[row];
     });
     for (const [time, place] of [["birth_time", birth], ["death_time", found.death_distance]]) {
       if (time in found || !(time in units)) continue;

@@ -8,12 +8,16 @@
   const QUANTITIES = {
     area: { group: "trace", name: "real_contact_area", across: "wavenumber (rad/µm)", up: "S (µm⁴ per rad/µm)" },
     velocity: { group: "slider", name: "velocity", across: "angular frequency (rad/s)", up: "S (µm²/s² per rad/s)" },
+    normal: { group: "load", name: "velocity", across: "angular frequency (rad/s)", up: "S (µm²/s² per rad/s)" },
+    load: { group: "load", name: "load", across: "angular frequency (rad/s)", up: "S (µN² per rad/s)" },
   };
-  const exact = Object.fromEntries(Object.entries(data.exact).map(([name, found]) => [name, found && {
+  const COUNTED = { area: ["real contact area", "µm²"], normal: ["normal velocity", "µm/s"], load: ["load", "µN"] };
+  const exact = Object.fromEntries(Object.entries(data.exact).filter(([name]) => name in QUANTITIES).map(([name, found]) => [name, found && {
     ...found, expected: found.expected && view.unpacked(found.expected),
   }]));
   const density = data.exact.density && view.unpacked(data.exact.density);
-  $("heard").querySelector("[value=velocity]").disabled = exact.velocity === null;
+  for (const select of ["heard", "counted"])
+    for (const option of $(select).options) option.hidden = option.disabled = exact[option.value] === null;
 
   const axis = (label, size) => ({
     label, size, labelSize: 20, font: "12px system-ui", labelFont: "13px system-ui",
@@ -59,24 +63,31 @@
   };
 
   const histogram = () => {
-    const values = view.ticksOf("trace", "real_contact_area");
-    const isLong = values !== null && values.length * data.tick >= 4 * data.meanLife;
-    $("histogram").hidden = !isLong;
-    $("histogram-says").textContent = isLong ? `${view.grouped(values.length)} ticks` + (density ? ", beside the exact density." : ".")
-      : "A histogram needs a window of four mean lives or more, of which the page knows each tick.";
-    if (!isLong) return;
+    const counted = $("counted").value;
+    const [words, unit] = COUNTED[counted];
+    const ticks = view.ticksOf(QUANTITIES[counted].group, QUANTITIES[counted].name);
+    const isLong = ticks !== null && ticks.length * data.tick >= 4 * data.meanLife;
+    /* Nothing is borne off the surface: a share of the time, and no bar. */
+    const values = isLong && data.flights && counted !== "normal" ? ticks.filter((x) => x > 0) : ticks;
+    const off = isLong ? ticks.length - values.length : 0;
+    const law = counted === "area" ? density : null;
+    $("histogram").hidden = !isLong || !values.length;
+    $("histogram-says").textContent = !isLong ? "A histogram needs a window of four mean lives or more, of which the page knows each tick."
+      : data.flights && counted !== "normal" ? `${view.grouped(ticks.length)} ticks; in ${Number(((100 * off) / ticks.length).toPrecision(3))} % of them the slider is off the surface, which is not drawn.`
+        : `${view.grouped(ticks.length)} ticks` + (law ? ", beside the exact density." : ".");
+    if (!isLong || !values.length) return;
     const [least, most] = values.reduce(([low, high], x) => [Math.min(low, x), Math.max(high, x)], [Infinity, -Infinity]);
     const width = (most - least || 1) / BARS;
     const counts = new Float64Array(BARS);
     for (const x of values) counts[Math.min(Math.floor((x - least) / width), BARS - 1)] += 1;
-    const heights = Array.from(counts, (count) => count / values.length / width);
+    const heights = Array.from(counts, (count) => count / ticks.length / width);
     const places = heights.map((_, bar) => least + (bar + 0.5) * width);
-    const areas = density ? Array.from(density.subarray(0, density.length / 2)) : [];
-    const joined = uPlot.join([[places, heights], ...(density ? [[areas, Array.from(density.subarray(areas.length))]] : [])]);
+    const areas = law ? Array.from(law.subarray(0, law.length / 2)) : [];
+    const joined = uPlot.join([[places, heights], ...(law ? [[areas, Array.from(law.subarray(areas.length))]] : [])]);
     draw("histogram", joined, [
       { ...line("curve", 1, { fill: () => view.ink("life") }), paths: uPlot.paths.stepped({ align: 1, alignGaps: 1 }), spanGaps: true },
-      ...(density ? [line("exact", 1.6, { spanGaps: true })] : []),
-    ], { logarithmic: false, across: "real contact area (µm²)", up: "density (1/µm²)", label: "histogram of the real contact area in this window" });
+      ...(law ? [line("exact", 1.6, { spanGaps: true })] : []),
+    ], { logarithmic: false, across: `${words} (${unit})`, up: `density (1/(${unit}))`, label: `histogram of the ${words} in this window` });
   };
 
   let waiting = 0;
@@ -85,4 +96,5 @@
     waiting = setTimeout(() => { spectrum(); histogram(); }, 120);
   };
   $("heard").addEventListener("change", spectrum);
+  $("counted").addEventListener("change", histogram);
 })();

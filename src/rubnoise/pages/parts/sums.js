@@ -5,14 +5,15 @@
   const { birth_distance: birth, death_distance: death, shear_strength: strength } = view.lives;
   /* Ticks times live junctions that are summed while a window moves. */
   const MOST = 1500000;
-  const held = (from, to) => from >= data.junctions.start && to <= data.junctions.stop;
+  /* No row says the area of a touch of free motion. */
+  const held = (from, to) => !data.flights && from >= data.junctions.start && to <= data.junctions.stop;
   let last = null;
 
   /** The sums at every tick between two distances, or null where they are too many or lives are not in the page. */
   view.summed = (from, to) => {
     const first = Math.max(Math.floor(from / data.tick), 0);
     const count = Math.min(Math.ceil(to / data.tick), Math.floor(data.distance / data.tick + 1e-9)) - first + 1;
-    if (!held(from, to) || count * Math.max(data.count.mean, 1) > MOST) return null;
+    if (!held(from, to) || count * Math.max(data.count?.mean ?? 1, 1) > MOST) return null;
     if (last !== null && last.first === first && last.count === count) return last;
     const found = { first, count, real_contact_area: new Float64Array(count), junction_count: new Float64Array(count) };
     if (strength && !data.loaded) found.friction_force = new Float64Array(count);

@@ -4,7 +4,7 @@
   const { data } = view;
   const $ = (id) => document.getElementById(id);
   /* A few lives at first, which can be distinguished. */
-  const LIVES = 8;
+  const LIVES = data.flights ? 60 : 8;
   view.window = { from: data.start, to: Math.min(data.stop, data.start + LIVES * data.meanLife) };
 
   view.choose = (row) => {
@@ -26,7 +26,16 @@
     const um = (value) => (value === null ? "not reached" : `${view.number(Number(value.toFixed(4)))} µm`);
     const time = (value) => (value === null || Number.isNaN(value) ? "" : `, ${six(value)} s`);
     const share = (part) => `${Number((100 * part).toPrecision(3))} %`;
-    const lines = [
+    const lines = data.flights ? [
+      ["contact made", um(life.birth) + time(life.birthTime)],
+      ["contact lost", um(life.death) + time(life.deathTime)],
+      ["length", um(life.length)],
+      ["largest overlap", um(life.maxOverlap)],
+      ["diameter there", um(life.diameter)],
+      ["area there", `${six(life.maxArea)} µm²`],
+      ...(life.strength === null ? [] : [["shear strength", `${six(life.strength)} MPa`]]),
+      ["in contact beside it half-way", view.grouped(life.others.length)],
+    ] : [
       ["birth", um(life.birth) + time(life.birthTime)],
       ["mid-life", um(life.middle)],
       ["death", um(life.death) + time(life.deathTime)],
@@ -54,14 +63,16 @@
   let curve = null;
   const announce = (row) => {
     const life = view.life(row);
-    $("life-title").textContent = `Junction ${life.junction}: ${view.stateNames(life.state).join(", ").replaceAll("_", " ")}`;
+    $("life-title").textContent = `${data.flights ? "Touch" : "Junction"} ${life.junction}: ${view.stateNames(life.state).join(", ").replaceAll("_", " ")}`;
     $("life-figures").replaceChildren(...figures(life));
     $("others").replaceChildren(...view.named(life.others.map(view.rowOf)));
-    const ages = Array.from({ length: 201 }, (_, i) => (life.length * i) / 200);
-    const points = [ages.map((age) => life.birth + age), ages.map((age) => view.areaAtAge(row, age))];
     $("life").hidden = false;
     if (curve) curve.destroy();
     const place = $("life-curve");
+    place.hidden = data.flights !== null;
+    if (place.hidden) return;
+    const ages = Array.from({ length: 201 }, (_, i) => (life.length * i) / 200);
+    const points = [ages.map((age) => life.birth + age), ages.map((age) => view.areaAtAge(row, age))];
     const axis = (label, size) => ({ label, labelSize: 20, size, font: "12px system-ui", stroke: () => view.ink("ink"), grid: { stroke: () => view.ink("grid") } });
     curve = new uPlot({
       width: place.clientWidth, height: 150, legend: { show: false }, scales: { x: { time: false } },
@@ -93,9 +104,10 @@
     for (const [group, name, label, unit] of [
       ["trace", "real_contact_area", "area", "µm²"], ["trace", "friction_force", "force", "µN"],
       ["slider", "displacement", "x", "µm"], ["slider", "velocity", "x′", "µm/s"],
+      ["load", "load", "load", "µN"], ["load", "separation", "z", "µm"], ["load", "velocity", "z′", "µm/s"],
     ]) {
       const value = view.value(group, name, s);
-      if (value !== null) words.push(`${label} = ${seen(value, view.pixelOf(name))} ${unit}`);
+      if (value !== null) words.push(`${label} = ${seen(value, view.pixelOf(group, name))} ${unit}`);
     }
     $("readout").textContent = words.join("   ");
     const mark = $("alive");
@@ -213,6 +225,8 @@
   }
   $("slider-part").hidden = !view.groups.slider;
   $("sticks-sign").hidden = !data.landmarks;
+  $("flights-sign").hidden = !data.flights;
+  if (!data.area) $("exact-sign").textContent = "exact mean";
   view.makeCharts();
   view.makeLives();
   const chosen = kept.has("junction") ? view.rowOf(Number(kept.get("junction"))) : null;
