@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli.progress import SIGNALS, watching
+from rubnoise.cli.progress import SIGNALS, stoppable, watching
 from rubnoise.errors import RunStopped
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths
@@ -234,6 +234,17 @@ def test_a_signal_is_obeyed_when_the_run_next_asks(number: signal.Signals) -> No
 def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> None:
     with watching(100.0, shown=False), pytest.raises(RunStopped):
         signal.raise_signal(number)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_what_writes_pages_and_films_is_stopped_between_pieces_alone(number: signal.Signals) -> None:
+    """An exception in the middle is swallowed by a library that is being loaded, which then warns of itself."""
+    with stoppable() as between:
+        between()
+        signal.raise_signal(number)
+        with pytest.raises(RunStopped) as stopped:
+            between()
+    assert stopped.value.exit_code == 128 + number
 
 
 def test_what_was_done_about_signals_before_is_done_again_after() -> None:

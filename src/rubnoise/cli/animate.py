@@ -8,7 +8,7 @@ import typer
 from rubnoise.cli.layout import printable, sentence, size
 from rubnoise.cli.options import ReplaceFile
 from rubnoise.cli.plot import distance
-from rubnoise.cli.progress import watching
+from rubnoise.cli.progress import stoppable
 
 if TYPE_CHECKING:
     from rubnoise.figures.film import Kind
@@ -45,10 +45,10 @@ def command(
     ends = distance("--from", start), distance("--to", stop)
     path = output or Path(f"{file.stem}.gif")
     kind = _kind(path, force=force)
-    with finished_run(file) as run, watching(1.0, shown=False) as watcher:
+    with finished_run(file) as run, stoppable() as between:
         film = Film.of(Stretch.of(run, *ends), seconds=seconds, rate=rate)
         with whole_file(path, force=force) as part:
-            write_film(part, film, kind, lambda: watcher(0.0, 0, 0))
+            write_film(part, film, kind, between)
     count, shown = film.distances.size, film.stretch
     stretch = f"{shown.start:g} to {shown.stop:g} um of sliding"
     print(sentence(f"{path}: {count} frames, {stretch}, {size(path.stat().st_size)}"))

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from rubnoise.cli.layout import grouped, size
-from rubnoise.cli.progress import watching
+from rubnoise.cli.progress import stoppable
 
 STANDARD_OUTPUT = Path("-")
 
@@ -72,12 +72,12 @@ def command(
             )
         if force:
             raise typer.BadParameter("--force replaces files; standard output is not a file")
-    with open_run(file) as run, watching(1.0, shown=False) as watcher:
+    with open_run(file) as run, stoppable() as between:
         exports = plan(run, kind.value, group=group and group.value, output=output)
         if printed:
-            print_csv(run, exports[0].groups[0], sys.stdout, between=lambda: watcher(0.0, 0, 0))
+            print_csv(run, exports[0].groups[0], sys.stdout, between=between)
             return
-        export(run, exports, force=force, between=lambda: watcher(0.0, 0, 0))
+        export(run, exports, force=force, between=between)
         for each in exports:
             rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in each.groups)
             print(f"{each.path}: {rows}, {size(each.path.stat().st_size)}")

@@ -12,7 +12,7 @@ import typer
 from rubnoise import __version__
 from rubnoise.cli.layout import grouped, line, number, remark, sentence
 from rubnoise.cli.options import ReplaceFile
-from rubnoise.cli.progress import watching
+from rubnoise.cli.progress import stoppable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -76,8 +76,7 @@ def command(
         if value is not None and not (isfinite(value) and value > 0.0):
             raise typer.BadParameter(f"{option}: {value:g} is no number above 0")
     paths = _paths(files, output, what, force=force)
-    with ExitStack() as opened, watching(1.0, shown=False) as watcher:
-        between = partial(watcher, 0.0, 0, 0)
+    with ExitStack() as opened, stoppable() as between:
         runs = [opened.enter_context(finished_run(file)) for file in files]
         sounds = [Sound.of(run, what.value, rate=int(rate), speed_up=speed_up or 1.0, seconds=None) for run in runs]
         faster = speed_up or (audible(sounds[0], between) if len(sounds) > 1 else 1.0)

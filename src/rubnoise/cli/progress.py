@@ -153,22 +153,47 @@ def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]
 
 
 @contextmanager
+def _at_first_signal(note: Callable[[int], None]) -> Iterator[None]:
+    """Call with the number of the first SIGINT or SIGTERM; a second signal ends the process at once."""
+
+    def noted(number: int, _frame: FrameType | None) -> None:
+        for each in SIGNALS:
+            signal.signal(each, signal.SIG_DFL)
+        note(number)
+
+    before = {each: signal.signal(each, noted) for each in SIGNALS}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+@contextmanager
 def watching(distance: float, *, shown: bool) -> Iterator[Watcher]:
     """Watch a run; SIGINT and SIGTERM stop it after the present range of ticks, a second signal stops it at once."""
     watcher = Watcher(distance, shown=shown)
+    with _at_first_signal(watcher.interrupt):
+        try:
+            yield watcher
+        finally:
+            watcher.line.clear()
 
-    def stop(number: int, _frame: FrameType | None) -> None:
-        for each in SIGNALS:
-            signal.signal(each, signal.SIG_DFL)
-        watcher.interrupt(number)
 
-    before = {each: signal.signal(each, stop) for each in SIGNALS}
-    try:
-        yield watcher
-    finally:
-        watcher.line.clear()
-        for each, handler in before.items():
-            signal.signal(each, handler)
+@contextmanager
+def stoppable() -> Iterator[Callable[[], None]]:
+    """Give a function to call between pieces of work: it raises RunStopped after SIGINT or SIGTERM.
+
+    Nothing is raised elsewhere, because an exception gets lost in a library that is just being loaded.
+    """
+    numbers: list[int] = []
+
+    def between() -> None:
+        if numbers:
+            raise RunStopped(numbers[0])
+
+    with _at_first_signal(numbers.append):
+        yield between
 
 
 def on_terminal() -> bool:
@@ -221,10 +246,8 @@ class SweepWatcher:
         self._began = self._began or time.monotonic()
         self._line.show(_text(progress, time.monotonic() - self._began))
 
-    def interrupt(self, number: int, _frame: FrameType | None) -> None:
-        """Take note of a signal; obey it at once where nothing has begun, and leave at once at the second one."""
-        for each in SIGNALS:
-            signal.signal(each, signal.SIG_DFL)
+    def interrupt(self, number: int) -> None:
+        """Take note of a signal; obey it at once where nothing has begun."""
         self.stopped_by = number
         if self._began is None:
             raise RunStopped(number)
@@ -245,9 +268,5 @@ def watching_sweep(*, shown: bool) -> Iterator[SweepWatcher]:
     """Watch a sweep; SIGINT and SIGTERM stop it within moments, a second one leaves at once."""
     with StatusLine(shown=shown) as line:
         watcher = SweepWatcher(line)
-        before = {each: signal.signal(each, watcher.interrupt) for each in SIGNALS}
-        try:
+        with _at_first_signal(watcher.interrupt):
             yield watcher
-        finally:
-            for each, handler in before.items():
-                signal.signal(each, handler)

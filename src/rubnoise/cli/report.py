@@ -31,7 +31,7 @@ def command(
     from rubnoise import api
     from rubnoise.cli.layout import sentence, size
     from rubnoise.cli.loading import finished_run
-    from rubnoise.cli.progress import watching
+    from rubnoise.cli.progress import stoppable
     from rubnoise.pages.report import run_report, sweep_report
     from rubnoise.regular_file import is_folder
     from rubnoise.storage.output import check_output, whole_file
@@ -40,11 +40,7 @@ def command(
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
     check_output(path, force=force)
-    with watching(1.0, shown=False) as watcher:
-
-        def between() -> None:
-            watcher(0.0, 0, 0)
-
+    with stoppable() as between:
         if is_folder(file):
             with api.open_sweep(file) as sweep:
                 text = sweep_report(sweep, between)
