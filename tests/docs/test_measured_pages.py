@@ -5,7 +5,7 @@ import re
 import sys
 import tomllib
 from dataclasses import replace
-from math import log
+from math import hypot, log, sqrt
 from pathlib import Path
 
 import h5py
@@ -21,7 +21,7 @@ from rubnoise.theory.coupling import coupling
 from rubnoise.theory.load import load_motion
 from rubnoise.theory.response import response
 from tests.architecture.sources import ROOT
-from tools.studies import detection, load, surface_levels, surfaces
+from tools.studies import detection, free_motion, load, surface_levels, surfaces
 from tools.studies import two_way as tool
 
 # What docs/two-way.md shows as measured is what the tool measures, and its pictures are there.
@@ -309,3 +309,81 @@ def test_the_level_hardly_depends_on_the_cutoff() -> None:
         assert max(counts) > 2.0 * min(counts)
     assert all(abs(cell.found - cell.exact) < surface_levels.ALLOWED * cell.error for cell in cells)
     assert 0.9 < surface_levels.exponent(cells, 16.0) < 1.05
+
+
+# Free motion: docs/load.md shows what docs/free_motion.json holds, once it has been held against what is exact.
+FREE = free_motion.kept()
+SCALE = free_motion.HEIGHT * sqrt(free_motion.GRAVITY / free_motion.HEIGHT)
+"""s_0 omega_c in um/s."""
+
+
+def test_the_tables_of_free_motion_are_those_of_the_data() -> None:
+    page = free_motion.PAGE.read_text(encoding="utf-8")
+    parts = {found[2]: found[0] for found in free_motion.PART.finditer(page)}
+    assert {name: text.partition("\n")[2] for name, text in parts.items()} == free_motion.tables(FREE)
+    assert free_motion.faults(FREE) == []
+
+
+def test_a_level_of_free_motion_is_what_its_seeds_give() -> None:
+    live, loss, value, duration = free_motion.CONTACTS[0]
+    seeds = range(free_motion.SEED, free_motion.SEED + free_motion.RUNS)
+    found = free_motion.level(live, loss, value, free_motion.SPEEDS[0], free_motion.HEIGHT, duration, seeds)
+    assert found.velocity == pytest.approx(FREE[0].levels[0].velocity, rel=1e-9)
+    assert found.load == pytest.approx(FREE[0].levels[0].load, rel=1e-9)
+
+
+def test_levels_of_free_motion_are_those_of_another_program() -> None:
+    rows = json.loads((ROOT / "tests" / "reference" / "bouncing.json").read_text(encoding="utf-8"))["rows"]
+    wrong = 0
+    for row in rows:
+        [each] = [one for one in FREE if (one.live, one.value) == (row["live"], row.get(one.loss))]
+        at = free_motion.SPEEDS.index(row["v"])
+        level = each.levels[at]
+        allowed = max(0.06 * row["velocity"], 4.0 * hypot(row["error"], level.error / SCALE))
+        assert abs(level.velocity / SCALE - row["velocity"]) < allowed, row
+        wrong += abs(each.levels[at - 1].velocity / SCALE - row["velocity"]) > allowed
+    assert len(rows) > 20
+    assert wrong > 0.8 * len(rows), "levels at another speed are told apart"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"load": 1.0 + 10.0 * FREE[1].levels[2].load_error}, "N 0.1, restitution 0.7: mean load 1.0"),
+        ({"drift": 10.0 * FREE[1].levels[2].drift_error}, "N 0.1, restitution 0.7: the level drifts by "),
+        ({"velocity": 1.1 * FREE[1].levels[2].velocity}, "N 0.1, restitution 0.7: m - (1 + n)/2 = "),
+    ],
+)
+def test_no_table_is_drawn_where_runs_are_wrong(
+    change: dict[str, float],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    page = tmp_path / "load.md"
+    page.write_text("<!-- study: free levels -->\nas it was\n<!-- end -->\n", encoding="utf-8")
+    levels = tuple(replace(each, **change) if at == 2 else each for at, each in enumerate(FREE[1].levels))
+    monkeypatch.setattr(free_motion, "kept", lambda: [FREE[0], replace(FREE[1], levels=levels), *FREE[2:]])
+    monkeypatch.setattr(free_motion, "PAGE", page)
+    monkeypatch.setattr(sys, "argv", ["free_motion", "--table"])
+    assert free_motion.main() == 1
+    assert said in capsys.readouterr().err
+    assert "as it was" in page.read_text(encoding="utf-8")
+    monkeypatch.setattr(free_motion, "kept", lambda: FREE)
+    assert free_motion.main() == 0
+    assert "as it was" not in page.read_text(encoding="utf-8")
+
+
+def test_a_small_error_in_every_contact_shows_in_all_of_them_together() -> None:
+    """A height exponent off by 0.015 is within four standard errors in each contact."""
+    off = []
+    for each in FREE:
+        pairs = tuple(
+            (low, replace(high, velocity=high.velocity * (high.height / low.height) ** 0.015))
+            for low, high in each.heights
+        )
+        off.append(replace(each, heights=pairs))
+    wrong = free_motion.faults(off)
+    assert len(wrong) == 1
+    assert "over all contacts" in wrong[0]

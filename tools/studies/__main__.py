@@ -9,6 +9,7 @@ NAMES = (
     "detection",
     "family",
     "free_cost",
+    "free_motion",
     "inference",
     "load",
     "run_cost",
