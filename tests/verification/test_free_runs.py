@@ -44,6 +44,8 @@ RUNS = {
     "very light, all is lost": bouncing(
         distance=30_000.0, count=0.003, relative_speed=100.0, tick=5.0, restitution=0.0
     ),
+    "impacts that stop it": bouncing(distance=400.0, growth=1e4),
+    "slow, in tar": bouncing(distance=400.0, relative_speed=3e-3, ratio=5.0),
     "very light, elastic": bouncing(distance=30_000.0, count=0.003, relative_speed=100.0, tick=5.0, restitution=1.0),
 }
 
