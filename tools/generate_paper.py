@@ -3,6 +3,7 @@
 The page holds every claim of the paper as `rubnoise claims` settles it, every figure as `rubnoise figures` draws it.
 """
 
+import re
 import sys
 from collections.abc import Iterator
 from math import isnan
@@ -22,46 +23,68 @@ HEAD = """\
 # The paper, claim by claim
 
 The paper *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran
-its model once and described the results. This page lists its explicit and implied claims. For each claim it gives
-runs from fixed seeds, the exact theory, and the verdict. `rubnoise claims` repeats the runs in less than a minute,
-and `rubnoise figures all -o DIR` draws the pictures. `tools/generate_paper.py` wrote this page from both.
+its model once and described the results. Here is each of its explicit and implied claims, in our own words with the
+printed numbers, beside runs from fixed seeds and exact theory. `rubnoise claims` repeats the runs in less than a
+minute.
 
-Each simulated number is the mean of independent runs, or follows from such means. The 95 % interval comes from their
-scatter, without theory. Exact numbers follow from the model alone ([model.md](model.md)). Two-way coupling
-([two-way.md](two-way.md)) has none; there the verdict follows from runs and their intervals. If simulation and theory
-disagree by more than four standard errors, the verdict is *unsettled*, and the tool does not write this page. The
-claims are in our own words, with the printed numbers.
+Each simulated number is the mean of independent runs, or follows from such means, with a 95 % interval from their
+scatter. Two-way coupling has no exact numbers. If simulation and theory disagreed by more than four standard errors,
+the verdict would be *unsettled*, and `tools/generate_paper.py` would not write this page.
 """
 
-LIMITS = """
+LIMITS = r"""
 ## What the paper leaves out
 
-Section 4 of the paper states three limits of its model. rubnoise computes the same model and has the same limits:
+Section 4 of the paper states three limits, which rubnoise shares in a run without a table `[load]`:
 
-- **Constant separation.** The surfaces slide at a constant distance. The normal load appears only in A_rm. Nothing in a
-  run raises or lowers the slider, or changes the load.
-- **Parallel flats.** Junctions form between flats parallel to the plane of sliding. All forces lie in that plane. There
-  is no vibration normal to it, no loss of contact and no impact.
-- **No measured surfaces.** A_rm and N_jm are inputs. They do not follow from a measured profile and a load.
+- **Constant separation.** The normal load appears only in $A_{rm}$. Nothing raises or lowers the slider.
+- **Parallel flats.** All forces lie in the plane of sliding. There is no vibration normal to it, no loss of contact
+  and no impact.
+- **No measured surfaces.** $A_{rm}$ and $N_{jm}$ are inputs. [Surfaces](surfaces.md) derives them.
 
 Two more limits follow from its equations:
 
-- **Passes through both centres.** Eq. (2) is the overlap of two circles of one diameter whose centres move along one
-  line. Suppose instead that centres pass at distances spread evenly from 0 to d. For equal sizes, std over mean is then
-  1.356/sqrt(N_jm) and not 1.230/sqrt(N_jm). The tail of the spectrum is k^-5 and not k^-4, because only a centred pass
-  has a kink at mid-life. `pulse.offset = "uniform"` runs this contact, and has its exact theory
-  ([theory.md](theory.md#passes-off-the-centre-line)). Compared at one mean area and N_jm, three claims change:
-  - life_mean: the mean area over a life is (pi/16) d^2 = 0.196 d^2.
-  - area_spread: from 10 to 50 junctions of equal size, the std falls by 24 um^2 at 100 um^2 and by 119 um^2 at 500
-    um^2. The printed 22 and 110 um^2 belong to centred passes.
-  - psd_floor: the exponent is -5. There is no floor either.
+- **A slider that does not act back**: see [constant_speed](#constant_speed). `slider.coupling = "two-way"` has not
+  this limit.
+- **Passes through both centres.** If centres pass at distances spread evenly from 0 to $d$ (`pulse.offset =
+  "uniform"`, [theory](theory.md#passes-off-the-centre-line)), std over mean of equal sizes is $1.356/\sqrt{N_{jm}}$
+  and not $1.230/\sqrt{N_{jm}}$. At one mean area and $N_{jm}$, three claims change:
+  - life_mean: the mean area over a life is $(\pi/16)\,d^2 = 0.196\,d^2$.
+  - area_spread: from 10 to 50 junctions of equal size, the std falls by 24 µm² at 100 µm² and by 119 µm² at 500 µm².
+    The printed 22 and 110 µm² belong to centred passes.
+  - psd_floor: the exponent is -5, because only a centred pass has a kink at mid-life. There is no floor either.
 
-  The others stand: S(0) is 58 % larger at every N_jm, and all spreads still fall as 1/sqrt(N_jm). The displacement of
-  Figure 5 spreads by 226 um, not by 195 um.
-- **A slider that does not act back.** The area depends on the sliding distance. This grows evenly, however the slider
-  moves: see [constant_speed](#constant_speed). rubnoise has this limit with `slider.coupling = "one-way"`, the default,
-  and not with `"two-way"`.
+  The others stand. $S(0)$ is 58 % larger, and the displacement of Figure 5 spreads by 226 µm, not by 195 µm.
 """
+
+TYPESET = {
+    "E[d^3]/(E[d] E[d^2])": r"$\mathrm{E}[d^3]/(\mathrm{E}[d]\,\mathrm{E}[d^2])$",
+    "1/(sqrt(3) N_jm^2)": r"$1/(\sqrt{3}\,N_{jm}^2)$",
+    "4 lam E[d^2]/k^4": r"$4\lambda\,\mathrm{E}[d^2]/k^4$",
+    "4λE[d²]/k⁴": r"$4\lambda\,\mathrm{E}[d^2]/k^4$",
+    "1.2298/sqrt(N_jm)": r"$1.2298/\sqrt{N_{jm}}$",
+    "1/sqrt(N_jm)": r"$1/\sqrt{N_{jm}}$",
+    "1/sqrt(5) = 0.447": r"$1/\sqrt{5} = 0.447$",
+    "um^4 per rad/um": "µm⁴ per rad/µm",
+    "0.327 d^2": r"$0.327\,d^2$",
+    "L_jm/N_jm": r"$L_{jm}/N_{jm}$",
+    "N_jm^-1.5": r"$N_{jm}^{-1.5}$",
+    "(2/3) d^3": r"$\frac{2}{3} d^3$",
+    "k L_jm": r"$k L_{jm}$",
+    "E[d^6]": r"$\mathrm{E}[d^6]$",
+    "d^2/3": "$d^2/3$",
+    "N_jm": "$N_{jm}$",
+    "um^2": "µm²",
+    "k^-4": "$k^{-4}$",
+    "k^-5": "$k^{-5}$",
+    "S(0)": "$S(0)$",
+    "d^2": "$d^2$",
+    "d^3": "$d^3$",
+    "um": "µm",
+}
+"""How a formula or unit of a claim, which a terminal shows, is set on the page; the longer before the shorter."""
+
+_PLAIN = re.compile("|".join(rf"(?<!\w){re.escape(plain)}(?!\w)" for plain in TYPESET))
 
 
 def main() -> int:
@@ -93,20 +116,25 @@ def page(claims: tuple[Claim, ...]) -> Iterator[str]:
         files = ", ".join(f"`scenarios/paper/{file}`" for file in figure.scenarios)
         yield f"\n### Figure {name.removeprefix('fig')}: {figure.title}"
         yield f"\n![{figure.title}](pictures/paper/{name}.png)"
-        yield f"\n{figure.caption} From {files}."
+        yield f"\n{typeset(figure.caption)} From {files}."
+
+
+def typeset(text: str) -> str:
+    """Return a text of a claim with its formulas as the site sets them."""
+    return _PLAIN.sub(lambda found: TYPESET[found[0]], text)
 
 
 def _claim(claim: Claim) -> Iterator[str]:
     yield f"\n### {claim.name}"
-    yield f"\n**{claim.where}.** {claim.says}\n"
+    yield f"\n**{claim.where}.** {typeset(claim.says)}\n"
     yield "| quantity | printed | simulated (95 %) | exact |"
     yield "|---|---|---|---|"
     yield from map(_quantity, claim.quantities)
-    yield f"\n**Verdict: {claim.verdict.value}.** {claim.because} Runs: `scenarios/{claim.scenario}`."
+    yield f"\n**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
 
 
 def _quantity(quantity: ClaimedNumber) -> str:
-    name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
+    name = typeset(f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name)
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.6g}"
     low, high = quantity.simulated.interval

@@ -202,9 +202,9 @@ def test_the_page_on_the_paper_has_these_numbers() -> None:
     area = area_cumulants(contact())
     relative = sqrt(COUNT) * area.std / area.mean
     drops = [relative * mean * (1.0 / sqrt(10.0) - 1.0 / sqrt(50.0)) for mean in (100.0, 500.0)]
-    assert f"the std falls by {drops[0]:.0f} um^2 at 100 um^2 and by {drops[1]:.0f} um^2 at 500 um^2" in page
-    assert f"(pi/16) d^2 = {pi / 16.0:.3f} d^2" in page
-    assert f"then {relative:.3f}/sqrt(N_jm)" in page
+    assert f"the std falls by {drops[0]:.0f} µm² at 100 µm² and by {drops[1]:.0f} µm² at 500 µm²" in page
+    assert rf"$(\pi/16)\,d^2 = {pi / 16.0:.3f}\,d^2$" in page
+    assert rf"is ${relative:.3f}/\sqrt{{N_{{jm}}}}$" in page
 
 
 def drawn(contacts: int, distance: float, centred: bool = False) -> tuple[Doubles, NDArray[np.int64]]:  # noqa: FBT001, FBT002

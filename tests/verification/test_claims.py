@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, log, nan
@@ -131,8 +132,9 @@ def test_passes_off_the_centres_are_as_the_page_says() -> None:
     r = (np.arange(20_000) + 0.5) / 20_000
     first, second = (math.pi * float(np.mean(r * area(r) ** n)) for n in (1, 2))
     life = 2.0 * float(np.mean(np.sqrt(1.0 - r * r)))
-    assert f"{math.sqrt(second * life) / first:.3f}/sqrt(N_jm)" in generate_paper.LIMITS
-    assert f"{1.5 * math.sqrt(2.0 * math.pi / 3.0 - 64.0 / 45.0):.3f}/sqrt(N_jm)" in generate_paper.LIMITS
+    printed = r"{:.3f}/\sqrt{{N_{{jm}}}}"
+    assert printed.format(math.sqrt(second * life) / first) in generate_paper.LIMITS
+    assert printed.format(1.5 * math.sqrt(2.0 * math.pi / 3.0 - 64.0 / 45.0)) in generate_paper.LIMITS
     # E_b |A^(k; b)|^2 from the transform of the disc's autocorrelation, means over a period of the swing.
     k = 2.0 * math.pi * np.array([20.0, 80.0])[:, None] + np.linspace(0.0, 2.0 * math.pi, 64, endpoint=False)
     across = 400.0 * (np.arange(8_000) + 0.5) / 8_000
@@ -155,6 +157,15 @@ def test_no_page_is_written_where_simulation_and_theory_disagree(
     assert generate_paper.main() == 1
     assert "simulation and theory disagree: few_or_many" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_formulas_of_claims_are_set(claims: dict[str, Claim]) -> None:
+    """On the page, that is; a terminal shows them in plain letters."""
+    assert "d^2/3" in claims["life_mean"].because
+    for claim in claims.values():
+        texts = [claim.says, claim.because, *(f"{each.name} ({each.unit})" for each in claim.quantities)]
+        plain = [re.sub(r"\$[^$]*\$", "", generate_paper.typeset(text)) for text in texts]
+        assert [text for text in plain if re.search(r"\^|sqrt|\b[A-Z]_\w|\bum\b|\blam\b", text)] == [], claim.name
 
 
 @pytest.mark.parametrize("name", ["life_mean", "mean_area", "rabinowicz", "psd_floor", "psd_sizes", "area_spread"])

@@ -13,40 +13,30 @@ from bench.two_way import CoupledTimings
 
 HEAD = """# Performance
 
-This page shows speed, accuracy and memory of rubnoise and of other tools for the same work.
-`python3 tools/dev.py bench` writes it, in some ten minutes and an environment of its own. `bench --quick` prints a
-short version in a minute or two, and writes nothing.
+This page shows speed, accuracy and memory of rubnoise and of other tools for the same work. `python3 tools/dev.py
+bench` writes it in some ten minutes; `bench --quick` prints a short version.
 
 ![CPU time for each junction of whole runs, of the area and of births, and its growth](pictures/performance.png)
 """
 FAIR = """## What is compared, and how
 
-- **The work.** Figure 5's contact and slider (A_rm = 200 um^2, N_jm = 20, some 221 ticks in a mean life), from an
-  empty start. A *whole run* draws births and diameters, sums the area at every tick and moves the slider. It writes
-  junctions, trace and motion into an HDF5 file. In the same time, rubnoise also writes exact theory into the summary
-  and hashes every column.
-- **Correct first.** All tools get the same junctions. Their whole runs, at each number of junctions and of ticks in a
-  life that is timed below, are compared with the slow references of `tests/oracle`, which share no code with them. One
-  wrong result ends the benchmark with exit code 1, and no page is written. A slow result does not.
-- **Written as a user would write it.** Each other tool has its own file under `tools/bench/peers`:
-  - SimPy as in its tutorial, with a process for each junction and one that wakes at every tick;
-  - NumPy with a loop over junctions, and numba for two plain loops;
-  - superposed-pulses, the package for shot noise, with the junction's life as its pulse;
-  - Ciw and salabim for births and deaths, the only part of the work that they can do;
-  - scipy.signal.lsim, solve_ivp and Runge-Kutta steps for the slider.
-
-  If a tool has a faster way of its own (no progress bar, Python's generator for single draws), its file uses it.
-- **CPU time** of the process and its children, warm. The tools take turns (A B C A B C), so that a slow minute affects
-  all of them. Each repeat has its own seed. The tables show medians of the repeats, and ratios of medians. Importing
-  and compiling are left out; they have a section of their own below.
-- **One thread.** By default, libraries for linear algebra keep idle threads busy, which can double the time of lsim.
-- **Slow tools run shorter**; the tables show the number of junctions. They have no fixed cost that a longer run would
-  spread. rubnoise has one, for theory and the file's structure; the growth over run length shows it.
+- **The work.** Figure 5's contact and slider ($A_{rm}$ = 200 µm², $N_{jm}$ = 20, some 221 ticks in a mean life), from
+  an empty start. A *whole run* draws births and diameters, sums the area at every tick, moves the slider, and writes
+  junctions, trace and motion into an HDF5 file. rubnoise also writes exact theory into it and hashes every column.
+- **Correct first.** All tools get the same junctions. Their whole runs are compared with the slow references of
+  `tests/oracle`, which share no code with them. One wrong result ends the benchmark, and no page is written.
+- **Written as a user would write it**, with a file for each tool under `tools/bench/peers`: SimPy as in its tutorial,
+  NumPy with a loop over junctions, numba for two plain loops, superposed-pulses for shot noise, Ciw and salabim for
+  births and deaths, and scipy.signal.lsim, solve_ivp and Runge-Kutta steps for the slider. If a tool has a faster way
+  of its own, its file uses it.
+- **CPU time** of the process and its children, warm, on one thread. The tools take turns (A B C A B C), each repeat has
+  its own seed, and the tables show medians. Importing and compiling have a section of their own below.
+- **Slow tools run shorter.** They have no fixed cost that a longer run would spread; rubnoise has one.
 
 """
 
 
-_TWO_WAY_HEAD = ("us a junction", "+-", "times ours", "s a second", "junctions", "error", "tolerance, step in s")
+_TWO_WAY_HEAD = ("µs a junction", "±", "times ours", "s a second", "junctions", "error", "tolerance, step in s")
 
 
 def page(found: Results, today: date) -> str:
@@ -116,10 +106,10 @@ def _small(found: Results, part: str) -> dict[str, Verdict]:
 
 def _whole(found: Results) -> Iterator[str]:
     errors = {name: f"{_error(each.area)}, {_error(each.motion)}" for name, each in _small(found, "runs").items()}
-    head = ("who", "us a junction", "+-", "times the fastest", "junctions", "error of area, motion")
+    head = ("who", "µs a junction", "±", "times the fastest", "junctions", "error of area, motion")
     yield from table(head, _speed_rows(found.runs, errors))
     yield ""
-    yield "The error is the largest at any tick over the largest value, in a short run of the same contact. +- is"
+    yield "The error is the largest at any tick over the largest value, in a short run of the same contact. ± is"
     yield "half the range of the repeats."
 
 
@@ -127,7 +117,7 @@ def _parts(found: Results) -> Iterator[str]:
     yield "Births and the trace of the area, in memory:"
     yield ""
     errors = {name: _error(each.area) for name, each in _small(found, "areas").items()}
-    head = ("who", "us a junction", "+-", "times the fastest", "junctions", "error")
+    head = ("who", "µs a junction", "±", "times the fastest", "junctions", "error")
     yield from table(head, _speed_rows(found.areas, errors))
     yield ""
     yield "Births and deaths alone, with no area and no file:"
@@ -150,7 +140,7 @@ def _kernel(found: Results) -> Iterator[str]:
         (name, f"{1e9 * timing.each:.3g}", f"{100.0 * timing.spread:.0f} %", _error(found.kernel.errors.get(name)))
         for name, timing in sorted(found.kernel.timings.items(), key=lambda item: item[1].each)
     )
-    yield from table((f"who ({kernel.OURS} is numba too)", "ns", "+-", "error"), rows)
+    yield from table((f"who ({kernel.OURS} is numba too)", "ns", "±", "error"), rows)
     yield ""
     yield "The next table compares with plain loops, from coarse ticks to fine ones, in the same unit:"
     yield ""
@@ -189,7 +179,7 @@ def _two_way(found: Results) -> Iterator[str]:
     yield "at every birth, mid-life and death."
     for mean_count, coupled in found.two_way.items():
         yield ""
-        yield from table((f"N_jm = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
+        yield from table((f"$N_{{jm}}$ = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
 
 
 def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
@@ -209,17 +199,17 @@ def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
 
 def _off_centre(found: Results) -> Iterator[str]:
     yield "Junctions that miss each other's centre line (`pulse.offset`), beside centred ones: whole runs of `batch`"
-    yield "with the same mean area, N_jm and tick. Off it, diameters are 1.3 times as large, and lives as long. Each"
-    yield "area costs a root more, and the slider's moments have no closed form. The time is for each junction of the"
-    yield "centred run. The errors are those off the line: of the area against the formula, and of the motion against a"
-    yield f"run with {off_centre.REFINED} times as many ticks."
+    yield "with the same mean area, $N_{jm}$ and tick. Off it, diameters are 1.3 times as large, and lives as long."
+    yield "Each area costs a root more, and the slider's moments have no closed form. The time is for each junction of"
+    yield "the centred run. The errors are those off the line: of the area against the formula, and of the motion"
+    yield f"against a run with {off_centre.REFINED} times as many ticks."
     yield ""
     head = (
         "part",
-        "N_jm",
+        "$N_{jm}$",
         "ticks in a life",
-        "centred, us",
-        "off the line, us",
+        "centred, µs",
+        "off the line, µs",
         "ratio",
         "error of area, motion",
     )
@@ -239,13 +229,17 @@ def _off_centre_row(item: tuple[off_centre.Contact, off_centre.OffCentreTimings]
 
 
 def _growth(found: Results) -> Iterator[str]:
-    yield "The tables show us a junction of whole runs. One number changes, the others are as in Figure 5. With few"
+    yield "The tables show µs a junction of whole runs. One number changes, the others are as in Figure 5. With few"
     yield "ticks in a life, two parts of a rubnoise run take the most time. One is the same for every run: exact"
     yield "theory, the file's structure, hashes, and waiting for the disk. The growth over length shows it. The"
     yield f"other is the motion: its cells are then finer than ticks, so that it is right to {OUR_MOTION_BOUND:.0e}."
     yield "The other tools move from tick to tick and check nothing. With 3 ticks in a life, which have no row, none"
     yield "of their sliders is right to 1 %."
-    words = {"count": "mean number of junctions N_jm", "ticks": "ticks in a mean life", "length": "junctions in a run"}
+    words = {
+        "count": "mean number of junctions $N_{jm}$",
+        "ticks": "ticks in a mean life",
+        "length": "junctions in a run",
+    }
     for what, growth in found.growth.items():
         yield ""
         yield from _growth_table(words[what], growth)
