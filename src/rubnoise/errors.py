@@ -45,6 +45,10 @@ class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedE
         return text if len(text) <= LONGEST else f"{text[: LONGEST - _END - 5]} ... {text[-_END:]}"
 
 
+class NoColumn(Refused):
+    """A file without the column or dataset that is asked of it."""
+
+
 class ScenarioRefused(Refused):
     """A scenario whose problems are listed in the message, all of them at once."""
 

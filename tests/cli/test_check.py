@@ -221,7 +221,8 @@ def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPa
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
 # One needs another file, some exclude others, one another coupling, and the rest belong to laws without a spread.
 DRIVEN = ("excitation", "asperity_height", "heights", "slope")
-OTHERS = ("load", "hardness", "patch_area", "weights", "parts", "values", "sampled", *DRIVEN)
+SIZES = ("values", "sampled", "file", "column", "hash")
+OTHERS = ("load", "hardness", "patch_area", "weights", "parts", *SIZES, *DRIVEN)
 ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *LAW_SAMPLES, *BIRTH_SAMPLES)
 
 

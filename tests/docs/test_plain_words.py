@@ -301,8 +301,10 @@ def listed(title: str) -> set[str]:
 
 
 def test_the_smallest_scenario_is_one() -> None:
-    text, sweep = re.findall(r"^```toml\n(.*?)^```$", generate_docs.read("scenarios.md"), re.MULTILINE | re.DOTALL)
+    page = generate_docs.read("scenarios.md")
+    text, sweep, sizes = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     assert "[sweep]" in sweep
+    assert 'law = "empirical"' in sizes
     assert loads(text).resolved()["sliding"]["distance"] == "2000 um"
     for key in ("mean_real_contact_area", "mean_junction_count", "distance"):
         assert key in text

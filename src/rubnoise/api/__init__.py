@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from rubnoise.api.result import Junction, Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
-    from rubnoise.api.scenarios import example, examples, load, load_sweep
+    from rubnoise.api.scenarios import build, example, examples, load, load_sweep
     from rubnoise.api.surface import Surface
     from rubnoise.api.sweep_result import SweepResult, open_sweep
     from rubnoise.api.sweeping import run_sweep
     from rubnoise.api.trace import Trace
     from rubnoise.errors import Refused, RubnoiseError
     from rubnoise.record.rows import JunctionState
-    from rubnoise.scenario import Scenario, build
+    from rubnoise.scenario import Scenario
     from rubnoise.scenario.sweep import expand
     from rubnoise.simulation.intervention import LiveJunctions
     from rubnoise.simulation.observer import Observer
@@ -90,14 +90,14 @@ HOMES: Final = {
     "rubnoise.api.result": ("Junction", "Run", "open"),
     "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
-    "rubnoise.api.scenarios": ("example", "examples", "load", "load_sweep"),
+    "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
     "rubnoise.api.sweeping": ("run_sweep",),
     "rubnoise.api.trace": ("Trace",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
     "rubnoise.record.rows": ("JunctionState",),
-    "rubnoise.scenario": ("Scenario", "build"),
+    "rubnoise.scenario": ("Scenario",),
     "rubnoise.scenario.sweep": ("expand",),
     "rubnoise.simulation.intervention": ("LiveJunctions",),
     "rubnoise.simulation.observer": ("Observer",),

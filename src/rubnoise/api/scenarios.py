@@ -1,10 +1,12 @@
 """Which scenario is meant: a file, one that comes with rubnoise, or a Scenario."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rubnoise.scenario import Scenario
+from rubnoise.scenario import build as build_scenario
 from rubnoise.scenario import load as load_file
 from rubnoise.scenario.shipped import named, shipped_names
 from rubnoise.scenario.sweep import Sweep
@@ -23,7 +25,7 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
     """
     if isinstance(source, Scenario):
         return source.replace(dict(_parted(each) for each in overrides)) if overrides else source
-    return load_file(named(source), overrides)
+    return load_file(named(source), overrides, sizes_of)
 
 
 def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Sweep:
@@ -36,7 +38,7 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     >>> sweep.keys, len(rubnoise.expand(sweep))
     (('interface.mean_junction_count',), 5)
     """
-    return load_sweep_file(named(source), overrides)
+    return load_sweep_file(named(source), overrides, sizes_of)
 
 
 def example(name: str) -> Scenario:
@@ -47,6 +49,26 @@ def example(name: str) -> Scenario:
     'Figure 5: excitation force and vibration'
     """
     return load_file(shipped_path(name))
+
+
+def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
+    """Return the scenario of values as a TOML file would give them, where a bare number is in working units.
+
+    Working units are um, um^2, um/s, kg, MPa, N/m and N s/m. Raises ScenarioRefused with every problem.
+
+    >>> import rubnoise
+    >>> interface = {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}
+    >>> rubnoise.build({"format": 1, "interface": interface, "sliding": {"distance": 1000.0}}).sliding.distance
+    1000.0
+    """
+    return build_scenario(values, name, sizes_of)
+
+
+def sizes_of(path: str, column: str | None) -> Sequence[float]:
+    """Return the diameters in um of a column of a file; raises Refused, NoColumn where there is no such column."""
+    from rubnoise.storage.measured_sizes import read_sizes
+
+    return read_sizes(path, column)
 
 
 def examples() -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.api.running import run
-from rubnoise.api.scenarios import load, load_sweep
+from rubnoise.api.scenarios import load, load_sweep, sizes_of
 from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
@@ -137,10 +137,12 @@ def _sweep_of(
     keys = scenario.resolved()
     if "tick" not in scenario.given.get("output", {}):
         keys["output"].pop("tick")  # its default follows the size of the junctions of each point
+    if {"diameter.file", "diameter.column"} & (grid or {}).keys():
+        keys["diameter"] = {key: value for key, value in keys["diameter"].items() if key not in ("values", "hash")}
     table: dict[str, Any] = {"grid": {key: list(values) for key, values in (grid or {}).items()}}
     if replicates is not None:
         table["replicates"] = replicates
-    return loads_sweep(text_of({**keys, "sweep": table}), "grid")
+    return loads_sweep(text_of({**keys, "sweep": table}), "grid", read=sizes_of)
 
 
 def carry_out(

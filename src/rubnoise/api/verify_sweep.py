@@ -17,6 +17,7 @@ from rubnoise.analysis.verifying.attributes import INDEX_RULES, compare_attribut
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.analysis.verifying.origin import asked_by
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
+from rubnoise.scenario.measured_sizes import stored_sizes
 from rubnoise.scenario.points import Case, Point, points_of
 from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.source import Source
@@ -372,8 +373,9 @@ def _compare_text(
 ) -> None:
     """Compare the file of the sweep, as read, with the sweep that it was made into."""
     asked = asked_by(attributes["command"])
+    kept = stored_sizes(*(case.scenario.resolved() for case in sweep.cases))
     try:
-        again = loads_sweep(sweep.text, "scenario_toml", asked.overrides if asked else ())
+        again = loads_sweep(sweep.text, "scenario_toml", asked.overrides if asked else (), kept)
     except ScenarioRefused as refusal:
         if "extends" in Source("scenario_toml", sweep.text).data:
             reason = "it extends a file that is not kept, and is not compared"

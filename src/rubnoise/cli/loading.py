@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rubnoise.api.scenarios import sizes_of
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import Scenario, load
@@ -29,7 +30,7 @@ def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False)
     """Load a scenario, from a file or by its shipped name, and print its warnings; raises ScenarioRefused."""
     file = named(file)
     _refuse_result(file)
-    scenario = load(file, changes)
+    scenario = load(file, changes, sizes_of)
     _warn(scenario.warnings, quiet=quiet)
     return scenario
 
@@ -38,7 +39,7 @@ def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) ->
     """Load a sweep and print its warnings; raises ScenarioRefused, also for a file that is one run."""
     file = named(file)
     _refuse_result(file)
-    sweep = load_sweep(file, changes)
+    sweep = load_sweep(file, changes, sizes_of)
     _warn(sweep.warnings, quiet=quiet)
     return sweep
 
@@ -47,7 +48,7 @@ def scenario_or_sweep(file: Path, changes: Sequence[str] = (), *, quiet: bool = 
     """Load a scenario or a sweep, whichever a file is, and print its warnings; raises ScenarioRefused."""
     file = named(file)
     _refuse_result(file)
-    found = load_either(file, changes)
+    found = load_either(file, changes, sizes_of)
     _warn(found.warnings, quiet=quiet)
     return found
 

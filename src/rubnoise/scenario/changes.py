@@ -19,6 +19,8 @@ EITHER = {
     for ways in several
     for key in (key for way in ways for key in way)
 }
+EITHER |= {("diameter", "values"): ("file", "column", "hash")}
+EITHER |= {("diameter", key): ("values", "hash") for key in ("file", "column")}
 """Other ways to say what a key says: setting it takes their keys away."""
 
 

@@ -111,6 +111,21 @@ class Diameter(Section):
         Sizes("diameters"),
         About(description="Measured diameters in um, which are scaled to the mean d_m; for the law empirical."),
     ] = None
+    file: Annotated[
+        str | None,
+        Line(),
+        About(description="File with the values, CSV or HDF5, relative to the scenario's; for the law empirical."),
+    ] = None
+    column: Annotated[
+        str | None,
+        Line(),
+        About(description="Column of the file, by name or number, or dataset; a table of one column needs none."),
+    ] = None
+    hash: Annotated[
+        str | None,
+        Line(),
+        About(description="SHA-256 of the values in um; a file that has changed is refused. Filled in when left out."),
+    ] = None
     sampled: Annotated[
         str | None,
         Choice(("born", "alive")),

@@ -51,7 +51,8 @@ _RIGHT_FORMS: dict[Path, str] = {
     **{("birth", key): f"{key} = {json.dumps(value)}" for key, value in BIRTH_SAMPLES.items()},
     ("diameter", "weights"): "weights = [0.7, 0.3]",
     ("diameter", "parts"): 'parts = [{law = "fixed", mean = 4}, {law = "normal", mean = 9, spread = "20 %"}]',
-    ("diameter", "values"): "values = [4.1, 5.3, 6.0]",
+    ("diameter", "values"): 'values = [4.1, 5.3, 6.0] or file = "sizes.csv"',
+    ("diameter", "file"): 'file = "sizes.csv"',
     ("strength", "mean"): 'mean = "250 MPa"',
     ("strength", "spread"): 'spread = "50 MPa" or spread = "20 %"',
     ("sliding", "distance"): 'distance = "40 mm"',
@@ -268,7 +269,7 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     if SECTIONS[name] is Diameter:
         homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
         yield from _unequal_lists(layers)
-    yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes)
+    yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes, entry.optional)
     yield from _order_problems(layers, name, entry.ascending)
 
 
@@ -287,7 +288,12 @@ def _birth_problems(layers: Layers) -> Iterator[Problem]:
 
 
 def _own_keys(
-    layers: Layers, name: str, law: str, taken: Collection[str], homes: Mapping[str, str]
+    layers: Layers,
+    name: str,
+    law: str,
+    taken: Collection[str],
+    homes: Mapping[str, str],
+    optional: Collection[str] = (),
 ) -> Iterator[Problem]:
     """Refuse keys that a law does not take, with the law that does, and ask for those that it needs."""
     table = _table(layers, name)
@@ -297,7 +303,7 @@ def _own_keys(
             message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
             hint = f'write law = "{instead}", or leave the {key} out' if instead else f"leave the {key} out"
             yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-        if key in taken and key not in table and key != "sampled":
+        if key in taken and key not in table and key not in optional:
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
 
 

@@ -16,6 +16,8 @@ _NOT_THE_CONTACT = ("title", "output", "run")
 """What a scenario says about writing and running: a point keeps its seed when only this changes."""
 _NOT_THE_FIELD = ("coupling", "tolerance")
 """Keys of the slider that change only when each distance is reached: points that differ in them alone share seeds."""
+_NOT_THE_SIZES = ("file", "column", "hash")
+"""Where diameters were read: their values are all that counts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,8 +113,9 @@ def _canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
 
 
 def _without_defaults(section: str, table: dict[str, Any]) -> dict[str, Any]:
-    fields = SECTIONS[section].model_fields
-    return {key: value for key, value in table.items() if key == "calibration" or value != fields[key].default}
+    fields, left_out = SECTIONS[section].model_fields, _NOT_THE_SIZES if section == "diameter" else ()
+    kept = {key: value for key, value in table.items() if key not in left_out}
+    return {key: value for key, value in kept.items() if key == "calibration" or value != fields[key].default}
 
 
 def _without_calibration(resolved: Mapping[str, Any]) -> Mapping[str, Any]:

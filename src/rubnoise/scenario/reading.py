@@ -12,17 +12,19 @@ from rubnoise.scenario.checks import modelled, plausibility
 from rubnoise.scenario.document import Document, SampledOutput, Slider
 from rubnoise.scenario.fields import FROM_PYTHON
 from rubnoise.scenario.layers import Layers
+from rubnoise.scenario.measured_sizes import ReadSizes, with_values
 from rubnoise.scenario.problems import Path, Problem, in_order, report
 from rubnoise.scenario.scenario import TOLERANCE, Scenario
 from rubnoise.units import Quantity
 
 
-def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
+def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None) -> Scenario:
     """Return the scenario of a TOML file, with overrides of the form `KEY=VALUE` on top.
 
-    Raises ScenarioRefused with every problem of the file, each with its line.
+    ``read`` reads diameters of a file; without it a scenario that names one is refused. Raises ScenarioRefused with
+    every problem of the file, each with its line.
     """
-    return _checked(layers.from_file(path, overrides))
+    return _checked(layers.from_file(path, overrides), read)
 
 
 def loads(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> Scenario:
@@ -30,17 +32,13 @@ def loads(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> S
     return _checked(layers.from_text(text, name, overrides))
 
 
-def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
+def build(values: Mapping[str, Any], name: str = "<python>", read: ReadSizes | None = None) -> Scenario:
     """Return the scenario of values as a TOML file would give them, where a bare number is in working units.
 
-    Working units are um, um^2, um/s, kg, MPa, N/m and N s/m. Raises ScenarioRefused with every problem.
-
-    >>> import rubnoise
-    >>> interface = {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}
-    >>> rubnoise.build({"format": 1, "interface": interface, "sliding": {"distance": 1000.0}}).sliding.distance
-    1000.0
+    Working units are um, um^2, um/s, kg, MPa, N/m and N s/m; ``read`` is as for `load`. Raises ScenarioRefused with
+    every problem.
     """
-    return _checked(layers.from_values(values, name), from_python=True)
+    return _checked(layers.from_values(values, name), read, from_python=True)
 
 
 def stored(resolved: object, what: str = "the scenario in the file") -> Scenario:
@@ -58,10 +56,12 @@ def build_changed(values: Mapping[str, Any], changed: Collection[Path], name: st
     return _checked(given, from_python=True, more=keys.without_unit(given, changed))
 
 
-def _checked(given: Layers, *, from_python: bool = False, more: Sequence[Problem] = ()) -> Scenario:
+def _checked(
+    given: Layers, read: ReadSizes | None = None, *, from_python: bool = False, more: Sequence[Problem] = ()
+) -> Scenario:
     if keys.SWEEP in given.data:
         raise ScenarioRefused(report([*given.problems, _many(given)]))
-    scenario, problems = examined(given, from_python=from_python)
+    scenario, problems = examined(given, read, from_python=from_python)
     if scenario is None or more:
         raise ScenarioRefused(report([*problems, *more]))
     return scenario
@@ -73,15 +73,18 @@ def _many(given: Layers) -> Problem:
     return Problem(path=(keys.SWEEP,), message=message, place=given.key_place((keys.SWEEP,)), hint=hint)
 
 
-def examined(given: Layers, *, from_python: bool = False) -> tuple[Scenario | None, list[Problem]]:
+def examined(
+    given: Layers, read: ReadSizes | None = None, *, from_python: bool = False
+) -> tuple[Scenario | None, list[Problem]]:
     """Return the scenario of its layers, or None, and everything that is wrong with it or doubtful."""
     formats = keys.format_problems(given)
     if any(problem.message != "missing" for problem in formats):
         return None, [*given.problems, *formats]  # the other keys may well be right in that format
+    given, unread = with_values(given, read)
     document, problems = keys.read(given, from_python=from_python)
-    problems = [*given.problems, *formats, *problems]
+    problems = [*given.problems, *formats, *unread, *problems]
     model = tick = None
-    if document and not given.problems:
+    if document and not given.problems and not unread:
         model, tick, more = modelled(document, given)
         problems += [*plausibility(document, given), *more]
     wrong = any(problem.severity == "error" and not problem.forbids_run for problem in problems)

@@ -8,6 +8,7 @@ from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario.changes import replaced
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
+from rubnoise.scenario.measured_sizes import ReadSizes, stored_sizes
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
 from rubnoise.scenario.reading import examined
@@ -44,7 +45,7 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
         given = from_text(text, NAME, [*overrides, f"interface.calibration={_FIRST_CALIBRATION}"])
     if SWEEP in given.data:
         return _point(given, run, self_contained=self_contained)
-    return Reread(resolved=_scenario(given).resolved(), self_contained=self_contained)
+    return Reread(resolved=_scenario(given, stored_sizes(run)).resolved(), self_contained=self_contained)
 
 
 def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
@@ -70,8 +71,8 @@ def _has_no_calibration(given: Layers) -> bool:
     return isinstance(interface, dict) and "calibration" not in interface
 
 
-def _scenario(given: Layers) -> Scenario:
-    scenario, problems = examined(given)
+def _scenario(given: Layers, read: ReadSizes) -> Scenario:
+    scenario, problems = examined(given, read)
     if scenario is None:
         raise ScenarioRefused(report(problems))
     return scenario
@@ -82,7 +83,7 @@ def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Re
     if given.problems or wrong:
         raise ScenarioRefused(report([*given.problems, *wrong]))
     choice = PointOverlay(NAME, "", origin=given, axes=table.axes, indices=_indices(table, run))
-    scenario = _scenario(given.topped(choice, without=SWEEP))
+    scenario = _scenario(given.topped(choice, without=SWEEP), stored_sizes(run))
     replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
     seeds = frozenset(point.seed for point in replicates)
     return Reread(

@@ -4,6 +4,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import islice
 from typing import Any
 
@@ -11,6 +12,7 @@ from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import layers
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Overlay
+from rubnoise.scenario.measured_sizes import ReadSizes
 from rubnoise.scenario.points import Case, Point, points_of, run_id
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import examined, load
@@ -136,29 +138,33 @@ def expand(sweep: Sweep) -> tuple[Point, ...]:
     return points_of(sweep.cases, sweep.replicates)
 
 
-def load_sweep(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Sweep:
-    """Return the sweep of a TOML file, with overrides of the form `KEY=VALUE` on top.
+def load_sweep(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None) -> Sweep:
+    """Return the sweep of a TOML file, with overrides of the form `KEY=VALUE` on top; ``read`` is as for `load`.
 
     Raises ScenarioRefused with every problem of every point, each with its line, and for a file that is no sweep.
     """
     given = layers.from_file(path, overrides)
     if SWEEP not in given.data:
         _refuse_one(given)
-    return _checked(given)
+    return _checked(given, read)
 
 
-def loads_sweep(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> Sweep:
+def loads_sweep(
+    text: str, name: str = "<string>", overrides: Sequence[str] = (), read: ReadSizes | None = None
+) -> Sweep:
     """Return the sweep of a TOML text, which cannot extend a file; raises ScenarioRefused."""
     given = layers.from_text(text, name, overrides)
     if SWEEP not in given.data:
         _refuse_one(given)
-    return _checked(given)
+    return _checked(given, read)
 
 
-def load_either(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario | Sweep:
+def load_either(
+    path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None
+) -> Scenario | Sweep:
     """Return the scenario or the sweep of a TOML file, whichever it is; raises ScenarioRefused as `load` does."""
     given = layers.from_file(path, overrides)
-    return _checked(given) if SWEEP in given.data else load(path, overrides)
+    return _checked(given, read) if SWEEP in given.data else load(path, overrides, read)
 
 
 def _refuse_one(given: Layers) -> None:
@@ -168,10 +174,11 @@ def _refuse_one(given: Layers) -> None:
     raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep]; {ways}")
 
 
-def _checked(given: Layers) -> Sweep:
+def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     table, wrong = read_table(given)
+    read = read and cache(read)  # a file is read once, not at every point
     most = _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None
-    looked_at = [_examined(given, table, indices) for indices in islice(table.choices(), most)]
+    looked_at = [_examined(given, table, indices, read) for indices in islice(table.choices(), most)]
     found = gathered(looked_at)
     if wrong:
         # What is missing may be meant by a key of the sweep that is not right yet.
@@ -196,9 +203,9 @@ def _checked(given: Layers) -> Sweep:
     )
 
 
-def _examined(given: Layers, table: Table, indices: tuple[int, ...]) -> Examined:
+def _examined(given: Layers, table: Table, indices: tuple[int, ...], read: ReadSizes | None) -> Examined:
     choice = PointOverlay(given.main.name, "", origin=given, axes=table.axes, indices=indices)
-    scenario, problems = examined(given.topped(choice, without=SWEEP))
+    scenario, problems = examined(given.topped(choice, without=SWEEP), read)
     return Examined(values=choice.values, scenario=scenario, problems=problems)
 
 

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from rubnoise.scenario import layers
 
@@ -32,10 +32,15 @@ def _table(name: str, table: Mapping[str, Any]) -> Iterator[str]:
         yield from _table(f"{name}.{key}", value)
 
 
+_IN_A_LINE: Final = 32  # lines of a file have a length at most
+
+
 def toml_value(value: Any) -> str:
     """Return a text, number, boolean, or a list or table of these as TOML, which differs from JSON in one character."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items()) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(toml_value, value)) + "]"
+        each = list(map(toml_value, value))
+        rows = [", ".join(each[at : at + _IN_A_LINE]) for at in range(0, len(each), _IN_A_LINE)]
+        return "[" + ", ".join(rows) + "]" if len(rows) < 2 else "[\n    " + ",\n    ".join(rows) + ",\n]"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

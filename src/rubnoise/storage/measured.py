@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import open_regular, read_at_most, size_of
 from rubnoise.storage.measured_text import read_text
 from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
@@ -32,7 +32,9 @@ MOST_VALUES: Final = 100_000_000
 
 _PIECE_VALUES: Final = 1 << 21  # of a dataset: it and its scale go down the pipe of the sandbox
 _PATIENCE: Final = 8.0  # seconds for a look at a file
-_HDF5: Final = b"\x89HDF"
+HDF5: Final = b"\x89HDF"
+"""How such a file begins."""
+
 _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_dataset()"
 
 
@@ -55,7 +57,7 @@ def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate
     if "\0" in text:
         raise Refused(f"{text[:40]!r}: no file has a zero byte in its name")
     path, dataset = (Path(text), "") if Path(text).exists() else _split(text)
-    if read_at_most(path, len(_HDF5)) == _HDF5:
+    if read_at_most(path, len(HDF5)) == HDF5:
         if not dataset:
             raise Refused(f"{path}: which dataset? {path}:PATH names one")
         return _of_dataset(path, dataset)
@@ -128,26 +130,14 @@ def _of_dataset(path: Path, name: str) -> Measured:
     kept: list[Doubles] = []
     along, count = "", 0
     even: EvenSteps | None = None
-    descriptor = open_regular(path)
-    try:
-        while True:
-            head, _, rest = _from_sandbox(descriptor, "dataset", name, count).partition(b"\n")
-            found: dict[str, Any] = json.loads(head)
-            if "refused" in found:
-                raise Refused(f"{path}: {found['refused']}")
-            both = np.frombuffer(rest, dtype="<f8").astype(np.float64)
-            values, places = both[: found["here"]], both[found["here"] :]
-            if count == 0:
-                along = along_of(found["place"].rpartition("/")[2], found["place_unit"])
-                even = EvenSteps(found["place"], found["place_unit"], str(path), word="row") if along else None
-            if even is not None:
-                even.add(places, range(count + 1, count + 1 + values.size))
-            kept.append(values)
-            count += values.size
-            if count >= found["count"] or not values.size:
-                break
-    finally:
-        os.close(descriptor)
+    for found, values, places in pieces_of_dataset(path, name):
+        if count == 0:
+            along = along_of(found["place"].rpartition("/")[2], found["place_unit"])
+            even = EvenSteps(found["place"], found["place_unit"], str(path), word="row") if along else None
+        if even is not None:
+            even.add(places, range(count + 1, count + 1 + values.size))
+        kept.append(values)
+        count += values.size
     whole = np.concatenate(kept)
     check_values(whole, f"{path}: {name}")
     return Measured(
@@ -158,6 +148,26 @@ def _of_dataset(path: Path, name: str) -> Measured:
         along=along or "time",
         where=str(path),
     )
+
+
+def pieces_of_dataset(path: Path, name: str) -> Iterator[tuple[dict[str, Any], Doubles, Doubles]]:
+    """Yield pieces of a dataset: what is known of it, its values, and those of its scale; raises NoColumn without."""
+    count = 0
+    descriptor = open_regular(path)
+    try:
+        while True:
+            head, _, rest = _from_sandbox(descriptor, "dataset", name, count).partition(b"\n")
+            found: dict[str, Any] = json.loads(head)
+            if "refused" in found:
+                raise NoColumn(f"{path}: {found['refused']}")
+            both = np.frombuffer(rest, dtype="<f8").astype(np.float64)
+            values = both[: found["here"]]
+            yield found, values, both[found["here"] :]
+            count += values.size
+            if count >= found["count"] or not values.size:
+                return
+    finally:
+        os.close(descriptor)
 
 
 def _load_hdf5() -> None:

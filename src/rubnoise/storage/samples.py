@@ -10,7 +10,7 @@ from typing import Any, Final, NoReturn
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import NoColumn, Refused
 from rubnoise.units import LENGTH, TIME, QuantityError, parse_unit
 
 UNEVEN: Final = 0.01
@@ -88,7 +88,7 @@ def along_of(name: str, unit: str) -> str:
 def chosen_column(
     path: str | Path, names: list[str], wanted: str | None, place: int | None, *, keyword: str = "column"
 ) -> int:
-    """Return the number of the wanted column, or of the only one beside the place; raises Refused if it is open.
+    """Return the number of the wanted column, or of the only one beside the place; raises NoColumn if it is open.
 
     ``wanted`` is a name, or where no column has that name a number from 1 on.
     """
@@ -98,10 +98,10 @@ def chosen_column(
         if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
             return int(wanted) - 1
         what = "the name of several" if wanted in names else "none"
-        raise Refused(f"{path}: {keyword}=: {wanted[:_SHOWN]} is {what} of the columns {_listed(names)}")
+        raise NoColumn(f"{path}: {keyword}=: {wanted[:_SHOWN]} is {what} of the columns {_listed(names)}")
     others = [name for number, name in enumerate(names) if number != place]
     if len(others) != 1:
-        raise Refused(f"{path}: which column? column= takes one of: {_listed(others) or 'none but the place'}")
+        raise NoColumn(f"{path}: which column? column= takes one of: {_listed(others) or 'none but the place'}")
     return next(number for number in range(len(names)) if number != place)
 
 

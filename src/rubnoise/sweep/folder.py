@@ -12,6 +12,7 @@ from typing import Any, Final, Self
 from rubnoise.errors import OutputRefused, Refused, ScenarioRefused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import build
+from rubnoise.scenario.measured_sizes import ReadSizes, stored_sizes
 from rubnoise.scenario.points import Case, Point, run_id
 from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.scenario import flattened
@@ -29,8 +30,13 @@ _FREE: Final = ("title", "run.engine")
 
 
 def identity(sweep: Sweep) -> dict[str, Any]:
-    """Return what identifies a sweep (JSON-able): its points by name, and the whole scenario of the first."""
-    return {
+    """Return what identifies a sweep (JSON-able): its points by name, and the whole scenario of the first.
+
+    Of swept files of diameters it has the values of each.
+    """
+    files = {str(path): case.scenario for case in sweep.cases if (path := _file_of(case.values))}
+    sizes = [{_SIZES: scenario.resolved()[_SIZES]} for scenario in files.values()]
+    return ({"sizes": sizes} if sizes else {}) | {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
         "title": sweep.title,
@@ -40,6 +46,14 @@ def identity(sweep: Sweep) -> dict[str, Any]:
         "points": [{"values": dict(case.values), "name": run_id(case.scenario)} for case in sweep.cases],
         "first": sweep.cases[0].scenario.resolved(),
     }
+
+
+_SIZES: Final = "diameter"
+
+
+def _file_of(values: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Return the swept file of diameters and column, empty where neither is swept."""
+    return tuple(values[key] for key in (f"{_SIZES}.file", f"{_SIZES}.column") if key in values)
 
 
 def manifest_text(manifest: Mapping[str, Any]) -> str:
@@ -52,18 +66,21 @@ def cases_of(kept: Mapping[str, Any]) -> tuple[Case | None, ...]:
 
     A tick that the file did not give follows from the other keys at each point, so the first one's is not for all.
     """
-    return tuple(_case(kept["first"], point["values"], point["name"]) for point in kept["points"])
+    read = stored_sizes(*kept.get("sizes", []))
+    return tuple(_case(kept["first"], point["values"], point["name"], read) for point in kept["points"])
 
 
-def _case(first: Mapping[str, Any], values: Mapping[str, Any], name: str) -> Case | None:
+def _case(first: Mapping[str, Any], values: Mapping[str, Any], name: str, read: ReadSizes) -> Case | None:
     tables = {section: dict(table) if isinstance(table, Mapping) else table for section, table in first.items()}
     for key, value in values.items():
         section, _, inner = key.partition(".")
         tables.setdefault(section, {})[inner] = value
+    if _file_of(values):
+        tables[_SIZES] = {key: value for key, value in tables[_SIZES].items() if key not in ("values", "hash")}
     without_tick = {**tables, "output": {key: value for key, value in tables["output"].items() if key != "tick"}}
     for each in (tables, without_tick):
         with suppress(ScenarioRefused):
-            scenario = build(each)
+            scenario = build(each, read=read)
             if run_id(scenario) == name:
                 return Case(values=values, scenario=scenario)
     return None

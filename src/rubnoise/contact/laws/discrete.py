@@ -197,5 +197,6 @@ EMPIRICAL_ENTRY = LawEntry(
     make=_empirical,
     moment=_empirical_moment,
     takes_spread=False,
-    own_keys=("values", "sampled"),
+    own_keys=("values", "sampled", "file", "column", "hash"),
+    optional=("sampled", "file", "column", "hash"),
 )
