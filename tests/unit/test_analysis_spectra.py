@@ -15,7 +15,7 @@ import pytest
 from rubnoise.analysis.covariance import CovarianceSum, LaggedProducts, autocovariance
 from rubnoise.analysis.histogram import HistogramSum
 from rubnoise.analysis.records import RecordTooShort, error_of_mean
-from rubnoise.analysis.sound import (
+from rubnoise.analysis.resampling import (
     CROSSINGS,
     MOST,
     PASSED,

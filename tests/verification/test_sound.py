@@ -12,12 +12,16 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.sound import PASSED, RIPPLE, Sound, level_of, samples_of
+from rubnoise.analysis.resampling import PASSED, RIPPLE
+from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
+from rubnoise.errors import Refused
 from rubnoise.scenario.reading import loads
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.wave_file import STEPS
 from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.load import load_motion
+from tests.architecture.sources import ROOT
 from tests.verification.scores import BOUND, REJECTED, seed_of
 
 # What is heard is what was simulated: the sound's spectrum beside the run's and beside the exact one, band by band.
@@ -248,3 +252,25 @@ def test_the_runs_are_what_they_are_called() -> None:
     assert records["spread above the mean"]["junctions"]["diameter"].min() > 0.0
     assert loads(RUNS["shorter than a life"]).model().distance < 11.0
     assert loads(RUNS["a single step"]).model().tick_count == 1
+
+
+def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
+    """It begins at rest, and comes to its spread by swings far above it: the loudest of the run, if they were heard."""
+    scenario = ROOT / "scenarios" / "load" / "fig5_smooth.toml"
+    exact = load_motion(rubnoise.load(scenario).model()).velocity_std
+    rubnoise.run(rubnoise.load(scenario, ["sliding.distance=300 um"]), tmp_path / "x.h5").close()
+    with open_run(tmp_path / "x.h5") as file:
+        sound = Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0, seconds=None)
+        heard = np.concatenate(list(sound.chunks()))
+        left_out = file.column("load", "velocity", 0, sound.first)
+    assert heard.size == sound.rows
+    # Of motion as good as normal, one value in 5e8 lies beyond six standard deviations.
+    assert np.abs(heard).max() < 6.0 * exact
+    assert np.abs(left_out).max() > 12.0 * exact
+
+
+def test_a_run_within_the_start_of_normal_motion_is_refused(tmp_path: Path) -> None:
+    scenario = rubnoise.load(ROOT / "scenarios" / "load" / "fig5_smooth.toml", ["sliding.distance=10 um"])
+    rubnoise.run(scenario, tmp_path / "x.h5").close()
+    with open_run(tmp_path / "x.h5") as file, pytest.raises(Refused, match=r"too short: the first \d+\.\d+ um are the"):
+        Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0, seconds=None)

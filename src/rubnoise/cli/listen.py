@@ -144,12 +144,19 @@ def format_sound(path: Path, sound: "Sound", level: "Level", others: int = 0) ->
     rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
     return [
         sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"),
+        *_begin_lines(sound),
         line("speed-up", number(sound.speed_up)),
         line("full scale", f"{number(level.full_scale)} {sound.units}, {whose} 3 dB below"),
         line("mean, taken away", f"{number(level.mean)} {sound.units}"),
         *_natural_lines(sound),
         *_audible_lines(sound, level),
     ]
+
+
+def _begin_lines(sound: "Sound") -> list[str]:
+    if sound.first == 0:
+        return []
+    return [line("begins at", f"{sound.first * sound.tick_duration:.4g} s, after the transient of the normal motion")]
 
 
 def _natural_lines(sound: "Sound") -> list[str]:
