@@ -274,3 +274,20 @@ def test_a_run_within_the_start_of_normal_motion_is_refused(tmp_path: Path) -> N
     rubnoise.run(scenario, tmp_path / "x.h5").close()
     with open_run(tmp_path / "x.h5") as file, pytest.raises(Refused, match=r"too short: the first \d+\.\d+ um are the"):
         Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0, seconds=None)
+
+
+def test_impacts_are_heard_when_they_happen(tmp_path: Path) -> None:
+    scenario = rubnoise.load(ROOT / "scenarios" / "load" / "bouncing.toml", ["sliding.distance=4 mm"])
+    rubnoise.run(scenario, tmp_path / "x.h5").close()
+    with open_run(tmp_path / "x.h5") as file:
+        time, load = file.column("load", "time"), file.column("load", "load")
+        samples, _ = _heard(file, "load", 1.0)
+    hardest = np.flatnonzero(load > 0.5 * load.max())
+    heard = time[0] + np.flatnonzero(samples + load.mean() > 0.5 * load.max()) / RATE
+    # Within a sample, the spacing at which both are seen.
+    assert heard.min() == pytest.approx(time[hardest[0]], abs=1.0 / RATE)
+    assert heard.max() == pytest.approx(time[hardest[-1]], abs=1.0 / RATE)
+    # Off the surface there is silence: nothing bears.
+    aloft = np.flatnonzero(load == 0.0)
+    quiet = np.interp(time[aloft], time[0] + np.arange(samples.size) / RATE, samples)
+    assert np.median(np.abs(quiet + load.mean())) < 1e-3 * load.max()

@@ -71,12 +71,13 @@ def _round(value: float) -> float:
     return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / value)))
 
 
-What = Literal["velocity", "force", "displacement", "normal-velocity"]
+What = Literal["velocity", "force", "displacement", "normal-velocity", "load"]
 COLUMNS: Final[dict[What, str]] = {
     "velocity": "velocity",
     "force": "friction_force",
     "displacement": "displacement",
     "normal-velocity": "velocity",
+    "load": "load",
 }
 PEAK: Final = 10.0 ** (-3.0 / 20.0)
 """How far the loudest sample goes of full scale: 3 dB below it."""
@@ -241,9 +242,10 @@ def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles
 
 def _group(file: Reader, what: What) -> str:
     """Return the group that holds a quantity; raises Refused if the run has none."""
-    if what == "normal-velocity" or (what == "velocity" and "slider" not in file.columns and "load" in file.columns):
-        if "load" not in file.columns:
-            raise Refused("the run has no normal velocity; a table [load] in its scenario would give it one")
+    weighs = "load" in file.columns
+    if what in ("normal-velocity", "load") or (what == "velocity" and "slider" not in file.columns and weighs):
+        if not weighs:
+            raise Refused(f"the run has no {what.replace('-', ' ')}; a table [load] in its scenario would give it one")
         return "load"
     if "slider" in file.columns:
         return "slider"

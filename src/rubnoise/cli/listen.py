@@ -27,6 +27,7 @@ class What(StrEnum):
     FORCE = "force"
     DISPLACEMENT = "displacement"
     NORMAL_VELOCITY = "normal-velocity"
+    LOAD = "load"
 
 
 class Rate(StrEnum):
@@ -44,7 +45,7 @@ def command(
         typer.Option("-o", "--output", help="The file to write; default: RUN_WHAT.wav, in this folder.", metavar="WAV"),
     ] = None,
     what: Annotated[
-        What, typer.Option(help="The sound: velocity, force, displacement or normal-velocity.", metavar="WHAT")
+        What, typer.Option(help="The sound: velocity, force, displacement, normal-velocity or load.", metavar="WHAT")
     ] = What.VELOCITY,
     speed_up: Annotated[
         float | None,
