@@ -9,7 +9,7 @@ from rubnoise.analysis.agreement import normal_deviate
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.simulation.free import motion
 from rubnoise.simulation.free.contacts import DRAG
-from rubnoise.simulation.free.encounters import Surface
+from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.free.fold import FreeContact, FreeRun, FreeState
 from tests.oracle.free_slider import bounce
 
@@ -107,10 +107,12 @@ def test_the_next_layer_is_drawn_where_the_slider_falls_below_the_first(monkeypa
     def shallow(surface, layers):
         return -1.0 if layers == 1 else -float(surface.base + layers - 2)
 
-    right = Surface.around
-    monkeypatch.setattr(Surface, "bottom", shallow)
+    right = RoughSurface.around
+    monkeypatch.setattr(RoughSurface, "bottom", shallow)
     monkeypatch.setattr(
-        Surface, "around", lambda surface, block, layers: _above(right(surface, block, 1), shallow(surface, layers))
+        RoughSurface,
+        "around",
+        lambda surface, block, layers: _above(right(surface, block, 1), shallow(surface, layers)),
     )
     again, rows = _ticks(contact, 1, 2000)
     assert max(each.layers for each in rows) > 1

@@ -99,15 +99,19 @@ def lives_figure(stretch: Stretch) -> "Figure":
     """
     shown = stretch.narrowed(default_width(stretch))
     alive = neighbours(stretch.file, -1, shown.start, shown.stop)
+    _refuse_too_many(alive)
+    figure = new_figure(7.2, 5.2)
+    add_title(figure, stretch, f"{alive.rows.size} junctions and their sum")
+    draw_lives(figure, shown, alive)
+    return figure
+
+
+def _refuse_too_many(alive: Neighbours) -> None:
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
             " --from and --to choose a shorter one"
         )
-    figure = new_figure(7.2, 5.2)
-    add_title(figure, stretch, f"{alive.rows.size} junctions and their sum")
-    draw_lives(figure, shown, alive)
-    return figure
 
 
 def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
@@ -265,11 +269,7 @@ def lifelines_figure(stretch: Stretch) -> "Figure":
     width = default_width(stretch) if stretch.has_theory else TRACE_LIVES * stretch.model.mean_life_distance
     shown = stretch.narrowed(width)
     alive = neighbours(stretch.file, -1, shown.start, shown.stop, touches=True)
-    if alive.rows.size > MOST_DRAWN:
-        raise Refused(
-            f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
-            " --from and --to choose a shorter one"
-        )
+    _refuse_too_many(alive)
     middle = 0.5 * (shown.start + shown.stop)
     figure = new_figure(7.2, 5.2)
     words = "lives, from birth to death" if stretch.has_theory else "touches, from contact made to contact lost"

@@ -54,7 +54,7 @@ class _Stretches:
 
 
 @dataclass(slots=True)
-class _Seen:
+class _FreeSums:
     """What a pass over /trace and /load leaves: by how much identities are off at most, and columns by stretches."""
 
     load: float = 0.0
@@ -76,8 +76,8 @@ def free_comparison(model: Model, free: FreeSeparation, rows: Rows, bound: float
     return comparison((Findings(heading="load", found=tuple(found)),), bound)
 
 
-def _read(model: Model, free: FreeSeparation, rows: Rows) -> _Seen:
-    seen, ticks, held, length = _Seen(), 0, free.held, _length(rows)
+def _read(model: Model, free: FreeSeparation, rows: Rows) -> _FreeSums:
+    seen, ticks, held, length = _FreeSums(), 0, free.held, _length(rows)
     psi = model.strengths.mean if isinstance(model.strengths, Fixed) else None
     alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area
     traces = checked_chunks(rows, "trace", ("real_contact_area", "junction_count", "friction_force"))
@@ -101,7 +101,7 @@ def _read(model: Model, free: FreeSeparation, rows: Rows) -> _Seen:
     return seen
 
 
-def _identities(model: Model, free: FreeSeparation, seen: _Seen) -> list[Finding]:
+def _identities(model: Model, free: FreeSeparation, seen: _FreeSums) -> list[Finding]:
     held, largest = free.held, _ROUNDING * seen.largest
     overlap = held.height_scale * model.mean_junction_count / held.load
     found: list[Finding] = [
@@ -115,7 +115,7 @@ def _identities(model: Model, free: FreeSeparation, seen: _Seen) -> list[Finding
     return found
 
 
-def _momentum(model: Model, free: FreeSeparation, seen: _Seen) -> list[Finding]:
+def _momentum(model: Model, free: FreeSeparation, seen: _FreeSums) -> list[Finding]:
     """Return the mean load, and of an elastic contact the mean area, less the momentum that was gained meanwhile.
 
     Of the integral of P over a stretch the ticks give a sum whose error has the mean 0, since events fall anywhere

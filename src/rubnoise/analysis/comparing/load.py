@@ -55,7 +55,7 @@ def load_findings(model: Model, rows: Rows) -> list[Finding]:
 
 
 @dataclass(slots=True)
-class _Seen:
+class _LoadMoments:
     """Moments by column from the first tick on, and by how much identities are off at most over all ticks."""
 
     moments: dict[str, Moments] = field(default_factory=dict)
@@ -68,8 +68,8 @@ class _Seen:
             self.moments.setdefault(name, Moments(powers=2)).add(values[skipped:])
 
 
-def _read(model: Model, held: Separation, rows: Rows, first: int) -> _Seen:
-    seen, ticks = _Seen(), 0
+def _read(model: Model, held: Separation, rows: Rows, first: int) -> _LoadMoments:
+    seen, ticks = _LoadMoments(), 0
     psi = model.strengths.mean if isinstance(model.strengths, Fixed) else None
     alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area
     traces = checked_chunks(rows, "trace", ("real_contact_area", "junction_count", "friction_force"))
@@ -93,7 +93,7 @@ def _off(values: Doubles, right: Doubles) -> float:
     return float(np.abs(values - right).max(initial=0.0))
 
 
-def _identities(model: Model, held: Separation, seen: _Seen) -> list[Finding]:
+def _identities(model: Model, held: Separation, seen: _LoadMoments) -> list[Finding]:
     motion = load_motion(model)
     largest = held.load * (1.0 + _FAR * motion.separation_std / held.height_scale)
     overlap = held.height_scale * model.mean_junction_count * largest / held.load
@@ -107,7 +107,7 @@ def _identities(model: Model, held: Separation, seen: _Seen) -> list[Finding]:
     return found
 
 
-def _figures(model: Model, seen: _Seen) -> list[Finding]:
+def _figures(model: Model, seen: _LoadMoments) -> list[Finding]:
     ticks = seen.moments["load"].count
     stretch, length, motion = over_ticks(model, ticks, model.tick), ticks * model.tick, load_motion(model)
     errors = load_errors(stretch, length, from_start=False)

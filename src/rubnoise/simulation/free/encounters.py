@@ -51,7 +51,7 @@ class Encounters:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surface:
+class RoughSurface:
     """A surface of which any stretch can be drawn: N, the seed, and blocks of so many ticks (each of ``tick`` c).
 
     base: how many units of s_0 the first layer reaches below 0.
@@ -64,7 +64,7 @@ class Surface:
     base: int
 
     @classmethod
-    def of(cls, live: float, seed: int, tick: float) -> "Surface":
+    def of(cls, live: float, seed: int, tick: float) -> "RoughSurface":
         """Return the surface with some thousand encounters to a block; light sliders sink deep: e^base > 5 + 25/N."""
         base = 1
         while _power(base) < 5.0 + 25.0 / live:
@@ -109,7 +109,7 @@ def _power(exponent: int) -> float:
 
 
 @lru_cache(maxsize=512)
-def _drawn(surface: Surface, block: int, layer: int) -> Encounters:
+def _drawn(surface: RoughSurface, block: int, layer: int) -> Encounters:
     """Return the encounters of one layer in one block, gap by gap from its origin."""
     rate, length = _rate(surface.live, surface.base, layer), surface.length
     stream = generator(surface.seed, Stream.ENCOUNTERS, (_FIRST_BLOCK + block) * LAYERS + layer)

@@ -11,7 +11,7 @@ from rubnoise.contact.laws import Law
 from rubnoise.errors import RubnoiseError
 from rubnoise.simulation.free import contacts as held
 from rubnoise.simulation.free import motion
-from rubnoise.simulation.free.encounters import LAYERS, Encounters, Surface
+from rubnoise.simulation.free.encounters import LAYERS, Encounters, RoughSurface
 from rubnoise.streams import Stream, uniforms
 
 _ROOM: Final = 4096
@@ -101,7 +101,7 @@ class FreeRun:
         layers: int = 1,
     ) -> None:
         """Begin at z = z' = 0, or go on from a state. strengths: of encounters, all equal without; layers: at least."""
-        self.surface = Surface.of(contact.live, seed, contact.tick)
+        self.surface = RoughSurface.of(contact.live, seed, contact.tick)
         self._contact, self._strengths, self._layers = contact, strengths, layers
         self._constants = contact.constants()
         self.state = self._start() if state is None else state

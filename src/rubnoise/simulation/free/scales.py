@@ -5,7 +5,7 @@ from math import sqrt
 from typing import Final, Self
 
 from rubnoise.model import FreeSeparation, Model
-from rubnoise.simulation.free.encounters import Surface
+from rubnoise.simulation.free.encounters import RoughSurface
 
 _FOUR_PER_PI: Final = float.fromhex("0x1.45f306dc9c883p+0")
 """4/pi, rounded once."""
@@ -39,6 +39,6 @@ class Scales:
             speed=(model.sliding_speed or 0.0) / (length * rate),
         )
 
-    def surface(self, seed: int) -> Surface:
+    def surface(self, seed: int) -> RoughSurface:
         """Return the summits over which the slider goes."""
-        return Surface.of(self.live, seed, self.tick)
+        return RoughSurface.of(self.live, seed, self.tick)
