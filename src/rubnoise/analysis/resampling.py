@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
+from functools import lru_cache
 from math import ceil
 from typing import Final
 
@@ -21,7 +22,7 @@ PASSED: Final = 0.9
 RIPPLE: Final = 2e-5
 _SHAPE: Final = 10.06  # Kaiser's beta for 100 dB, 0.1102 (100 - 8.7)
 _OUTPUTS: Final = 65_536
-_SPARED: Final = 4
+_PRODUCTS: Final = 1 << 16  # at once: what the cache of a processor holds
 
 
 def rate_ratio(source: float, target: float) -> Fraction:
@@ -70,9 +71,7 @@ class _Stream:
         self._ratio = ratio
         self._half = CROSSINGS * max(ratio.numerator, ratio.denominator)
         self._reach = ceil(self._half / ratio.numerator)
-        self._filter = _kernel(ratio, self._half)
-        # Each filtering makes as many outputs more, at its ends, as the filter is long, which then fall away.
-        self._at_once = max(_OUTPUTS, _SPARED * self._filter.size // ratio.denominator)
+        self._taps = _taps(ratio, self._half)
         self._held = np.empty(0)
         self._first = -self._reach
         self._inputs = 0
@@ -95,21 +94,23 @@ class _Stream:
         known = self._inputs if self._ended else max(0, self._inputs - self._reach)
         last = output_count(known, self._ratio)
         while self._outputs < last:
-            stop = min(last, self._outputs + self._at_once)
+            stop = min(last, self._outputs + _OUTPUTS)
             yield self._filtered(self._outputs, stop)
             self._outputs = stop
             self._forget()
 
     def _filtered(self, start: int, stop: int) -> Doubles:
-        from scipy.signal import upfirdn
-
         up, down = self._ratio.numerator, self._ratio.denominator
-        # Zeros before the filter shift its taps, so that every so-manieth output falls on the place of one of ours.
-        shift = (self._first * up - self._half) % down
-        offset = (shift - self._first * up + self._half) // down
-        last = (stop - 1) * down // up + self._reach + 1 - self._first
-        outputs: Doubles = upfirdn(np.append(np.zeros(shift), self._filter), self._held[:last], up, down)
-        return outputs[start + offset : stop + offset]
+        width = self._taps.shape[1]
+        windows = np.lib.stride_tricks.sliding_window_view(self._held, width)
+        last, phase = np.divmod(np.arange(start, stop) * down + self._half, up)
+        first = last - (width - 1) - self._first
+        outputs = np.empty(stop - start)
+        rows = max(1, _PRODUCTS // width)
+        for begin in range(0, outputs.size, rows):
+            block = slice(begin, begin + rows)
+            np.einsum("ij,ij->i", windows[first[block]], self._taps[phase[block]], out=outputs[block])
+        return outputs
 
     def _forget(self) -> None:
         first = self._outputs * self._ratio.denominator // self._ratio.numerator - self._reach
@@ -118,10 +119,15 @@ class _Stream:
             self._first = first
 
 
-def _kernel(ratio: Fraction, half: int) -> Doubles:
-    """Return the filter at p times the rate of the inputs, whose taps for any output add up to one."""
-    from scipy.signal import firwin
+@lru_cache(maxsize=2)
+def _taps(ratio: Fraction, half: int) -> Doubles:
+    """Return the filter at p times the rate of the inputs, a row for each of the p places of an output between inputs.
 
+    A row is in the order of the inputs. The p rows together add up to p.
+    """
+    # The package for signals is not used: it takes half a second to import, longer than a sound takes to make.
     edge = 0.5 * (1.0 + PASSED) / max(ratio.numerator, ratio.denominator)
-    taps: Doubles = ratio.numerator * firwin(2 * half + 1, edge, window=("kaiser", _SHAPE))
-    return taps
+    taps = np.sinc(edge * np.arange(-half, half + 1)) * np.kaiser(2 * half + 1, _SHAPE)
+    taps *= ratio.numerator / taps.sum()
+    taps = np.append(taps, np.zeros(-taps.size % ratio.numerator))
+    return np.ascontiguousarray(taps.reshape(-1, ratio.numerator)[::-1].T)
