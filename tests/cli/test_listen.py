@@ -14,7 +14,7 @@ from PIL import Image
 
 import rubnoise
 from rubnoise.analysis import sound
-from rubnoise.analysis.sound import Hearing
+from rubnoise.analysis.hearing import Hearing
 from rubnoise.analysis.spectra import Spectrum
 from rubnoise.storage.reader import RunFile
 from tests.cli.terminal import begin, call, names, stop

@@ -17,7 +17,8 @@ from rubnoise.cli.progress import stoppable
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rubnoise.analysis.sound import Hearing, Level, Sound
+    from rubnoise.analysis.hearing import Hearing
+    from rubnoise.analysis.sound import Level, Sound
 
 
 class What(StrEnum):
@@ -169,7 +170,7 @@ def _natural_lines(sound: "Sound") -> list[str]:
 def _audible_lines(sound: "Sound", level: "Level") -> list[str]:
     if level.spectrum is None:
         return [remark("too short to estimate the audible part")]
-    from rubnoise.analysis.sound import Hearing
+    from rubnoise.analysis.hearing import Hearing
 
     hearing = Hearing.of(level.spectrum)
     lines = [
