@@ -16,7 +16,8 @@ class Flights:
     """Flights and impacts between two times of a run.
 
     begin, end: every flight in s, from contact lost to contact made, cut off at the two times; times: how long those
-    last that begin and end between them, in s; impacts, speeds: when contact is made, in s, and how fast, in um/s.
+    last that begin and end between them, in s; impacts, speeds: when contact is made, in s, and how fast the
+    overlap then grows, by sliding and by falling, in um/s.
     """
 
     begin: Doubles

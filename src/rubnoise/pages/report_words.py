@@ -78,8 +78,8 @@ def flights_in_words(stretch: Stretch) -> list[str]:
     often = found.impacts.size / end
     return [
         (
-            f"It was off the surface for {off:.3g} % of the time, and fell on it {often:.3g} times a second, at"
-            f" {hardest:.3g} mm/s at most."
+            f"It was off the surface for {off:.3g} % of the time, and fell on it {often:.3g} times a second."
+            f" Sliding and falling together, an overlap then grew at {hardest:.3g} mm/s at most."
         )
     ]
 

@@ -292,7 +292,8 @@
       cursor: { show: false },
       hooks: {
         drawClear: [(chart) => {
-          shaded(chart, data.start, data.stop, ink("band"));
+          // A shade over all of it would say nothing, and look like a band of theory.
+          if (data.start > 0 || data.stop < data.distance) shaded(chart, data.start, data.stop, ink("band"));
           shaded(chart, view.window.from, view.window.to, ink("life"));
         }],
       },

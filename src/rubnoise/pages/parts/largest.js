@@ -55,7 +55,7 @@
     },
     "hardest-impact": impact === null ? null : () => {
       around(impact.distance);
-      tell(`Hardest impact: ${view.number(impact.speed)} µm/s, at t = ${view.number(impact.time)} s, s = ${view.number(impact.distance)} µm.`, impact.distance);
+      tell(`Hardest impact: sliding and falling together, the overlap grows at ${view.number(impact.speed)} µm/s, at t = ${view.number(impact.time)} s, s = ${view.number(impact.distance)} µm.`, impact.distance);
     },
   };
   if (data.flights) $("largest-junction").textContent = "Deepest touch";
