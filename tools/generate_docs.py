@@ -51,6 +51,7 @@ NEEDS: dict[Feature | None, str] = {
     "offset": 'with `pulse.offset = "uniform"`',
     "load": "with `[load]`",
     "free": 'with `load.motion = "free"`',
+    "base": 'with `slider.excitation = "base"`',
 }
 
 

@@ -161,8 +161,25 @@ class Model:
         return self.birth_rate * self.pulse.life_integral(1) * self.sizes.moment(3)
 
     @property
+    def base_per_area(self) -> float:
+        """How high triangular lives of equal diameters lift the base of the slider, in um per um^2 of their area.
+
+        A triangle of height r d has the area (pi/4) d^2: 4 r/(pi d), and 0 of a slider that no base drives.
+        """
+        if self.slider is None or self.slider.excitation != "base":
+            return 0.0
+        return 4.0 * self.slider.asperity_height / (pi * self.sizes.mean)
+
+    @property
     def equilibrium_displacement(self) -> float:
-        """Where the slider starts, in um: psi times the stationary mean area over k, or 0 from rest or without one."""
-        if self.slider is None or self.strengths is None or self.slider.start == "rest":
+        """Where the slider starts, in um: psi times the stationary mean area over k, or 0 from rest or without one.
+
+        Over a base, the mean of the base.
+        """
+        if self.slider is None or self.slider.start == "rest":
+            return 0.0
+        if self.slider.excitation == "base":
+            return self.base_per_area * self.stationary_mean_area
+        if self.strengths is None:
             return 0.0
         return self.strengths.moment(1) * self.stationary_mean_area / self.slider.stiffness

@@ -207,7 +207,10 @@ DRIVEN = WHOLE.replace('law = "normal"\nspread = "0.2 um"\n', "").replace(
     ("text", "said"),
     [
         (DRIVEN, "20 asperities at once: a rigid body rides on the highest"),
-        (DRIVEN.replace("mean_junction_count = 20", "mean_junction_count = 0.2"), 'the excitation "base" has no run'),
+        (
+            DRIVEN.replace("mean_junction_count = 20", "mean_junction_count = 0.2"),
+            'the excitation "base" of such lives has no run',
+        ),
         (DRIVEN.replace('asperity_height = "2 %"\n', ""), "slider.asperity_height: missing"),
         (DRIVEN.replace("damping =", 'coupling = "two-way"\ndamping ='), 'the excitation "base" is known with one-way'),
         (WHOLE.replace("damping =", 'slope = "1 N*s/m"\ndamping ='), 'the excitation "friction" takes no slope'),

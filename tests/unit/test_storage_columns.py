@@ -290,7 +290,7 @@ def test_names_are_unique_and_texts_are_there() -> None:
 def test_every_column_has_the_unit_of_its_quantity() -> None:
     """Of what a column is, told by its symbol: a length in um is an area in um^2 when it is squared, and so on."""
     units = {
-        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x", "z", "delta", "delta_max"},
+        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x", "y", "z", "delta", "delta_max"},
         "um^2": {"A_r", "A_jmax"},
         "um/s": {"x'", "z'", "v_imp"},
         "s": {"t", "t_birth", "t_death", "t_stick"},

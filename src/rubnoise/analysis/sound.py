@@ -195,7 +195,7 @@ def _group(file: Reader, what: What) -> str:
         if not weighs:
             raise Refused(f"the run has no {what.replace('-', ' ')}; a table [load] in its scenario would give it one")
         return "load"
-    if "slider" in file.columns:
+    if "slider" in file.columns and COLUMNS[what] in file.columns["slider"]:
         return "slider"
     if what != "force":
         raise Refused(

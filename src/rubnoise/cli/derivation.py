@@ -170,7 +170,13 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
 
 
 def coupling_as_json(theory: Exact) -> dict[str, Any]:
-    """Return by name what judges one-way coupling, of a model with a slider; a change not known is None, with why."""
+    """Return by name what judges one-way coupling, of a model with a slider; a change not known is None, with why.
+
+    Nothing of a slider that a base drives.
+    """
+    slider = theory.model.slider
+    if slider is not None and slider.excitation == "base":
+        return {}  # a base does not feel the motion
     found = theory.coupling()
     figures: dict[str, Any] = {
         "coupling_strength": found.strength,
@@ -184,8 +190,11 @@ def format_coupling(slider: dict[str, Any], *, two_way: bool) -> list[str]:
     """Return the same as lines to print, one-way validity first, and a warning where two-way coupling is needed."""
     validity = slider["one_way_validity"]
     doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING and not two_way else []
+    valid = line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)")
+    if "coupling_strength" not in slider:
+        return [valid, *doubt]
     return [
-        line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)"),
+        valid,
         line("coupling strength", f"{number(slider['coupling_strength'])} (Pi; weak below 0.03)"),
         line("stick number", f"{number(slider['stick_number'])} (theta; a slow slider sticks above 1)"),
         line("expected change", _change(slider)),

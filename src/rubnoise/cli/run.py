@@ -173,6 +173,8 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     from rubnoise.analysis.summary import missing_for_motion
     from rubnoise.theory.response import response
 
+    if scenario.too_large:
+        return []  # it has no run, and says why
     model, doubts = scenario.model(), []
     if model.slider is not None and not model.is_two_way:
         validity = response(model).one_way_validity

@@ -76,7 +76,7 @@ def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
     quantity = QUANTITIES[heard]
     motion = Motion.of(stretch, quantity.group)
     last = min(motion.last, motion.first + MOST_READ)
-    values = motion.file.column(motion.group, quantity.column, motion.first, last).astype(np.float64)
+    values = motion.file.column(motion.group, motion.present(quantity.column), motion.first, last).astype(np.float64)
     if float(np.ptp(values)) <= NEAREST * quantity.still(motion):
         raise Refused(f"the {whose(heard)} does not vary in this stretch, so it has no histogram")
     shown = quantity.scale * (values[values > 0.0] if _may_be_none(motion, heard) else values)

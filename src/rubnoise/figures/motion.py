@@ -109,13 +109,30 @@ class Motion:
             raise Refused(f"the run is over before {begin:g} s")
         return replace(self, first=first, last=last)
 
+    @property
+    def driven_by_base(self) -> bool:
+        """Whether asperities lift the slider's base, in place of a friction force."""
+        return self.group == "slider" and self.slider.excitation == "base"
+
+    @property
+    def driven_by(self) -> str:
+        """What drives the slider, in words."""
+        return "base" if self.driven_by_base else "friction force"
+
     def curve(self, name: str) -> tuple[Doubles, Doubles]:
         """Return times in s and values of a column; of many rows the extremes of each few."""
         place, value = thinned(self.file, self.group, name, self.first, self.last)
         return self.apart * place, value
 
+    def present(self, name: str) -> str:
+        """Return the name of a column; raises Refused where the run does not have it."""
+        if name in self.file.columns[self.group]:
+            return name
+        raise Refused(f"the run has no {name.replace('_', ' ')} to draw; [strength] in its scenario would give it one")
+
     def chunks(self, name: str) -> Iterator[NDArray[Any]]:
-        """Yield a column as arrays of some rows."""
+        """Yield a column as arrays of some rows; raises Refused for a force that the run does not have."""
+        name = self.present(name)
         for begin in range(self.first, self.last, CHUNK_ROWS):
             yield self.file.column(self.group, name, begin, min(begin + CHUNK_ROWS, self.last))
 

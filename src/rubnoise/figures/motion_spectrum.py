@@ -259,7 +259,7 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowe
         elsewhere = all(motion.model.is_two_way for motion in motions)
         look: dict[str, Any] = {"ls": (0, (4, 2)), "label": "exact, one-way"} if elsewhere else {"label": "exact"}
         axes.plot(frequency, exact, color=VERMILION, lw=1.0, **look)
-        if shown.model.separation is not None or quantity.white is None:
+        if shown.model.separation is not None or quantity.white is None or shown.slider.excitation == "base":
             return
         white = 2.0 * quantity.scale**2 * quantity.white(shown.model, 2.0 * pi * frequency)
         if white.any():

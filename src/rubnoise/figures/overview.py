@@ -94,10 +94,11 @@ def _draw_life(axes: "Axes", junction: Neighbours) -> None:
 
 def _draw_motion(force: "Axes", displacement: "Axes", motion: Motion) -> None:
     shown = motion.between(motion.begin, motion.begin + PERIODS / motion.slider.natural_frequency)
-    time, value = shown.curve("friction_force")
-    force.plot(time, 1e-3 * value, color=INK, lw=0.8)
-    force.set_ylabel("force (mN)")
-    force.set_title("The friction force, and the vibration that it excites")
+    of_base = shown.driven_by_base
+    time, value = shown.curve("base_displacement" if of_base else "friction_force")
+    force.plot(time, (1.0 if of_base else 1e-3) * value, color=INK, lw=0.8)
+    force.set_ylabel("base (µm)" if of_base else "force (mN)")
+    force.set_title(f"The {shown.driven_by}, and the vibration that it excites")
     displacement.plot(*shown.curve("displacement"), color=BLUE)
     displacement.set_ylabel("displacement (µm)")
     displacement.set_xlabel("time (s)")

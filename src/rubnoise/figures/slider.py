@@ -22,7 +22,7 @@ from rubnoise.figures.style import (
     new_figure,
     widen_if_constant,
 )
-from rubnoise.theory.campbell import force_cumulants
+from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.load import load_motion
 from rubnoise.theory.response import response
 
@@ -43,12 +43,16 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     shown = same_times(stretch, whole)
     seen = [(motion, spectrum) for motion in whole if (spectrum := spectrum_of(motion, "displacement")) is not None]
     figure = new_figure(7.2, 6.6 if seen else 4.2)
-    add_title(figure, stretch, "The friction force, and the vibration that it excites", beside)
+    add_title(figure, stretch, f"The {whole[0].driven_by}, and the vibration that it excites", beside)
     heights = [1.0, 1.0, 1.5] if seen else [1.0, 1.0]
     force, place, *below = figure.subplots(len(heights), 1, height_ratios=heights)
     place.sharex(force)
-    draw_in_time(force, shown, "friction_force", MILLI)
-    force.set_ylabel("friction force (mN)")
+    if all(motion.driven_by_base for motion in whole):
+        draw_in_time(force, shown, "base_displacement", 1.0)
+        force.set_ylabel("height of the base (µm)")
+    else:
+        draw_in_time(force, shown, "friction_force", MILLI)
+        force.set_ylabel("friction force (mN)")
     force.tick_params(labelbottom=False)
     legend_above(force)
     draw_in_time(place, shown, "displacement", 1.0)
@@ -105,6 +109,8 @@ def _exact_moments(motion: Motion, name: str) -> tuple[float, float] | None:
         force = force_cumulants(motion.model)
         return force.mean, force.std
     exact = response(motion.model)
+    if name == "base_displacement":
+        return exact.mean_displacement, motion.model.base_per_area * area_cumulants(motion.model).std
     if name == "velocity":
         return 0.0, exact.velocity_std
     return exact.mean_displacement, exact.displacement_std

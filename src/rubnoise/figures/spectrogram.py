@@ -40,7 +40,9 @@ def spectrogram_figure(stretch: Stretch, heard: Heard | None = None) -> "Figure"
     else:
         motion = Motion.of(stretch, QUANTITIES[heard].group)
         last = min(motion.last, motion.first + MOST_READ)
-        values = motion.file.column(motion.group, QUANTITIES[heard].column, motion.first, last).astype(np.float64)
+        values = motion.file.column(motion.group, motion.present(QUANTITIES[heard].column), motion.first, last).astype(
+            np.float64
+        )
         apart, begin, words = motion.apart, motion.begin, whose(heard)
         highest = min(0.5 / apart, FARTHEST * motion.slider.natural_frequency)
         labels = "time (s)", "frequency (Hz)"

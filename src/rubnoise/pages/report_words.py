@@ -126,8 +126,9 @@ def _slider(model: Model) -> str:
     slider = model.slider
     if slider is None:
         raise AssertionError("a model without a slider has nothing to say of it")
+    driven = "A base that asperities lift" if slider.excitation == "base" else "The force"
     words = (
-        f"The force moves a slider of {1000.0 * slider.mass:.4g} g on a spring of {slider.stiffness:.4g} N/m."
+        f"{driven} moves a slider of {1000.0 * slider.mass:.4g} g on a spring of {slider.stiffness:.4g} N/m."
         f" Its natural frequency is {slider.natural_frequency:.4g} Hz and its damping ratio {slider.damping_ratio:.3g}."
     )
     if model.is_two_way:

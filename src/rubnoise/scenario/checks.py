@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from rubnoise.contact.births import ScatteredBirths
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.contact.off_centre import OFF_CENTRE, pulse_of
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.scenario import limits
 from rubnoise.scenario.document import AREAS, COUNTS, Diameter, Document, Strength
@@ -117,12 +118,18 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse what has no run, heights that only equal sizes have, and sums of asperities without `heights = "sum"`."""
+    """Refuse what has no run, heights that only equal sizes have, and sums of asperities without `heights = "sum"`.
+
+    A base is lifted by triangles: with lives of another shape theory alone works it out.
+    """
     slider = document.slider
     if slider is None or slider.excitation in {None, "friction"}:
         return
-    message = f'the excitation "{slider.excitation}" has no run: rubnoise theory works it out'
-    yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), forbids_run=True)
+    if slider.excitation != "base" or model.pulse != TRIANGLE:
+        why, hint = ("", "") if slider.excitation != "base" else (" of such lives", 'pulse.shape = "triangle"')
+        message = f'the excitation "{slider.excitation}"{why} has no run: rubnoise theory works it out'
+        place = layers.value_place(_EXCITATION)
+        yield Problem(path=_EXCITATION, message=message, place=place, hint=hint, forbids_run=True)
     if slider.excitation == "base" and document.diameter.law != "fixed":
         message, hint = "excitation by the base is known for equal diameters alone", 'diameter.law = "fixed"'
         yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), hint=hint)

@@ -263,8 +263,8 @@ class Slider(Section):
         Choice(("friction", "base", "velocity-weakening")),
         About(
             description="friction, the default: the force of the junctions; base: asperities lift the slider's base "
-            "(Rice and Moslehy); velocity-weakening: a mean force that falls with speed, without junctions. Only "
-            "theory has the last two."
+            "(Rice and Moslehy), which runs with lives that are triangles of one size; velocity-weakening: a mean "
+            "force that falls with speed, without junctions, which theory alone has."
         ),
     ] = None
     asperity_height: Annotated[

@@ -174,7 +174,7 @@ def _write_slider(
     slider: Appender, motion: SliderMotion, starts: BlockStarts, tick_range: TickRange, rows: LiveRows, found: Sample
 ) -> None:
     columns = motion.through(tick_range, rows, found)
-    starts.pass_ticks(columns["distance"], displacement=columns["displacement"], velocity=columns["velocity"])
+    starts.pass_ticks(columns["distance"], displacement=columns["displacement"], velocity=motion.carried)
     slider.append(columns)
 
 

@@ -45,6 +45,7 @@ def cells_per_tick(model: Model) -> int:
     in the displacement is r_slow / r_fast. In the velocity it is 1; and where the slider follows the force,
     r_slow d_m > V, its largest velocity is smaller by r_slow h / q, so that the relative error is larger by as much.
     So it is with regular births, whose force hardly varies.
+    A base drives the velocity, too: its error is larger by up to 1 + c r_fast/k.
     The triangle is straight beside its kinks, which are no steeper than the lens's: the same envelope holds.
     A separation under a load is such a slider, too. Raises Refused where more than 4096 cells would be needed.
     """
@@ -78,6 +79,8 @@ def _error(model: Model, slider: Slider, cells: int) -> float:
         (slow / fast) ** 0.5 * min(fast * duration, 6.0) ** 3.5,
         VELOCITY_SHARE / _liveliness(model) * max(1.0, slow * duration / width) * min(fast * duration, 6.0) ** 3.5,
     )
+    if slider.excitation == "base":
+        steepness *= 1.0 + slider.damping * fast / slider.stiffness
     return COEFFICIENT / model.mean_junction_count**0.5 * width * steepness
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil
+from math import ceil, fsum
 from typing import cast
 
 import numpy as np
@@ -246,8 +246,17 @@ def start(model: Model, seed: int) -> State:
         events=0,
         live=live,
         displacement=model.equilibrium_displacement,
-        velocity=0.0,
+        velocity=_carried_velocity(model, live),
     )
+
+
+def _carried_velocity(model: Model, live: LiveRows) -> float:
+    """Return what a slider at rest carries: 0, or over a base that lies at y -c y/m in um/s (`SliderMotion`)."""
+    if model.slider is None or model.base_per_area == 0.0:
+        return 0.0
+    risen = np.minimum(-live.birth, live.birth + 2.0 * live.diameter)
+    area = fsum((0.25 * np.pi * live.diameter * risen).tolist())
+    return -model.slider.damping / model.slider.mass * model.base_per_area * area
 
 
 def _stationary_rows(model: Model, seed: int) -> LiveRows:

@@ -5,7 +5,7 @@ through such a cell, the compiled recurrence over the cells, and the slider on i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Final
 
@@ -52,11 +52,13 @@ class Propagator:
 def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int = 1) -> Propagator:
     """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of so many cells each.
 
-    Of m x'' + c x' + k x = F.
+    Of m x'' + c x' + k x = F; over a base y of m x'' + c x' + k x = c y' + k y for the state x and u = x' - c y/m:
+    x' = u + (c/m) y, u' = -(k/m) x - (c/m) u + (k/m - c^2/m^2) y, which needs no slope of y.
     """
     mass = Fraction(slider.mass)
-    rates: Rows = [[0, 1], [-Fraction(slider.stiffness) / mass, -Fraction(slider.damping) / mass]]
-    return linear_propagator(rates, [[0], [1 / mass]], speed, tick, cells_per_tick)
+    spring, dashpot = Fraction(slider.stiffness) / mass, Fraction(slider.damping) / mass
+    inputs: Rows = [[0], [1 / mass]] if slider.excitation == "friction" else [[dashpot], [spring - dashpot * dashpot]]
+    return linear_propagator([[0, 1], [-spring, -dashpot]], inputs, speed, tick, cells_per_tick)
 
 
 def linear_propagator(rates: Rows, inputs: Rows, speed: float, tick: float, cells_per_tick: int) -> Propagator:
@@ -131,7 +133,10 @@ def advance_slider(
 
 
 class SliderMotion:
-    """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick."""
+    """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick.
+
+    Over a base y the velocity that is carried is x' - c y/m; rows have x'. ``carried`` is it at the ticks of a range.
+    """
 
     def __init__(
         self,
@@ -150,6 +155,7 @@ class SliderMotion:
         self.displacement = displacement
         self.velocity = velocity
         self.separation, self.separation_velocity = separation, separation_velocity
+        self.carried = np.empty(0)
 
     def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> dict[str, NDArray[Any]]:
         """Move through a tick range's cells and return the columns of /slider at its ticks."""
@@ -163,17 +169,23 @@ class SliderMotion:
         self.displacement, self.velocity = float(displacement[-1]), float(velocity[-1])
         trace = sample.columns
         at_ticks = slice(displacement.size - trace["distance"].size, None)
-        return {
-            "time": trace["distance"] / self._model.sliding_speed,
-            "distance": trace["distance"],
-            "friction_force": trace["friction_force"],
-            "displacement": displacement[at_ticks],
-            "velocity": velocity[at_ticks],
-        }
+        self.carried = velocity[at_ticks]
+        columns = {"time": trace["distance"] / self._model.sliding_speed, "distance": trace["distance"]}
+        if "friction_force" in trace:
+            columns["friction_force"] = trace["friction_force"]
+        columns |= {"displacement": displacement[at_ticks], "velocity": self.carried}
+        slider = self._model.slider
+        if slider is not None and slider.excitation == "base":
+            base = self._model.base_per_area * trace["real_contact_area"]
+            columns |= {"base_displacement": base, "velocity": self.carried + slider.damping / slider.mass * base}
+        return columns
 
     def _force(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> ForceMoments:
-        weight = rows.strength * (rows.diameter * rows.diameter)
-        cells = self._constants.cells_per_tick
+        square, cells = rows.diameter * rows.diameter, self._constants.cells_per_tick
+        if self._model.base_per_area > 0.0:
+            area = cell_moments(self._model, rows, square, tick_range, cells, self._scratch)
+            return replace(area, unit=area.unit * self._model.base_per_area)
+        weight = rows.strength * square
         return over_cells(sample, tick_range) or cell_moments(
             self._model, rows, weight, tick_range, cells, self._scratch
         )

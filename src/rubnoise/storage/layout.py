@@ -44,6 +44,7 @@ def features_of(model: Model) -> frozenset[Feature]:
         "free": model.free,
         "offset": None if model.pulse.offset == "none" else model.pulse.offset,
         "load": model.held,
+        "base": model.slider is not None and model.slider.excitation == "base",
     }
     return frozenset(feature for feature, value in given.items() if value is not None and value is not False)
 

@@ -80,7 +80,9 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         "load": has_hard_link(file, "load"),
         "free": has_hard_link(junctions, "encounter"),
     }
-    needed: tuple[tuple[Feature, str], ...] = (("speed", "birth_time"), ("strength", "shear_strength"))
+    present["base"] = present["slider"] and has_hard_link(sound_group(file, "slider"), "base_displacement")
+    needed: list[tuple[Feature, str]] = [("speed", "birth_time")]
+    needed += [] if present["base"] else [("strength", "shear_strength")]
     for feature, column in needed:
         if present["slider"] and not present[feature]:
             raise RunFileRefused(f"has a slider without a {feature}: /junctions/{column} is missing")

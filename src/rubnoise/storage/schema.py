@@ -7,9 +7,9 @@ from typing import Final, Literal
 
 from rubnoise.record.rows import ContactKind, LandmarkKind, Phase
 
-Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "free"]
+Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load", "free", "base"]
 """What a scenario may add to the bare contact: times, forces, a slider, that it pushes back, passes off the
-centre line, a load that weighs, and that the slider may leave its contact."""
+centre line, a load that weighs, that the slider may leave its contact, and a base that lifts it."""
 
 Scalar = float | int | str
 """What an attribute holds."""
@@ -85,19 +85,15 @@ def _values(numbers: type[IntEnum]) -> tuple[tuple[int, str], ...]:
     return tuple((number.value, number.name.lower()) for number in numbers)
 
 
+_TOUCHES: Final = "every touch of a summit, from contact made to contact lost, cut where the run begins and ends"
+
 JUNCTIONS: Final = Group(
     name="junctions",
     long_name="whole life of every junction, in order of birth",
     length="junctions",
     plotted="diameter",
     grows=("free",),
-    instead=(
-        (
-            "free",
-            "every touch of a summit, from contact made to contact lost, cut where the run begins and ends",
-            "diameter",
-        ),
-    ),
+    instead=(("free", _TOUCHES, "diameter"),),
     columns=(
         Dataset(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
         Dataset(
@@ -161,7 +157,10 @@ SLIDER: Final = Group(
     columns=(
         Dataset(name="time", units="s", symbol="t", long_name="time"),
         Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
-        Dataset(name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider"),
+        Dataset(
+            name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider", needs="strength"
+        ),
+        Dataset(name="base_displacement", units="um", symbol="y", long_name="height of the base", needs="base"),
         Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
         Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
         Dataset(
@@ -341,6 +340,7 @@ BLOCKS: Final = Group(
             symbol="x'",
             long_name="velocity of the slider at the last tick before it",
             needs="slider",
+            instead=(("base", "x' - c y/m at the last tick before it, y the height of the base", ()),),
         ),
         Dataset(
             name="separation",

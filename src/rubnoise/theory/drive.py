@@ -6,6 +6,7 @@ import numpy as np
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 
@@ -26,12 +27,15 @@ class Drive:
     def gain(self, wavenumber: Doubles) -> Doubles:
         """Return 1 / |k - m w^2 + i c w|^2 in um^2/uN^2 at w = V times the wavenumbers (rad/um).
 
-        k - m w^2 is taken as m (w_0 - w)(w_0 + w), which keeps its digits in a sharp resonance.
+        k - m w^2 is taken as m (w_0 - w)(w_0 + w), which keeps its digits in a sharp resonance. Of a base, which drives
+        by k y + c y', it is (k^2 + c^2 w^2) times as large, and has no unit.
         """
         slider, natural = self.slider, self.slider.natural_angular_frequency
         frequency = self.speed * wavenumber
         spring = slider.mass * (natural - frequency) * (natural + frequency)
-        return 1.0 / (np.square(spring) + np.square(slider.damping * frequency))
+        resisted = np.square(slider.damping * frequency)
+        passed = 1.0 if self.slider.excitation == "friction" else np.square(slider.stiffness) + resisted
+        return passed / (np.square(spring) + resisted)
 
     def compliance(self, wavenumber: Doubles) -> Complexes:
         """Return 1 / (k - m w^2 + i c w) in um/uN, for signs of exp(i w t)."""
@@ -53,11 +57,25 @@ class Drive:
 
 def drive_of(model: Model) -> Drive:
     """Return the drive of a model; raises Refused where slider, strength or sliding speed is missing."""
+    if model.slider is not None and model.slider.excitation != "friction":
+        raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
     if model.slider is None or model.strengths is None or model.sliding_speed is None:
         raise Refused("the slider's response needs [slider], a shear strength ([strength]) and sliding.speed")
-    if model.slider.excitation != "friction":
-        raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
     return Drive(slider=model.slider, strengths=model.strengths, speed=model.sliding_speed)
+
+
+def motion_drive_of(model: Model) -> Drive:
+    """Return the drive of a model, that of a base included: um of its height per um^2 stand in place of strengths.
+
+    Raises Refused as `drive_of` does, and for a base whose lives are no triangles of one size.
+    """
+    if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
+        return drive_of(model)
+    if not isinstance(model.sizes, Fixed):
+        raise Refused("excitation by the base is known for equal diameters alone (diameter.law)")
+    if model.pulse != TRIANGLE:
+        raise Refused('the slider is driven by a base of triangles, which lives are with pulse.shape = "triangle"')
+    return Drive(slider=model.slider, strengths=Fixed(value=model.base_per_area), speed=model.sliding_speed)
 
 
 def separation_of(model: Model) -> Model:

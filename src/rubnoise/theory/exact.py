@@ -6,6 +6,8 @@ from math import isfinite, sqrt
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.laws import Fixed
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.tables import as_html
@@ -142,8 +144,9 @@ class Exact:
 
 
 def _is_known(model: Model, slider: Slider) -> bool:
-    """Whether the slider's response is known: driven by friction, and not where the contact is left."""
-    return slider.excitation == "friction" and model.free is None
+    """Whether the slider's response is known: by friction or a base of triangles, and not where the contact is left."""
+    lifted = slider.excitation == "base" and model.pulse == TRIANGLE and isinstance(model.sizes, Fixed)
+    return (slider.excitation == "friction" or lifted) and model.free is None
 
 
 def exact(model: Model) -> Exact:

@@ -14,7 +14,15 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants, strengths_of
-from rubnoise.theory.drive import Drive, drive_of, force_power, force_terms, separation_of, squared_strengths
+from rubnoise.theory.drive import (
+    Drive,
+    drive_of,
+    force_power,
+    force_terms,
+    motion_drive_of,
+    separation_of,
+    squared_strengths,
+)
 from rubnoise.theory.off_centre import offset_probabilities, pass_energies
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.regular_births import need_random_births, resolved_error
@@ -58,7 +66,7 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     From equilibrium it is x_e = E[psi] mean A_r / k; from rest the free decay y of -x_e is added, with
     (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
     """
-    drive = drive_of(model)
+    drive = motion_drive_of(model)
     slider, still = drive.slider, mean_displacement(model)
     if slider.start == "equilibrium":
         return still
@@ -73,16 +81,21 @@ def mean_displacement_error(model: Model, distance: float) -> float:
 
     It holds for every length and is exact for long runs: k mean x = mean F - (m dv + c dx)/T, where dv and dx, the
     changes over the run, spread by no more than their stationary std plus that of the decaying start (whose energy
-    only falls). Raises Refused without slider, strength or speed; inf without damping.
+    only falls). Over a base y, k mean x = k mean y + (c dy - m dv - c dx)/T. Raises Refused without slider, strength or
+    speed; inf without damping.
     """
-    drive = drive_of(model)
+    drive = motion_drive_of(model)
     change = carried_momentum(model) * drive.speed / distance
+    if drive.slider.excitation == "base":
+        lifted = replace(model, strengths=drive.strengths)
+        change += 2.0 * drive.slider.damping * force_cumulants(lifted).std * drive.speed / distance
+        return mean_force_error(lifted, distance) + change / drive.slider.stiffness
     return (mean_force_error(model, distance) + change) / drive.slider.stiffness
 
 
 def carried_momentum(model: Model) -> float:
     """Return a bound in uN s of the spread of m dv + c dx over a run: what the mean force need not balance."""
-    drive, motion = drive_of(model), response(model)
+    drive, motion = motion_drive_of(model), response(model)
     slider, natural = drive.slider, drive.slider.natural_angular_frequency
     start = hypot(motion.displacement_std, motion.velocity_std / natural)
     return slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
@@ -98,7 +111,7 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     or speed, and unless births are a Poisson process; inf without damping.
     Source: cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
-    drive, motion = drive_of(model), response(model)
+    drive, motion = motion_drive_of(model), response(model)
     need_random_births(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)

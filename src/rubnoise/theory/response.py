@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.drive import Drive, drive_of, separation_of
+from rubnoise.theory.drive import Drive, drive_of, motion_drive_of, separation_of
 from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
 from rubnoise.theory.quadrature import distinct, panels, size_range
 from rubnoise.theory.regular_births import spectral_lines
@@ -101,7 +101,7 @@ def displacement_spectrum_per_hertz(model: Model, frequency: ArrayLike) -> Doubl
 
 
 def _damped_drive(model: Model) -> Drive:
-    drive = drive_of(model)
+    drive = motion_drive_of(model)
     if drive.slider.damping == 0.0:
         raise Refused("without damping the slider's motion is not stationary and has no spectrum")
     return drive
@@ -123,9 +123,10 @@ class Response:
 
 
 def mean_displacement(model: Model) -> float:
-    """Return the mean of x in um, E[psi] mean A_r / k: the static deflection. Raises Refused as `response` does."""
-    drive = drive_of(model)
-    return drive.strengths.moment(1) * model.stationary_mean_area / drive.slider.stiffness
+    """Return the mean of x in um, E[psi] mean A_r / k: the static deflection, or the mean of a base."""
+    drive = motion_drive_of(model)
+    still = drive.strengths.moment(1) * model.stationary_mean_area
+    return still if drive.slider.excitation == "base" else still / drive.slider.stiffness
 
 
 @lru_cache(maxsize=8)
@@ -134,11 +135,12 @@ def response(model: Model) -> Response:
 
     S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F the spectrum of the force, E[psi^2] S for Poisson births;
     Var x = (1/pi) int_0^inf S_x dw, Var x' = (1/pi) int_0^inf w^2 S_x dw, mean x = E[psi] mean A_r / k; inf without
-    damping. The lines of regular births add 2 E[psi]^2 power / |k - m w^2 + i c w|^2 each at w = V k_n. Relative error
-    below 1e-8, 1e-12 in ordinary cases. Raises Refused without slider, strength or speed.
+    damping. Over a base the density is (k^2 + c^2 w^2) S_y, y in place of the force. The lines of regular births add
+    2 E[psi]^2 power / |k - m w^2 + i c w|^2 each at w = V k_n. Relative error below 1e-8, 1e-12 in ordinary cases.
+    Raises Refused without slider, strength or speed.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
-    drive = drive_of(model)
+    drive = motion_drive_of(model)
     displacement, velocity = inf, inf
     if drive.slider.damping > 0.0:
         displacement, velocity = (sqrt(variance) for variance in _variances(model, drive))

@@ -21,7 +21,7 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import KEPT, Moments
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
-from rubnoise.theory.drive import drive_of
+from rubnoise.theory.drive import motion_drive_of
 from rubnoise.theory.motion_errors import mean_force_error, motion_errors
 from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import Response, response
@@ -40,7 +40,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     if model.slider is None:
         return []
     need_random_births(model, "the standard error of a slider's motion")
-    speed, exact = drive_of(model).speed, weak_motion(model) if model.is_two_way else response(model)
+    speed, exact = motion_drive_of(model).speed, weak_motion(model) if model.is_two_way else response(model)
     if model.slider.damping == 0.0:
         return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
     first = first_tick(model, exact)
@@ -53,7 +53,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
 
 def first_tick(model: Model, exact: Response) -> int:
     """Return the first tick at which the contact is stationary and the slider's start forgotten."""
-    return first_stationary_tick(model) + int(_forgetting(model, exact) * drive_of(model).speed / model.tick)
+    return first_stationary_tick(model) + int(_forgetting(model, exact) * motion_drive_of(model).speed / model.tick)
 
 
 def _forgetting(model: Model, exact: Response) -> float:

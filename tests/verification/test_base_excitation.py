@@ -1,0 +1,188 @@
+"""Asperities that lift the slider, as it runs: its motion, moments and spectrum, and what has no run."""
+
+import itertools
+from dataclasses import replace
+from math import sqrt
+from pathlib import Path
+from signal import SIGTERM
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import rubnoise
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused, RunStopped
+from rubnoise.model import Model
+from rubnoise.scenario import Scenario
+from rubnoise.simulation import draws
+from rubnoise.storage import writer
+from rubnoise.theory.base_excitation import base_response
+from rubnoise.theory.exact import exact
+from rubnoise.theory.motion_errors import motion_errors
+from rubnoise.theory.response import displacement_spectrum, response
+from tests.cli.terminal import call
+from tests.models import contents, recorded
+
+FILE = Path(__file__).parents[2] / "scenarios" / "ancestors" / "rice_moslehy.toml"
+MANY = ["interface.mean_junction_count=20", "interface.mean_real_contact_area=200 um^2", "slider.heights=sum"]
+
+
+def base(*changes: str) -> Scenario:
+    return rubnoise.load(FILE, changes)
+
+
+def integrated(model: Model, junctions: Any, time: Doubles, start: tuple[float, float]) -> Doubles:
+    """Return x and x' at times by a general integrator, from one kink of the base to the next."""
+    slider, speed = model.slider, model.sliding_speed
+    assert slider is not None
+    assert speed is not None
+    birth, diameter = junctions["birth_distance"][:], junctions["diameter"][:]
+    slope = slider.asperity_height * np.ones_like(diameter)
+    kinks = np.unique(np.concatenate([birth, birth + diameter, birth + 2.0 * diameter])) / speed
+    edges = np.concatenate([[0.0], kinks[(kinks > 0.0) & (kinks < time[-1])], [time[-1]]])
+    found, state = np.empty((2, time.size)), np.array(start)
+    found[:, 0] = state
+    for begin, end in itertools.pairwise(edges):
+        middle = 0.5 * (begin + end) * speed
+        age = middle - birth
+        live = (age > 0.0) & (age < 2.0 * diameter)
+        rate = (slope * np.where(age < diameter, 1.0, -1.0))[live].sum() * speed
+        height = (slope * np.minimum(age, 2.0 * diameter - age))[live].sum()
+
+        def moved(t: float, y: Doubles, rate: float = rate, height: float = height, middle: float = middle) -> Any:
+            lifted = height + rate * (t - middle / speed)
+            pull = slider.stiffness * (lifted - y[0]) + slider.damping * (rate - y[1])
+            return [y[1], pull / slider.mass]
+
+        inside = (time > begin) & (time <= end)
+        solved = solve_ivp(
+            moved, (begin, end), state, "DOP853", np.unique([*time[inside], end]), rtol=1e-13, atol=1e-17, max_step=1e-3
+        )
+        found[:, inside], state = solved.y[:, : inside.sum()], solved.y[:, -1]
+    return found
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        ["slider.start=rest", "sliding.start=empty"],
+        ["slider.damping=1 N*s/m", *MANY],
+        ["slider.damping=1 N*s/m", "slider.mass=0.1 g", "output.tick=0.7 um"],
+    ],
+)
+def test_the_motion_is_that_of_an_integrator(changes: list[str]) -> None:
+    made = base(*changes, "sliding.distance=60 um")
+    run = rubnoise.simulate(made)
+    seen = np.array([run.slider["displacement"][:], run.slider["velocity"][:]])
+    assert abs(seen[1, 0]) <= 1e-12 * np.abs(seen[1]).max()
+    wanted = integrated(made.model(), run.junctions, run.slider["time"][:], (seen[0, 0], 0.0))
+    assert (np.abs(seen - wanted).max(axis=1) <= 1e-9 * np.abs(wanted).max(axis=1)).all()
+    one_half = made.model().slider
+    assert one_half is not None
+    halved = replace(made.model(), slider=replace(one_half, damping=0.5 * one_half.damping))
+    other = integrated(halved, run.junctions, run.slider["time"][:], (seen[0, 0], 0.0))
+    assert (np.abs(seen - other).max(axis=1) > 1e-3 * np.abs(wanted).max(axis=1)).all()
+
+
+@pytest.mark.parametrize("changes", [MANY, ["slider.damping=1 N*s/m", "slider.mass=0.1 g", *MANY]])
+def test_both_engines_and_cut_runs_have_the_same_bits(
+    changes: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = base(*changes, "sliding.distance=2 mm").model()
+    assert contents(recorded(model, 3, engine="events")) == contents(recorded(model, 3, engine="batch"))
+    whole, cut = tmp_path / "whole.h5", tmp_path / "cut.h5"
+    made = base(*changes, "sliding.distance=2 mm")
+    rubnoise.run(made, whole).close()
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+
+    def stop(distance: float, _junctions: int, _live: int) -> None:
+        if distance > 700.0:
+            raise RunStopped(SIGTERM)
+
+    with pytest.raises(RunStopped):
+        rubnoise.run(made, cut, watch=stop)
+    rubnoise.resume(f"{cut}.part").close()
+    with rubnoise.open(whole) as one, rubnoise.open(cut) as other:
+        for name in ("base_displacement", "displacement", "velocity"):
+            assert np.array_equal(one.slider[name], other.slider[name])
+    assert call("verify", str(cut)).code == 0
+
+
+@pytest.mark.parametrize("changes", [[], MANY])
+def test_200_runs_have_the_exact_moments_and_spectrum(changes: list[str]) -> None:
+    made = base(*changes, "sliding.distance=4 mm", "output.tick=1 um")
+    model = made.model()
+    theory, lifted = response(model), base_response(model)
+    assert theory.mean_displacement == pytest.approx(lifted.base_mean, rel=1e-12)
+    slider = model.slider
+    assert slider is not None
+    later = 1500  # ticks of 1 ms: the start, which decays at 5 1/s, has fallen to e^-7.5 of its size
+    runs = [recorded(model, seed, engine="batch")["slider"] for seed in range(200)]
+    place = np.array([each["displacement"][later:] for each in runs])
+    speed = np.array([each["velocity"][later:] for each in runs])
+    height = np.array([each["base_displacement"] for each in runs])
+
+    def z(samples: Doubles, expected: float) -> float:
+        return float((samples.mean() - expected) / (samples.std(ddof=1) / sqrt(samples.size)))
+
+    squares = np.square(place - theory.mean_displacement).mean(axis=1)
+    assert abs(z(height.mean(axis=1), lifted.base_mean)) <= 4.0
+    assert abs(z(np.square(height - lifted.base_mean).mean(axis=1), lifted.base_std**2)) <= 4.0
+    assert abs(z(place.mean(axis=1), theory.mean_displacement)) <= 4.0
+    assert abs(z(squares, theory.displacement_std**2)) <= 4.0
+    assert abs(z(np.square(speed).mean(axis=1), theory.velocity_std**2)) <= 4.0
+    # The control: at half the damping the variance of x is twice as large.
+    quiet = response(replace(model, slider=replace(slider, damping=0.5 * slider.damping)))
+    assert abs(z(squares, quiet.displacement_std**2)) > 4.0
+
+    count = place.shape[1]
+    window = np.hanning(count)
+    waves = np.fft.rfft(window * (place - theory.mean_displacement), axis=1)
+    step = model.tick / 1000.0
+    density = step * np.square(np.abs(waves)) / np.square(window).sum()
+    angular = 2.0 * np.pi * np.fft.rfftfreq(count, step)
+    for hertz in (10.0, 60.0, 90.0):
+        near = np.abs(angular / (2.0 * np.pi) - hertz) < 2.0
+        expected = float(displacement_spectrum(model, angular[near]).mean())
+        assert abs(z(density[:, near].mean(axis=1), expected)) <= 4.0
+        assert abs(z(density[:, near].mean(axis=1), 1.5 * expected)) > 4.0
+
+
+def test_errors_shrink_with_the_run_and_theory_is_whole() -> None:
+    model = base().model()
+    short, long = (motion_errors(model, distance) for distance in (1e5, 4e5))
+    assert short.displacement_std == pytest.approx(2.0 * long.displacement_std, rel=1e-9)
+    assert exact(model).slider == response(model)
+    with pytest.raises(Refused, match="not driven by friction"):
+        exact(model).coupling()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (["pulse.shape=lens"], 'the excitation "base" of such lives has no run'),
+        (["slider.coupling=two-way"], 'the excitation "base" is known with one-way'),
+        (["interface.mean_junction_count=0.31"], "a rigid body rides on the highest"),
+        (["diameter.law=normal", "diameter.spread=10 %"], "known for equal diameters alone"),
+    ],
+)
+def test_what_has_no_run_is_refused(changes: list[str], said: str, tmp_path: Path) -> None:
+    words = [word for change in changes for word in ("--set", change)]
+    answer = call("run", str(FILE), "-o", str(tmp_path / "a.h5"), *words)
+    assert answer.code == 2
+    assert said in " ".join(answer.err.split())
+    assert not (tmp_path / "a.h5").exists()
+
+
+def test_a_base_beside_a_load_that_weighs_is_refused(tmp_path: Path) -> None:
+    words = ("interface.load=0.002 N", "interface.hardness=1 GPa", "load.height_scale=0.5 um", "load.mass=5 g")
+    text = FILE.read_text(encoding="utf-8").replace('mean_real_contact_area = "2 um^2"  # A_rm\n', "")
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    changes = [word for change in (*words, "load.damping_ratio=0.05") for word in ("--set", change)]
+    answer = call("run", str(tmp_path / "a.toml"), "-o", str(tmp_path / "a.h5"), *changes)
+    assert answer.code == 2
+    assert 'the excitation "base" is known without a load' in " ".join(answer.err.split())
