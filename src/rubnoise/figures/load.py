@@ -111,5 +111,6 @@ def _draw_shares(axes: "Axes", values: Doubles, all_values: int, heard: Heard) -
         counts / (all_values * np.diff(edges)), edges, fill=True, color=BLUE, alpha=0.45, lw=0.0, label="simulated"
     )
     axes.axvline(float(values.sum()) / all_values, color=INK, lw=0.8, ls=(0, (4, 3)), label="mean of all")
-    axes.set_xlabel(f"{whose(heard)} ({UNITS[heard]})")
-    axes.set_ylabel(f"density (1/({UNITS[heard]}))")
+    unit = UNITS[heard]
+    axes.set_xlabel(f"{whose(heard)} ({unit})")
+    axes.set_ylabel(f"density (1/({unit}))" if "/" in unit else f"density (1/{unit})")
