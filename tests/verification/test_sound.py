@@ -2,17 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
-from math import sqrt
+from math import ceil, sqrt
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 import pytest
+from scipy.signal import firwin, resample_poly
 
 import rubnoise
-from rubnoise.analysis.resampling import PASSED, RIPPLE
+from rubnoise.analysis.resampling import CROSSINGS, PASSED, RIPPLE, output_count, resampled
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.errors import Refused
@@ -291,3 +293,22 @@ def test_impacts_are_heard_when_they_happen(tmp_path: Path) -> None:
     aloft = np.flatnonzero(load == 0.0)
     quiet = np.interp(time[aloft], time[0] + np.arange(samples.size) / RATE, samples)
     assert np.median(np.abs(quiet + load.mean())) < 1e-3 * load.max()
+
+
+@pytest.mark.parametrize(
+    "ratio", [Fraction(3, 2), Fraction(441, 1000), Fraction(1000, 441), Fraction(2, 37), Fraction(64)]
+)
+def test_samples_are_those_of_a_filter_made_and_applied_by_another_program(ratio: Fraction) -> None:
+    up, down = ratio.numerator, ratio.denominator
+    half = CROSSINGS * max(up, down)
+    edge = 0.5 * (1.0 + PASSED) / max(up, down)
+    taps = firwin(2 * half + 1, edge, window=("kaiser", 10.06))
+    inputs = np.random.default_rng(5).standard_normal(12_000)
+    found = np.concatenate(list(resampled([inputs[:5000], inputs[5000:]], ratio)))
+    known = resample_poly(inputs, up, down, window=taps)
+    inside = slice(ceil(half / down), output_count(inputs.size, ratio) - ceil(half / down))
+    # Each sum of n products is right to n roundings of the sum of their sizes, in either program.
+    count = 2 * half // up + 1
+    bound = 2.0 * count * np.finfo(np.float64).eps * float(np.abs(inputs).max()) * float(np.abs(up * taps).sum() / up)
+    assert np.abs(found[inside] - known[inside]).max() < 4.0 * bound
+    assert np.abs(found[inside] - np.roll(known, 1)[inside]).max() > 4.0 * bound
