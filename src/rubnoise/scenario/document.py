@@ -160,7 +160,7 @@ class Birth(Section):
     ] = None
 
 
-class PulseSection(Section):
+class Pulse(Section):
     """The area of a junction over its life."""
 
     shape: Annotated[
@@ -229,7 +229,7 @@ class Sliding(Section):
     ] = "stationary"
 
 
-class SliderSection(Section):
+class Slider(Section):
     """The oscillator that the friction force excites; give either damping or damping_ratio."""
 
     mass: Annotated[
@@ -359,7 +359,7 @@ class SampledOutput(Output):
     tick: Annotated[Quantity, Measure((LENGTH,), possible=Range(1e-300, 1e12), plausible=Range(1e-6, 1e6))]
 
 
-class RunSection(Section):
+class Run(Section):
     """Seed and engine."""
 
     seed: Annotated[
@@ -380,10 +380,10 @@ class Document(Section):
     interface: Interface
     diameter: Diameter = Diameter()
     birth: Birth = Birth()
-    pulse: PulseSection = PulseSection()
+    pulse: Pulse = Pulse()
     strength: Strength | None = None
     sliding: Sliding
-    slider: SliderSection | None = None
+    slider: Slider | None = None
     load: Load | None = None
     output: Output = Output()
-    run: RunSection = RunSection()
+    run: Run = Run()

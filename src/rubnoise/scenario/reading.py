@@ -9,7 +9,7 @@ from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled, plausibility
-from rubnoise.scenario.document import Document, SampledOutput, SliderSection
+from rubnoise.scenario.document import Document, SampledOutput, Slider
 from rubnoise.scenario.fields import FROM_PYTHON
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.measured_sizes import ReadSizes, with_values
@@ -93,7 +93,7 @@ def examined(
     return _scenario(given, document, model, tick, problems), problems
 
 
-def _complete(slider: SliderSection | None) -> SliderSection | None:
+def _complete(slider: Slider | None) -> Slider | None:
     """Return a slider with the tolerance that a two-way motion has without one."""
     if slider is None or slider.coupling == "one-way" or slider.tolerance is not None:
         return slider

@@ -38,13 +38,13 @@ class Scenario:
     interface: sections.Interface
     diameter: sections.Diameter
     birth: sections.Birth
-    pulse: sections.PulseSection
+    pulse: sections.Pulse
     strength: sections.Strength | None
     sliding: sections.Sliding
-    slider: sections.SliderSection | None
+    slider: sections.Slider | None
     load: sections.Load | None
     output: sections.SampledOutput
-    run: sections.RunSection
+    run: sections.Run
     name: str
     text: str
     warnings: tuple[str, ...]
@@ -269,7 +269,7 @@ def _strengths(strength: sections.Strength | None) -> Law | None:
     return law_for(float(strength.mean), spread_of(strength)) if strength else None
 
 
-def _slider(slider: sections.SliderSection, diameter: float) -> Slider:
+def _slider(slider: sections.Slider, diameter: float) -> Slider:
     height = slider.asperity_height
     mass, stiffness = float(slider.mass), float(slider.stiffness)
     critical = 2.0 * sqrt(stiffness * mass)
