@@ -39,15 +39,15 @@ SHOWN: Final = (
 SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
 LESSON: Final = ["teach", "-o", "site/lesson.html"]
 NESTED: Final = {
-    "docs/start": ("install", "lesson", "viewer", "docs/gallery", "outputs"),
-    "docs/command-line": ("commands", "docs/sweeps", "docs/json"),
+    "docs/start": ("install", "lesson", "viewer", "docs/gallery"),
+    "docs/command-line": ("commands", "outputs", "docs/sweeps", "docs/json"),
     "docs/api": ("python", "notebooks/README"),
     "docs/scenarios": ("scenarios",),
     "docs/your-data": ("docs/laboratory",),
     "docs/theory": ("docs/two-way", "docs/family", "docs/load", "docs/surfaces"),
     "docs/comparing": ("docs/paper", "docs/field", "docs/references"),
     "CONTRIBUTING": ("docs/design", "docs/reproducibility", "docs/performance", "docs/survival"),
-    "docs/design": ("CHANGELOG", "SUPPORT", "SECURITY", "CODE_OF_CONDUCT"),
+    "CHANGELOG": ("SUPPORT", "SECURITY", "CODE_OF_CONDUCT"),
 }
 """The pages that the sidebar shows below another one, when a reader is there."""
 DRAWN: Final = re.compile(r"!\[([^\]]+)\]\((\S*pictures/drawn/\w+)\.svg\)")

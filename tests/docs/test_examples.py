@@ -322,6 +322,19 @@ def test_every_page_is_on_the_site() -> None:
     assert [name for name in names if f"\n{name}\n" not in start and name not in nested] == []
 
 
+def test_the_sidebar_shows_few_links_at_once() -> None:
+    """It shows the pages of the start page, and those below each page on the way to the open one."""
+    start = (ROOT / "tools" / "site" / "index.md").read_text(encoding="utf-8")
+    top = re.findall(r"^[\w/-]+$", "".join(re.findall(r"```{toctree}\n(.*?)```", start, re.DOTALL)), re.MULTILINE)
+    above = {page: parent for parent, below in build_site.NESTED.items() for page in below}
+    assert set(top) | set(above) >= set(build_site.NESTED)
+    for page in {*top, *above}:
+        shown, at = len(top), page
+        while at:
+            shown, at = shown + len(build_site.NESTED.get(at, ())), above.get(at, "")
+        assert shown <= 18, page
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

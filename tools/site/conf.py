@@ -18,7 +18,7 @@ html_css_files = ["site.css"]
 html_show_sphinx = False
 myst_enable_extensions = ["attrs_block", "attrs_inline", "colon_fence", "dollarmath"]
 myst_dmath_allow_labels = False
-myst_dmath_allow_digits = False
+myst_dmath_allow_digits = True  # without, a cell that begins with a formula and ends in a digit stays raw
 html_math_renderer = "mathml"
 myst_heading_anchors = 4
 suppress_warnings: list[str] = []
@@ -26,7 +26,11 @@ default_role = "code"
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 highlight_language = "none"
-nitpicky = False
+nitpicky = True
+nitpick_ignore_regex = [
+    ("py:class", r"(collections|matplotlib|numpy|os|pathlib|pd|simpy|xr)\..+"),  # their pages would need a network
+    ("py:class", r"rubnoise\.\w+(\.\w+)+|Figure|PooledEstimate|Style"),  # a type inside, which no page describes
+]
 
 
 def setup(app: object) -> None:
