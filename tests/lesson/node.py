@@ -64,9 +64,10 @@ def scenario_of(world: dict[str, Any], distance: float = 1000.0, tick: float = 0
         spread = {"law": "weibull", "spread": "52.2723 %"}
     carried: dict[str, Any] = {"mean_real_contact_area": f"{world['meanArea']!r} um^2"}
     changes: dict[str, Any] = {}
-    if world.get("support") == "load":
+    if world.get("support") in {"load", "free"}:
         carried = {"load": f"{1000.0 * world['meanArea']!r} uN", "hardness": "1 GPa"}
-        changes = {"load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05}}
+        height = f"{world.get('heights', 0.5)!r} um"
+        changes = {"load": {"height_scale": height, "mass": "5 g", "damping_ratio": 0.05}}
     return build(
         changes
         | {

@@ -367,7 +367,7 @@ def test_controls_that_a_lesson_does_not_need_are_folded(walk):
         )
         assert sorted(shown) == sorted(controls)
         walk.page.locator("#more-controls summary").click()
-        assert walk.page.locator("#side .knob:visible").count() == 13
+        assert walk.page.locator("#side .knob:visible").count() == 14
         walk.page.locator("#more-controls summary").click()
 
 

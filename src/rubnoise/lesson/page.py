@@ -35,6 +35,7 @@ _FIRST: Final = (
     "field.js",
     "piece.js",
     "motion.js",
+    "flight.js",
     "trace.js",
     "run.js",
     "seen.js",

@@ -18,7 +18,7 @@
   /** Choose the next live junction after the one that is chosen, or the one before. */
   card.move = (step) => {
     const { living } = rub.run;
-    if (!living.length) return;
+    if (rub.run.flight || !living.length) return;
     const at = living.findIndex((row) => row.id === rub.run.selected);
     rub.select(living[at < 0 ? 0 : (at + step + living.length) % living.length].id);
   };

@@ -8,6 +8,7 @@
     ['meanArea', 'mean area A<sub>rm</sub>', 'µm²', 1, 20, 1000],
     ['meanCount', 'junctions N<sub>jm</sub>', '', 1, 1, 200],
     ['spread', 'spread of diameters', 'µm', 1, 0, 2],
+    ['heights', 'height scale s<sub>0</sub>', 'µm', 1, 0.1, 10],
     ['speed', 'sliding speed', 'mm/s', 1000, 0.05, 1000],
     ['strength', 'shear strength', 'MPa', 1, 10, 1000],
     ['mass', 'mass', 'g', 1e-3, 0.1, 100],
@@ -18,7 +19,7 @@
     ['births', 'births', { poisson: 'at random (Poisson)', regular: 'regular' }],
     ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)', parabola: 'parabola (hills)' }],
     ['offset', 'passes', { none: 'on the centre line', uniform: 'off the centre line' }],
-    ['support', 'separation', { gap: 'constant gap', load: 'constant load' }],
+    ['support', 'separation', { gap: 'constant gap', load: 'constant load', free: 'free to hop' }],
     ['coupling', 'coupling', { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' }],
   ];
   const OF_CONTACT = 3; // choices that stand among the knobs of the contact

@@ -5,7 +5,7 @@
 
   /** How far a lesson has been taken. */
   const STEPS = { asked: 0, predicted: 1, run: 2, passed: 3 };
-  const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', s: 's', '': '' };
+  const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', s: 's', 'mm/s': 'mm/s', '': '' };
 
   const DUST = 1e-12; // what rounding leaves where a law says nothing
 
@@ -46,6 +46,7 @@
     coupling: 'one-way',
     sizes: 'normal',
     support: 'gap',
+    heights: rub.load.SCALE,
     ...values,
   });
 

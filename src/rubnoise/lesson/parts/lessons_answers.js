@@ -26,6 +26,7 @@
     '': { '%': 0.01 },
     um: { um: 1, micron: 1, microns: 1, nm: 1e-3, mm: 1e3, cm: 1e4, m: 1e6 },
     'um^2': { 'um^2': 1, um2: 1, 'mm^2': 1e6, mm2: 1e6 },
+    'mm/s': { 'mm/s': 1, 'm/s': 1e3, 'cm/s': 10, 'um/s': 1e-3 },
     s: { s: 1, ms: 1e-3, us: 1e-6, min: 60 },
     Hz: { hz: 1, '1/s': 1, 's^-1': 1, khz: 1e3, 'rad/s': 1 / (2 * Math.PI) },
   };

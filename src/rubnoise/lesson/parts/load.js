@@ -5,14 +5,14 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const HARDNESS = 1000; // MPa: W = H A
-  const SCALE = 0.5; // um, s0
+  const SCALE = 0.5; // um, s0 unless a world has its own
   const MASS = 0.005; // kg
   const RATIO = 0.05;
 
   /** Return the oscillator of a world: weight in uN, stiffness in N/m, damping in N s/m, resonance in rad/s. */
-  function of({ meanArea }) {
+  function of({ meanArea, heights = SCALE }) {
     const weight = HARDNESS * meanArea;
-    const stiffness = weight / SCALE;
+    const stiffness = weight / heights;
     const resonance = Math.sqrt(stiffness / MASS);
     return { weight, mass: MASS, stiffness, resonance, damping: 2 * RATIO * resonance * MASS };
   }
@@ -28,7 +28,7 @@
     };
     return {
       load: (k) => (({ w, loss, below }) => (w ** 4 + loss) / below)(parts(k)),
-      rise: (k) => (SCALE ** 2 * resonance ** 4) / parts(k).below,
+      rise: (k) => ((world.heights ?? SCALE) ** 2 * resonance ** 4) / parts(k).below,
     };
   }
 
@@ -41,7 +41,7 @@
       const forces = [before, area, mean].map((each) => weight * (each / areaMean - 1));
       rub.slider.step(constants, state, ...forces);
       const over = (mass * (state[1] - speed) + damping * (state[0] - z)) / (time * weight);
-      return [area / areaMean - state[0] / SCALE, 1 + over];
+      return [area / areaMean - state[0] / (world.heights ?? SCALE), 1 + over];
     };
   }
 

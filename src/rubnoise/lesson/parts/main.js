@@ -52,6 +52,7 @@
     rub.lives.drawCounts();
     rub.section.draw();
     rub.beside.draw();
+    rub.hop.draw();
     rub.shifted.draw(seen);
     rub.reading.draw();
     rub.card.draw();
@@ -78,6 +79,7 @@
     rub.histogram.pen.fit();
     rub.lives.fit();
     rub.beside.fit();
+    rub.hop.fit();
     rub.shifted.fit();
     rub.reading.fit();
     rub.card.pen.fit();
@@ -106,6 +108,7 @@
     rub.stack.forget();
     rub.card.write();
     find('replaying').hidden = !rub.replaying;
+    find('pictures').classList.toggle('hopping', Boolean(rub.run.flight));
     find('key-stuck').hidden = !rub.run.motion;
     find('sketch').hidden = rub.world.pulse === 'lens';
     dirty = true;
@@ -126,6 +129,7 @@
     rub.lives.begin(find('lives'), find('count-histogram'));
     rub.section.begin(find('section'));
     rub.beside.begin(find('beside'));
+    rub.hop.begin(find('hop'));
     rub.shifted.begin(find('shifted'), find('pairs'));
     rub.reading.begin();
     rub.card.begin(find('card'), find('card-hint'), find('status'));

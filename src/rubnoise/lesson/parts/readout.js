@@ -35,10 +35,15 @@
     ['one-way', 'velocity spread over sliding speed', '', (e) => e.oneWay, (s) => s.velocityStd / rub.world.speed],
     ['stuck', 'share of time stuck', '', null, (s) => s.stuckShare],
     ['sticks', 'sticks a second', '1/s', null, (s) => s.sticksPerSecond],
+    ['apart', 'share of time apart', '', null, (s) => s.apartShare],
+    ['bearing', 'load over weight', '', () => 1, (s) => s.loadMean],
+    ['rise', 'normal velocity, rms', 'mm/s', null, (s) => milli(s.riseStd)],
   ];
   /* Nothing is exact about a motion that acts back on its contact. */
   const MOTION = ['displacement', 'displacement-std', 'velocity-std', 'one-way', 'stuck', 'sticks'];
   const TWO_WAY = ['stuck', 'sticks'];
+  /* A slider that hops has these numbers, and none of the others. */
+  const HOPPING = ['apart', 'bearing', 'rise'];
   /** Visible columns: none, seen (what has been measured) or all; shown: the student asked for all of them. */
   const readout = { cells: [], level: 'none', shown: false };
 
@@ -81,8 +86,12 @@
       const unknown = twoWay && MOTION.includes(id);
       readout.cells[i][0].textContent = unknown ? '–' : open && value ? said(value(exact), 6) : '';
     });
-    for (const id of TWO_WAY) document.getElementById(`number-${id}`).hidden = !twoWay;
-    document.getElementById('one-way-warning').hidden = !open || twoWay || !(exact.oneWay > 0.1);
+    const hops = Boolean(rub.run.flight);
+    for (const [id] of LINES) {
+      const own = hops ? HOPPING.includes(id) : !HOPPING.includes(id) && (twoWay || !TWO_WAY.includes(id));
+      document.getElementById(`number-${id}`).hidden = !own;
+    }
+    document.getElementById('one-way-warning').hidden = !open || hops || twoWay || !(exact.oneWay > 0.1);
   };
 
   /** Write what has been measured. */

@@ -21,6 +21,8 @@
     /** Seconds since the start, and a slider that pushes back: null where the drive's speed is constant. */
     time: 0,
     motion: null,
+    /** A slider that is free to leave its contact, or null. */
+    flight: null,
     goal: -1,
     playing: false,
     pace: 5,
@@ -43,10 +45,12 @@
       const { world } = rub;
       const { trace } = this;
       this.motion = null;
+      this.flight = world.support === 'free' ? new rub.flight.Flight(world) : null;
       this.goal = -1;
       this.time = 0;
       if (world.coupling !== 'two-way') {
         this.distance = this.reached;
+        this.flight?.until(this.reached);
         return;
       }
       const field = new rub.Field(world, trace.source, trace.rows, this.end);
@@ -168,6 +172,7 @@
 
     /* Junctions that are about to meet are on the stage before they touch. */
     prepare(distance) {
+      this.flight?.until(distance);
       this.trace.until(Math.ceil(distance / this.trace.tick) + 1);
       this.trace.source.until(distance + 0.5 * this.window, this.trace.rows);
     },
@@ -187,6 +192,7 @@
     stepEvent() {
       if (this.playing) this.pause();
       this.prepare(this.reached);
+      if (this.flight) return this.stepFlight();
       const birth = this.rows[this.after(this.reached)];
       let next = birth && birth.birth <= this.end ? { kind: 'birth', row: birth, distance: birth.birth } : null;
       for (const row of this.liveAt(this.reached)) {
@@ -194,6 +200,13 @@
           next = { kind: 'death', row, distance: row.death };
         }
       }
+      if (next) this.slideTo(next.distance);
+      return next;
+    },
+
+    /** Go on to where the slider leaves its contact or comes back to it. */
+    stepFlight() {
+      const next = this.flight.next(this.reached, this.end);
       if (next) this.slideTo(next.distance);
       return next;
     },

@@ -28,6 +28,7 @@
       stuckShare: 0,
       sticksPerSecond: 0,
       ...motion?.moments(time),
+      ...rub.run.flight?.moments(rub.run.reached),
     };
   }
 

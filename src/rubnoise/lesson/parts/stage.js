@@ -32,6 +32,7 @@
   stage.draw = () => {
     const { ctx } = stage.pen;
     stage.pen.clear();
+    if (rub.run.flight) return rub.hop.stage(stage.pen);
     drawGrain(ctx);
     ctx.lineWidth = 1;
     drawComing(ctx);
@@ -197,6 +198,7 @@
 
   /** Return the live row whose circles hold a point of the stage, the one whose middle is nearest; or null. */
   stage.rowAt = (x, y) => {
+    if (rub.run.flight) return null;
     let found = null;
     let least = Infinity;
     for (const row of rub.run.living) {

@@ -19,8 +19,9 @@
   transport.step = () => {
     const event = rub.run.stepEvent();
     if (!event) return;
-    rub.select(event.row.id);
-    find('status').textContent = `${event.kind} of junction ${event.row.id} at ${said(event.distance, 6)} µm`;
+    if (event.row) rub.select(event.row.id);
+    const what = event.row ? `${event.kind} of junction ${event.row.id}` : event.kind;
+    find('status').textContent = `${what} at ${said(event.distance, 6)} µm`;
   };
 
   /** Change how fast it slides, in um a second of the clock on the wall. */

@@ -9,7 +9,7 @@
     births: ['poisson', 'regular'],
     pulse: ['lens', 'triangle', 'parabola'],
     sizes: ['normal', 'rayleigh'],
-    support: ['gap', 'load'],
+    support: ['gap', 'load', 'free'],
     offset: ['none', 'uniform'],
     calibration: ['paper', 'exact', 'matched'],
     coupling: ['one-way', 'two-way'],
@@ -17,6 +17,7 @@
   const LIMITS = {
     meanArea: [1, 10000],
     meanCount: [0.5, 400],
+    heights: [0.05, 50],
     spread: [0, 20],
     speed: [1, 1e7],
     strength: [0.1, 1e5],
@@ -61,10 +62,11 @@
     if (world.offset === 'uniform' && !isKnown) return CENTRED;
     const rough = { pulse: 'parabola', sizes: 'rayleigh', births: 'poisson', coupling: 'one-way' };
     const isRough = Object.entries(rough).every(([key, value]) => world[key] === value);
-    if (world.support === 'load' && !isRough) return RISES;
+    if (world.support !== 'gap' && !isRough) return RISES;
     if (world.pulse === 'lens' || world.calibration !== 'paper') {
       if (!(rub.model.calibratedDiameter(world) > 0)) return 'no mean diameter matches this mean area with this spread';
     }
+    if (world.support === 'free' && rub.flight.problemOf(world)) return rub.flight.problemOf(world);
     const { sizes } = rub.model.contact(world);
     const isSpread = world.sizes !== 'rayleigh' && world.spread > 2 * sizes.mean;
     if (isSpread) return 'this spread is more than twice the mean diameter';
@@ -109,7 +111,7 @@
   /** Begin with what the page was made with: {world, title, distance, record, ...}. */
   function begin(lesson) {
     rub.lesson = lesson;
-    const usual = { coupling: 'one-way', offset: 'none', sizes: 'normal', support: 'gap' };
+    const usual = { coupling: 'one-way', offset: 'none', sizes: 'normal', support: 'gap', heights: rub.load.SCALE };
     rub.given = Object.freeze({ ...usual, ...lesson.world });
     rub.world = { ...rub.given };
     rub.replaying = Boolean(lesson.record);
