@@ -1,11 +1,9 @@
-"""Flights and impacts of a slider that may leave its contact, from its landmarks: when it is off, how hard it falls."""
+"""Flights and impacts of a slider that may leave its contact, from its landmarks."""
 
 from dataclasses import dataclass
 from typing import Self
 
-import numpy as np
-
-from rubnoise.analysis.stick_slip import first_landmark
+from rubnoise.analysis.landmarks import Landmarks
 from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import ContactKind
@@ -29,29 +27,17 @@ class Flights:
     @classmethod
     def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
         """Return the flights of a free run between two times in s, of ``most`` landmarks at most."""
-        first, last = first_landmark(rows, begin), first_landmark(rows, end)
-        if most is not None and last - first > most:
-            last = first + most
-            end = float(rows.column("landmarks", "time", last, last + 1)[0])
-        kind, time, speed = (rows.column("landmarks", name, first, last) for name in ("kind", "time", "impact_speed"))
-        made, lost = kind == ContactKind.CONTACT_MADE, np.flatnonzero(kind == ContactKind.CONTACT_LOST)
-        off = bool(made[0]) if kind.size else _is_off(rows, first)
-        landed = lost[lost + 1 < kind.size]
+        found = Landmarks.of(rows, begin, end, most)
+        begins, ends, times = found.lasting(ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE)
+        made = found.kind == ContactKind.CONTACT_MADE
         return cls(
-            begin=np.concatenate([[begin] * off, time[lost]]),
-            end=np.concatenate([[time[0] if kind.size else end] * off, np.append(time, end)[lost + 1]]),
-            times=time[landed + 1] - time[landed],
-            impacts=time[made],
-            speeds=speed[made],
+            begin=begins,
+            end=ends,
+            times=times,
+            impacts=found.time[made],
+            speeds=found.column("impact_speed")[made],
         )
 
     def share(self, begin: float, end: float) -> float:
         """Return the share of the time from one to the other, in s, that the slider is off the surface."""
         return float((self.end - self.begin).sum()) / (end - begin)
-
-
-def _is_off(rows: Rows, landmark: int) -> bool:
-    """Return whether the slider is off the surface just before a landmark: whether the last one lost contact."""
-    if landmark == 0:
-        return False
-    return bool(rows.column("landmarks", "kind", landmark - 1, landmark)[0] == ContactKind.CONTACT_LOST)

@@ -5,6 +5,7 @@ from typing import Self
 
 import numpy as np
 
+from rubnoise.analysis.landmarks import Landmarks
 from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind
@@ -26,35 +27,13 @@ class StickSlip:
     @classmethod
     def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
         """Return the sticks and slips of a two-way run between two times in s, of ``most`` landmarks at most."""
-        first, last = first_landmark(rows, begin), first_landmark(rows, end)
-        if most is not None and last - first > most:
-            last = first + most
-            end = float(rows.column("landmarks", "time", last, last + 1)[0])
-        kind, time, distance = (rows.column("landmarks", name, first, last) for name in ("kind", "time", "distance"))
-        sticks, breakaways = np.flatnonzero(kind == LandmarkKind.STICK), np.flatnonzero(kind == LandmarkKind.SLIP)
-        ended, slipped = (some[some + 1 < kind.size] for some in (sticks, breakaways))
-        stands = bool(kind.size and kind[0] == LandmarkKind.SLIP) or (not kind.size and stands_at(rows, begin))
+        found = Landmarks.of(rows, begin, end, most)
+        begins, ends, times = found.lasting(LandmarkKind.STICK, LandmarkKind.SLIP)
+        breakaways, distance = np.flatnonzero(found.kind == LandmarkKind.SLIP), found.column("distance")
+        slipped = breakaways[breakaways + 1 < distance.size]
         return cls(
-            stick_begin=np.concatenate([[begin] * stands, time[sticks]]),
-            stick_end=np.concatenate([[time[0] if kind.size else end] * stands, np.append(time, end)[sticks + 1]]),
-            stick_times=time[ended + 1] - time[ended],
+            stick_begin=begins,
+            stick_end=ends,
+            stick_times=times,
             slip_lengths=distance[slipped + 1] - distance[slipped],
         )
-
-
-def stands_at(rows: Rows, time: float) -> bool:
-    """Return whether a two-way slider stands at a time in s: whether the last landmark before it is a stick."""
-    last = first_landmark(rows, time) - 1
-    return last >= 0 and bool(rows.column("landmarks", "kind", last, last + 1)[0] == LandmarkKind.STICK)
-
-
-def first_landmark(rows: Rows, time: float) -> int:
-    """Return the first landmark at or after a time in s, or their number where there is none."""
-    low, high = 0, rows.rows("landmarks")
-    while low < high:
-        middle = (low + high) // 2
-        if rows.column("landmarks", "time", middle, middle + 1)[0] < time:
-            low = middle + 1
-        else:
-            high = middle
-    return low

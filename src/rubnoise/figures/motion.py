@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.flights import Flights
-from rubnoise.analysis.stick_slip import StickSlip, first_landmark
+from rubnoise.analysis.landmarks import first_landmark
+from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import CHUNK_ROWS, MOST_READ, Stretch, thinned

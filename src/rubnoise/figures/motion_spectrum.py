@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
-from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Group, Motion, labels_of, motions_of

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.flights import Flights
+from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.selection import neighbours
-from rubnoise.analysis.stick_slip import StickSlip, first_landmark
+from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
 from rubnoise.pages.exact_curves import exact_curves

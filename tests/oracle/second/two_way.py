@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.answer import LeftOut
+from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.reading import Ahead, chunks
-from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
