@@ -19,8 +19,10 @@ from rubnoise.record.tally import Moments
 from rubnoise.scenario.reading import stored
 from rubnoise.storage import schema
 
-What = Literal["velocity", "force", "displacement", "normal-velocity", "load"]
-COLUMNS: Final[dict[What, str]] = {
+Heard = Literal["displacement", "velocity", "force", "normal-velocity", "load"]
+"""What of a slider is heard, and has a spectrum over frequency."""
+
+COLUMNS: Final[dict[Heard, str]] = {
     "velocity": "velocity",
     "force": "friction_force",
     "displacement": "displacement",
@@ -41,13 +43,13 @@ Between = Callable[[], None]
 class Sound:
     """Rows ``first`` to ``first + rows`` of a column of a run, heard at ``rate`` samples a second.
 
-    Before ``first`` the normal motion under a load forgets how it began. ``ratio`` is samples over ticks;
-    ``tick_duration`` is the time in s from tick to tick in the run. ``natural`` is the
-    slider's natural frequency in Hz, None without one.
+    Before ``first`` the normal motion under a load forgets how it began. ``ratio`` is samples over ticks, and
+    ``tick_duration`` the time in s from tick to tick in the run. ``natural`` is the natural frequency in Hz of what is
+    heard, None without one.
     """
 
     file: Reader
-    what: What
+    what: Heard
     group: str
     first: int
     rows: int
@@ -58,7 +60,7 @@ class Sound:
     natural: float | None
 
     @classmethod
-    def of(cls, file: Reader, what: What, *, rate: int, speed_up: float, seconds: float | None) -> Self:
+    def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float, seconds: float | None) -> Self:
         """Return the sound of an open run, of ``seconds`` from its start or of all of it, but for a transient.
 
         Raises Refused if the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
@@ -188,7 +190,7 @@ def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles
         between()
 
 
-def _group(file: Reader, what: What) -> str:
+def _group(file: Reader, what: Heard) -> str:
     """Return the group that holds a quantity; raises Refused if the run has none."""
     weighs = "load" in file.columns
     if what in ("normal-velocity", "load") or (what == "velocity" and "slider" not in file.columns and weighs):

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rubnoise.analysis.sound import Heard
     from rubnoise.api.result import Contents
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.figures.catalogue import Appearance
-    from rubnoise.figures.motion_spectrum import Heard
 
 AREA: Final = "area"
 OTHER_WORDS: Final = {
@@ -177,7 +177,7 @@ def drawn_sweep(
 
 def heard_of(of: str) -> "Heard | None":
     """Return whose spectrum is asked for, None for that of the area; raises Refused for a word that is neither."""
-    from rubnoise.figures.motion_spectrum import Heard
+    from rubnoise.analysis.sound import Heard
 
     of = next((short for short, whole in SHORT.items() if whole == of), of)
     if of != AREA and of not in get_args(Heard):

@@ -17,8 +17,8 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
+    from rubnoise.analysis.sound import Heard
     from rubnoise.figures.catalogue import Appearance
-    from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.style import Format
 
 

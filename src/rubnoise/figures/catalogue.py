@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from rubnoise.analysis.sound import Heard
 from rubnoise.api.kinds import Kind, Style
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
@@ -12,7 +13,7 @@ from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, 
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
 from rubnoise.figures.contact import contact_figure
 from rubnoise.figures.load import load_figure, motion_histogram_figure
-from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
+from rubnoise.figures.motion_spectrum import motion_spectrum_figure
 from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure

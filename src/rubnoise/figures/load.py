@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from rubnoise.analysis.sound import Heard
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion, motions_of
-from rubnoise.figures.motion_spectrum import QUANTITIES, Heard, whose
+from rubnoise.figures.motion_spectrum import QUANTITIES, whose
 from rubnoise.figures.slider import MILLI, draw_in_time, same_times
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import BLUE, INK, NEAREST, VERMILION, add_title, legend_above, logarithmic, new_figure
@@ -20,13 +21,6 @@ MOST_MARKED: Final = 200
 """Impacts that are marked: with more, the marks would hide one another."""
 
 BINS: Final = 60
-UNITS: Final[dict[Heard, str]] = {
-    "displacement": "µm",
-    "velocity": "mm/s",
-    "force": "mN",
-    "normal-velocity": "mm/s",
-    "load": "mN",
-}
 
 
 def load_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
@@ -96,7 +90,7 @@ def _may_be_none(motion: Motion, heard: Heard) -> bool:
 
 
 def _title(heard: Heard, values: Doubles, motion: Motion) -> str:
-    unit = UNITS[heard]
+    unit = QUANTITIES[heard].unit
     title = f"How often each {whose(heard)} occurs: mean {values.mean():.4g} {unit}, std {values.std():.4g} {unit}"
     found = motion.flights()
     if found is None:
@@ -111,6 +105,6 @@ def _draw_shares(axes: "Axes", values: Doubles, all_values: int, heard: Heard) -
         counts / (all_values * np.diff(edges)), edges, fill=True, color=BLUE, alpha=0.45, lw=0.0, label="simulated"
     )
     axes.axvline(float(values.sum()) / all_values, color=INK, lw=0.8, ls=(0, (4, 3)), label="mean of all")
-    unit = UNITS[heard]
+    unit = QUANTITIES[heard].unit
     axes.set_xlabel(f"{whose(heard)} ({unit})")
     axes.set_ylabel(f"density (1/({unit}))" if "/" in unit else f"density (1/{unit})")

@@ -4,11 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.landmarks import first_landmark
+from rubnoise.analysis.sound import COLUMNS, Heard
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Heard = Literal["displacement", "velocity", "force", "normal-velocity", "load"]
 FEWEST_ROWS: Final = 16
 FIRST: Final = 2
 """The first bin that is drawn: the mean that is subtracted from each segment changes those before."""
@@ -57,10 +57,10 @@ POINTS: Final = 1500
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Audible:
-    """A column as a spectrum shows it: its group, the factor to the unit on the axis, and the exact two-sided density.
+    """A column as a picture shows it: its group, the factor to the unit on the axis, and the exact two-sided density.
 
-    ``white`` is the density that white noise of the same level at low frequency would have (Kilburn), None where nobody
-    says so. ``still`` is the scale of a slider at rest, of which what varies less is rounding.
+    ``white`` is the density that white noise of the same level at low frequency would have (Kilburn), None if that is
+    not known. ``still`` is the scale of a slider at rest: what varies by less than a tiny part of it is rounding.
     """
 
     column: str
@@ -70,6 +70,11 @@ class Audible:
     still: Callable[[Motion], float]
     white: Callable[[Model, Doubles], Doubles] | None = None
     group: Group = "slider"
+
+    @property
+    def density_unit(self) -> str:
+        """Unit of the spectrum."""
+        return f"({self.unit})²/Hz" if "/" in self.unit else f"{self.unit}²/Hz"
 
 
 def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
@@ -91,41 +96,41 @@ def _weight(motion: Motion) -> float:
 
 QUANTITIES: Final[dict[Heard, Audible]] = {
     "displacement": Audible(
-        column="displacement",
+        column=COLUMNS["displacement"],
         scale=1.0,
-        unit="µm²/Hz",
+        unit="µm",
         exact=displacement_spectrum,
         white=white_displacement_spectrum,
         still=_deflection,
     ),
     "velocity": Audible(
-        column="velocity",
+        column=COLUMNS["velocity"],
         scale=1e-3,
-        unit="(mm/s)²/Hz",
+        unit="mm/s",
         exact=velocity_spectrum,
         white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
         still=lambda motion: motion.slider.natural_angular_frequency * _deflection(motion),
     ),
     "force": Audible(
-        column="friction_force",
+        column=COLUMNS["force"],
         scale=1e-3,
-        unit="mN²/Hz",
+        unit="mN",
         exact=_exact_force,
         white=white_force_spectrum,
         still=lambda motion: motion.slider.stiffness * _deflection(motion),
     ),
     "normal-velocity": Audible(
-        column="velocity",
+        column=COLUMNS["normal-velocity"],
         scale=1e-3,
-        unit="(mm/s)²/Hz",
+        unit="mm/s",
         exact=lambda model, frequency: velocity_spectrum(separation_of(model), frequency),
         still=lambda motion: motion.slider.natural_angular_frequency * _weight(motion) / motion.slider.stiffness,
         group="load",
     ),
     "load": Audible(
-        column="load",
+        column=COLUMNS["load"],
         scale=1e-3,
-        unit="mN²/Hz",
+        unit="mN",
         exact=load_spectrum,
         still=_weight,
         group="load",
@@ -239,7 +244,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
         logarithmic(axis)
     axes.set_xlim(lowest, highest)
     axes.set_xlabel("frequency (Hz)")
-    axes.set_ylabel(f"spectral density\nof {whose(heard)} ({quantity.unit})")
+    axes.set_ylabel(f"spectral density\nof {whose(heard)} ({quantity.density_unit})")
     legend_above(axes)
 
 

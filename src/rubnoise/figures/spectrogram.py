@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from rubnoise.analysis.sound import Heard
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion
-from rubnoise.figures.motion_spectrum import FARTHEST, QUANTITIES, Heard, whose
+from rubnoise.figures.motion_spectrum import FARTHEST, QUANTITIES, whose
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import AREA, DISTANCE, add_title, new_figure
 

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from rubnoise.analysis.sound import Heard
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.area_statistics import UNIT, area_spectrum
 from rubnoise.figures.axis_labels import key_words, shown_unit
 from rubnoise.figures.motion import Motion
-from rubnoise.figures.motion_spectrum import FARTHEST, FIRST, QUANTITIES, Heard, is_expected, spectrum_of
+from rubnoise.figures.motion_spectrum import FARTHEST, FIRST, QUANTITIES, is_expected, spectrum_of, whose
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
     BLUE,
@@ -67,8 +68,8 @@ def waterfall_figure(sweep: SweepResult, heard: Heard | None = None) -> "Figure"
         logarithmic(axis)
     axes.set_xlim(min(curve.place[0] for curve in curves), max(curve.place[-1] for curve in curves))
     axes.set_xlabel("wavenumber (rad/µm)" if heard is None else "frequency (Hz)")
-    whose, unit = ("real contact area", UNIT) if heard is None else (heard, QUANTITIES[heard].unit)
-    axes.set_ylabel(f"spectral density of {whose}\n({unit}), times 1, 10, 100, ...")
+    words, unit = ("real contact area", UNIT) if heard is None else (whose(heard), QUANTITIES[heard].density_unit)
+    axes.set_ylabel(f"spectral density of {words}\n({unit}), times 1, 10, 100, ...")
     legend_above(axes)
     name = shortened(one_line(sweep.path.resolve().name))
     put_title(figure, f"Spectra over {key_words(key)}", f"sweep {name}{_others(sweep, key, points[0])}")
