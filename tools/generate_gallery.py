@@ -190,7 +190,7 @@ LOAD: Final = Room(
         of_run(
             "Impact speeds and flight times",
             "landmarks",
-            "How fast the slider falls on the surface, and how long it was off.",
+            "How fast overlaps grow at impacts, and how long the slider was off the surface.",
             run="bouncing.h5",
         ),
         of_run(

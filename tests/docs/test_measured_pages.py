@@ -343,7 +343,7 @@ def test_levels_of_free_motion_are_those_of_another_program() -> None:
         assert abs(level.velocity / SCALE - row["velocity"]) < allowed, row
         wrong += abs(each.levels[at - 1].velocity / SCALE - row["velocity"]) > allowed
     assert len(rows) > 20
-    assert wrong > 0.8 * len(rows), "levels at another speed are told apart"
+    assert wrong > 0.8 * len(rows), "a level at another speed should be outside"
 
 
 @pytest.mark.parametrize(

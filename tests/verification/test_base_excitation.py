@@ -185,4 +185,4 @@ def test_a_base_beside_a_load_that_weighs_is_refused(tmp_path: Path) -> None:
     changes = [word for change in (*words, "load.damping_ratio=0.05") for word in ("--set", change)]
     answer = call("run", str(tmp_path / "a.toml"), "-o", str(tmp_path / "a.h5"), *changes)
     assert answer.code == 2
-    assert 'the excitation "base" is known without a load' in " ".join(answer.err.split())
+    assert 'the excitation "base" is known only without a load' in " ".join(answer.err.split())

@@ -5,11 +5,10 @@ from math import inf, nan
 
 import numpy as np
 
-from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.claims import sources
 from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
-from rubnoise.claims.field import FieldClaim, Publication, Range, exponent_of
+from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.model import Model, Separation
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import ContactKind
@@ -23,10 +22,11 @@ _START = 0.2
 _HARD = 10.0
 """Weights below which peaks of the load are counted."""
 
-_HEIGHTS_OVER_SCALE = 3.0
-"""Root mean square roughness over the scale of heights where summits in contact are 3 times as high as it is."""
+_ROUGHNESS_OVER_SCALE = 3.0
+"""Root mean square roughness over the height scale, if the summits in contact are 3 times as high as the roughness."""
 
 _OWN = "Here a rigid slider under its own weight, 0.1 junctions in contact"
+_GROWING = "a loss that grows with the speed of impact"
 
 
 def measured(model: Model, record: MemoryRecord) -> dict[str, float]:
@@ -81,78 +81,65 @@ def _of_height(found: Evidence) -> ClaimedNumber:
 
 def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
     speed = "exponent of speed, normal velocity, 21 to 700 mm/s"
-    constant, growing = "a restitution of 0.7", "a loss that grows with the speed of impact"
-    of_constant = _of_speed(bouncing, speed, "velocity"), _of_height(bouncing)
-    of_growing = _of_speed(damped, speed, "velocity"), _of_height(damped)
-    rows: tuple[tuple[str, Publication, str, str, ClaimedNumber, Range, str, str], ...] = (
-        (
-            "ba2010_normal_speed",
-            sources.BA_2010_NUMBERS,
-            f"The level rises as V^n, n = 0.7 to 0.96 or 0.8 to 1.16: normal motion with {constant}.",
-            "two rough flats, dry, light load",
-            of_constant[0],
-            (0.7, 1.16),
-            "Impacts are harder at higher speed. No single power: the slope falls from 1.4 to 0.4 over this range.",
-            BOUNCING,
-        ),
-        (
-            "ba2010_normal_height",
-            sources.BA_2010_NUMBERS,
-            f"The level rises as Ra^m, m = 0.8 to 1.16 or 0.7 to 0.96: normal motion with {constant}.",
-            "two rough flats, dry, light load",
-            of_constant[1],
-            (0.7, 1.16),
-            "m = (1 + n)/2 with the local n, whatever bounces.",
-            BOUNCING,
-        ),
-        (
-            "dang2013_normal_speed",
-            sources.DANG_2013,
-            f"The level rises as V^n, n = 0.52 to 0.63: normal motion with {growing}.",
-            "simulated rough surfaces, light load, 20 to 700 mm/s",
-            of_growing[0],
-            (0.52, 0.63),
-            "The slope is near 1 up to 70 mm/s, and between 0.5 and 0.6 above, as published.",
-            DAMPED,
-        ),
-        (
-            "dang2013_normal_height",
-            sources.DANG_2013,
-            f"The level rises as Rq^m, m = 0.63 to 0.67: normal motion with {growing}.",
-            "simulated rough surfaces, light load, Rq 3.6 to 38.6 um",
-            of_growing[1],
-            (0.63, 0.67),
-            "m is (1 + n)/2 with the local n, plus half of the exponent over this loss, which is below 0 here.",
-            DAMPED,
-        ),
-        (
-            "speed2019_normal",
-            sources.SPEED_2019,
-            f"The noise level is a power of speed with an exponent of about 3/4: normal motion with {growing}.",
-            "experiment and simulation, wide band, weak interaction; of an amplitude, or of a power (then 3/8)",
-            of_growing[0],
-            (0.375, 0.75),
-            "Its slope lies between these over the whole range.",
-            DAMPED,
-        ),
-    )
+    constant, growing = "normal motion with a restitution of 0.7", f"normal motion with {_GROWING}"
     return [
         FieldClaim(
-            id=name,
-            source=source,
-            statement=statement,
-            conditions=f"{conditions}. {_OWN}",
-            quantity=quantity,
-            published=published,
-            because=because,
-            scenario=scenario,
-        )
-        for name, source, statement, conditions, quantity, published, because, scenario in rows
+            id="ba2010_normal_speed",
+            source=sources.BA_2010_NUMBERS,
+            statement=f"The level rises as V^n, n = 0.7 to 0.96 or 0.8 to 1.16: {constant}.",
+            conditions=f"two rough flats, dry, light load. {_OWN}",
+            quantity=_of_speed(bouncing, speed, "velocity"),
+            published=(0.7, 1.16),
+            because="Impacts are harder at higher speed. No single power: the slope falls from 1.4 to 0.4 over this "
+            "range.",
+            scenario=BOUNCING,
+        ),
+        FieldClaim(
+            id="ba2010_normal_height",
+            source=sources.BA_2010_NUMBERS,
+            statement=f"The level rises as Ra^m, m = 0.8 to 1.16 or 0.7 to 0.96: {constant}.",
+            conditions=f"two rough flats, dry, light load. {_OWN}",
+            quantity=_of_height(bouncing),
+            published=(0.7, 1.16),
+            because="m = (1 + n)/2 with the local n, whatever bounces.",
+            scenario=BOUNCING,
+        ),
+        FieldClaim(
+            id="dang2013_normal_speed",
+            source=sources.DANG_2013,
+            statement=f"The level rises as V^n, n = 0.52 to 0.63: {growing}.",
+            conditions=f"simulated rough surfaces, light load, 20 to 700 mm/s. {_OWN}",
+            quantity=_of_speed(damped, speed, "velocity"),
+            published=(0.52, 0.63),
+            because="The slope is near 1 up to 70 mm/s, and between 0.5 and 0.6 above, as published.",
+            scenario=DAMPED,
+        ),
+        FieldClaim(
+            id="dang2013_normal_height",
+            source=sources.DANG_2013,
+            statement=f"The level rises as Rq^m, m = 0.63 to 0.67: {growing}.",
+            conditions=f"simulated rough surfaces, light load, Rq 3.6 to 38.6 um. {_OWN}",
+            quantity=_of_height(damped),
+            published=(0.63, 0.67),
+            because="m is (1 + n)/2 with the local n, plus half of the exponent over this loss, which is below 0 here.",
+            scenario=DAMPED,
+        ),
+        FieldClaim(
+            id="speed2019_normal",
+            source=sources.SPEED_2019,
+            statement=f"The noise level is a power of speed with an exponent of about 3/4: {growing}.",
+            conditions="experiment and simulation, wide band, weak interaction; of an amplitude, or of a power (then "
+            f"3/8). {_OWN}",
+            quantity=_of_speed(damped, speed, "velocity"),
+            published=(0.375, 0.75),
+            because="Its slope lies between these over the whole range.",
+            scenario=DAMPED,
+        ),
     ]
 
 
 def _impacts(damped: Evidence) -> list[FieldClaim]:
-    conditions = f"simulated profiles. {_OWN}, a loss that grows with the speed of impact"
+    conditions = f"simulated profiles. {_OWN}, {_GROWING}"
     return [
         FieldClaim(
             id="ba2011_rate",
@@ -192,59 +179,44 @@ def _impacts(damped: Evidence) -> list[FieldClaim]:
 
 
 def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
-    slow, fast = _point(bouncing, 7.0, 5.0), _point(bouncing, 121.0, 10.0)
-
-    def row(name: str, source: Publication, statement: str, quantity: ClaimedNumber, published: Range) -> FieldClaim:
-        return FieldClaim(
-            id=name,
-            source=source,
-            statement=statement,
-            conditions=f"{_CONDITIONS[source.name]}. {_OWN}, a restitution of 0.7",
-            quantity=quantity,
-            published=published,
-            because=_BECAUSE[name],
-            scenario=BOUNCING,
-        )
-
-    def share(name: str, value: PooledEstimate) -> ClaimedNumber:
-        return ClaimedNumber(name=name, simulated=value, exact=nan)
-
-    apart = "share of time without contact"
-    still = slow.numbers["separation"].times(1.0 / _HEIGHTS_OVER_SCALE)
+    slow, fast = _point(bouncing, 7.0, 5.0).numbers, _point(bouncing, 121.0, 10.0).numbers
+    own = f"{_OWN}, a restitution of 0.7"
+    zouabi = f"rough slider under its own weight on a rough track; no speed is given. {own}"
     return [
-        row(
-            "zouabi2016_slow",
-            sources.ZOUABI_2016,
-            "Contact is unbroken at low speed.",
-            share(f"{apart}, 7 mm/s", slow.numbers["apart"]),
-            (0.0, 1e-3),
+        FieldClaim(
+            id="zouabi2016_slow",
+            source=sources.ZOUABI_2016,
+            statement="Contact is unbroken at low speed.",
+            conditions=zouabi,
+            quantity=ClaimedNumber(name="share of time without contact, 7 mm/s", simulated=slow["apart"], exact=nan),
+            published=(0.0, 1e-3),
+            because="Far below c omega_c = 70 mm/s the slider follows the summits that carry it.",
+            scenario=BOUNCING,
         ),
-        row(
-            "zouabi2016_fast",
-            sources.ZOUABI_2016,
-            "The slider jumps at higher speed.",
-            share(f"{apart}, 121 mm/s", fast.numbers["apart"]),
-            (0.1, 1.0),
+        FieldClaim(
+            id="zouabi2016_fast",
+            source=sources.ZOUABI_2016,
+            statement="The slider jumps at higher speed.",
+            conditions=zouabi,
+            quantity=ClaimedNumber(name="share of time without contact, 121 mm/s", simulated=fast["apart"], exact=nan),
+            published=(0.1, 1.0),
+            because="Above it the slider is thrown off. Unbroken is taken as less than 0.1 % of the time apart, jumps "
+            "as more than 10 %.",
+            scenario=BOUNCING,
         ),
-        row(
-            "ponthus2019",
-            sources.PONTHUS_2019,
-            "The root mean square of the normal motion is much smaller than the roughness.",
-            share("std of the separation over the roughness, 7 mm/s", still),
-            (0.0, 0.5),
+        FieldClaim(
+            id="ponthus2019",
+            source=sources.PONTHUS_2019,
+            statement="The root mean square of the normal motion is much smaller than the roughness.",
+            conditions="rigid self-affine surfaces that touch in one point; much smaller is taken as below half, and "
+            f"the height scale as a third of the roughness. {own}",
+            quantity=ClaimedNumber(
+                name="std of the separation over the roughness, 7 mm/s",
+                simulated=slow["separation"].times(1.0 / _ROUGHNESS_OVER_SCALE),
+                exact=nan,
+            ),
+            published=(0.0, 0.5),
+            because="The highest summits scatter by about one height scale, which is smaller than the roughness.",
+            scenario=BOUNCING,
         ),
     ]
-
-
-_CONDITIONS = {
-    sources.ZOUABI_2016.name: "rough slider under its own weight on a rough track; no speed is given",
-    sources.PONTHUS_2019.name: "rigid self-affine surfaces that touch in one point; much smaller is taken as below "
-    "half, and the height scale as a third of the roughness",
-}
-
-_BECAUSE = {
-    "zouabi2016_slow": "Far below c omega_c = 70 mm/s the slider follows the summits that carry it.",
-    "zouabi2016_fast": "Above it the slider is thrown off. Unbroken is taken as less than 0.1 % of the time apart, "
-    "jumps as more than 10 %.",
-    "ponthus2019": "The highest summits scatter by about one height scale, which is smaller than the roughness.",
-}

@@ -110,8 +110,8 @@ def command(
 
     overview shows the run at a glance, contact the junctions from above at --from; sizes, life_distances and gaps are
     histograms beside their laws. lifelines has a bar from birth to death for each junction. slider is its motion in
-    time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks, or how hard it
-    falls back on the surface; load is its rise and fall under a load that weighs. Of a sweep a
+    time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks, or the speeds of
+    impacts and the times of flights; load is its rise and fall under a load that weighs. Of a sweep a
     quantity is drawn against what is swept, with intervals and the exact curve; psd draws the spectra of its points,
     one above the other.
 

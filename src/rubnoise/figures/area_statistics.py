@@ -132,8 +132,8 @@ def acf_figure(stretch: Stretch) -> "Figure":
     first, last = stretch.rows("trace")
     reach = min(int(LAG_LIVES * stretch.model.mean_life_distance / stretch.model.tick) + 1, (last - first) // 2)
     steps = np.arange(0, reach + 1, max(1, reach // LAGS))
-    lag = stretch.model.tick * steps
-    products = LaggedProducts(steps.tolist(), _mean_area(stretch))
+    lag, mean = stretch.model.tick * steps, _mean_area(stretch)
+    products = LaggedProducts(steps.tolist(), mean)
     for chunk in stretch.chunks("trace", "real_contact_area"):
         products.add(chunk)
     figure = new_figure(7.2, 3.8)
@@ -145,7 +145,7 @@ def acf_figure(stretch: Stretch) -> "Figure":
         axes.axvline(life, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=_life_label(stretch))
     axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
     axes.set_xlim(0.0, lag[-1])
-    rounding = (NEAREST * area_cumulants(stretch.model).mean) ** 2
+    rounding = (NEAREST * mean) ** 2
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)
     axes.set_xlabel("lag in sliding distance (µm)")

@@ -271,7 +271,7 @@ def _flights_figure(stretch: Stretch, height_scale: float) -> "Figure":
         raise Refused(f"the slider does not fall back on the surface between {motion.begin:.4g} and {motion.end:.4g} s")
     figure = new_figure(7.2, 3.6)
     off = 100.0 * found.share(motion.begin, motion.end)
-    shown = f"How fast the slider falls on the surface and how long it was off: {off:.3g} % of the time"
+    shown = f"How fast overlaps grow at impacts, and how long the slider was off: {off:.3g} % of the time"
     add_title(figure, stretch, f"{shown}{_part_shown(motion)}")
     speeds, times = figure.subplots(1, 2)
     _draw_counts(speeds, found.speeds, "impact", "impact speed", "mm/s", MILLI)

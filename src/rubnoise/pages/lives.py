@@ -24,12 +24,14 @@ FEW: Final = 256
 
 OWN: Final = ("diameter", "lateral_offset", "shear_strength")
 OWN_OF_TOUCHES: Final = ("max_area", "max_overlap")
-"""What no diameter says of a touch, since its area follows the separation."""
+"""Columns of a touch that do not follow from its diameter, because its area follows the separation."""
 
 TIMES: Final = ("birth_time", "death_time")
 WIDTH: Final = 4
+"""Bytes of a value."""
+
 MARK: Final = 16
-"""Bytes of a value, and about those of a row whose end no diameter says."""
+"""About the bytes that are added for a row whose end does not follow from its diameter."""
 
 MOST_WITH_TIMES: Final = 8_000_000
 """Bytes of lives up to which those of a slider that pushes back have their times, too."""

@@ -51,7 +51,7 @@ OF_FREE_MOTION: Final[dict[Kind, str]] = {
     "psd": "Spectrum of the real contact area, of which there is no theory.",
     "acf": "Autocovariance of the real contact area, of which there is no theory.",
     "count": "Number of summits in contact.",
-    "landmarks": "How fast the slider falls on the surface, and how long it was off.",
+    "landmarks": "How fast overlaps grow at impacts, and how long the slider was off the surface.",
     "lifelines": "Touches of summits: each bar begins where contact is made and ends where it is lost.",
     "load": "Load, separation and normal velocity at the beginning of the run. Flights are shaded, impacts are rings.",
 }

@@ -66,7 +66,7 @@ def _free_contact(model: Model, free: FreeSeparation) -> list[str]:
 
 
 def flights_in_words(stretch: Stretch) -> list[str]:
-    """Say how long a slider was off the surface, and how hard it fell on it."""
+    """Say how long a slider was off the surface, how often it fell on it, and how fast an overlap grew at most."""
     file = stretch.file
     if stretch.has_theory or file.rows("load") < 2:
         return []
@@ -79,7 +79,7 @@ def flights_in_words(stretch: Stretch) -> list[str]:
     return [
         (
             f"It was off the surface for {off:.3g} % of the time, and fell on it {often:.3g} times a second."
-            f" Sliding and falling together, an overlap then grew at {hardest:.3g} mm/s at most."
+            f" At the hardest impact an overlap grew at {hardest:.3g} mm/s, by sliding and falling together."
         )
     ]
 

@@ -167,7 +167,7 @@ class RunView:
         }
 
     def _flights(self) -> dict[str, Any]:
-        """Return distances in um at which the slider leaves the surface and falls back on it, and how fast in um/s."""
+        """Return distances in um of flights and impacts, and how fast the overlap grows at each impact, in um/s."""
         file, speed = self.stretch.file, self.stretch.model.sliding_speed or 1.0
         end = float(file.column("load", "time", file.rows("load") - 1, file.rows("load"))[0])
         found = Flights.of(file, 0.0, end, MOST_FLIGHTS)

@@ -247,7 +247,7 @@ def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Pro
         message, path = f'the excitation "{excitation}" is known with one-way coupling alone', ("slider", "coupling")
         yield Problem(path=path, message=message, place=layers.value_place(path), hint='coupling = "one-way"')
     if excitation == "base" and "load" in layers.data:
-        message, path = 'the excitation "base" is known without a load that weighs alone', ("slider", "excitation")
+        message, path = 'the excitation "base" is known only without a load that weighs', ("slider", "excitation")
         yield Problem(path=path, message=message, place=layers.value_place(path), hint="leave [load] out")
 
 
