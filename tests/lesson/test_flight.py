@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.arrays import Doubles
 from rubnoise.simulation.free import motion
 from rubnoise.simulation.free.fold import FreeContact, FreeRun
 from tests.lesson.node import answer, world_with
 from tests.oracle.free_slider import bounce
-from tests.verification.scores import seed_of
+from tests.verification.scores import seed_of, z_scores
 
 LARGEST_Z = 4.0
 LARGEST_ERROR = 3e-4  # of the height scale, over a few impacts
@@ -58,12 +57,6 @@ def simulated(live: float, speed: float, duration: float, seed: int) -> list[flo
     ticks = np.concatenate([block.ticks for block in blocks], axis=1)[:, round(SETTLED / TICK_TIME) :]
     apart, rise = float(np.mean(ticks[motion.TICK_LIVE] == 0.0)), sqrt(float(np.mean(ticks[motion.TICK_W] ** 2)))
     return [apart, rise, float(np.mean(ticks[motion.TICK_LOAD]))]
-
-
-def z_scores(here: Doubles, there: Doubles) -> Doubles:
-    """Return how far means of independent runs are apart, in standard errors from the runs themselves."""
-    error = here.var(axis=0, ddof=1) / len(here) + there.var(axis=0, ddof=1) / len(there)
-    return np.asarray((here.mean(axis=0) - there.mean(axis=0)) / np.sqrt(error))
 
 
 @pytest.mark.parametrize(("live", "speed"), [(0.5, 0.4), (0.5, 1.0), (3.0, 0.6)])

@@ -13,7 +13,7 @@ from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.state import LiveRows
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.models import CoupledRun, coupled
-from tests.verification.scores import seed_of
+from tests.verification.scores import seed_of, z_scores
 
 Doubles = NDArray[np.float64]
 
@@ -126,12 +126,6 @@ def test_reversals_are_the_simulators(damping: float) -> None:
     late, off = apart(page, run, most)
     assert off < 2e-2
     assert late * world["speed"] < 2e-2
-
-
-def z_scores(here: Doubles, there: Doubles) -> Doubles:
-    """Return how far means of independent fields are apart, in standard errors from the fields themselves."""
-    error = here.var(axis=0, ddof=1) / len(here) + there.var(axis=0, ddof=1) / len(there)
-    return np.asarray((here.mean(axis=0) - there.mean(axis=0)) / np.sqrt(error))
 
 
 def simulated(world: dict[str, Any], distance: float, fields: int, seed: int) -> tuple[Doubles, float]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise.api.record import Record
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.model import Model
@@ -125,13 +126,18 @@ def outside(found: Figures, bound: float = BOUND) -> Figures:
     return {name: z for name, z in found.items() if abs(z) > bound}
 
 
+def z_scores(some: Doubles, others: Doubles) -> Doubles:
+    """Return how far the means of two samples of independent runs are apart, in standard errors from their scatter."""
+    error = some.var(axis=0, ddof=1) / len(some) + others.var(axis=0, ddof=1) / len(others)
+    return np.asarray((some.mean(axis=0) - others.mean(axis=0)) / np.sqrt(error))
+
+
 def mean_score(values: list[float], value: float, error: float) -> float:
     """Return the score of the mean of independent values, each with a standard error."""
     return (sum(values) / len(values) - value) / (error / sqrt(len(values)))
 
 
 # Records made by hand, right or wrong on purpose, with the face of a result file.
-Doubles = NDArray[np.float64]
 Groups = Mapping[str, Mapping[str, NDArray[Any]]]
 
 

@@ -18,8 +18,8 @@
   /** Return the scales of a world: c and s0 in um, omega_c in 1/s, and v = V/(c omega_c). */
   function scalesOf(world) {
     const length = (2 * rub.model.contact(world).diameter) / Math.sqrt(Math.PI);
-    const rate = rub.load.of(world).resonance;
-    return { length, height: world.heights, rate, speed: world.speed / (length * rate) };
+    const { resonance: rate, scale: height } = rub.load.of(world);
+    return { length, height, rate, speed: world.speed / (length * rate) };
   }
 
   /** Return why a slider cannot hop on the page, or an empty text. */
@@ -167,9 +167,8 @@
     /** Return the next place in um at which contact is lost or made, no further than an end; or null. */
     next(distance, end) {
       const { place, touching } = this.landmarks;
-      let i = place.find(distance / this.length) + 1;
+      const i = place.find(distance / this.length) + 1;
       for (let to = distance; i >= place.length && to < end; to += this.length) this.until(to + this.length);
-      i = place.find(distance / this.length) + 1;
       if (i >= place.length || place.values[i] * this.length > end) return null;
       const kind = touching.values[i] ? 'contact made' : 'contact lost';
       /* The place itself, and not a rounding before it: else the same event would come again. */

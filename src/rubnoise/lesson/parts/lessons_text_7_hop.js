@@ -79,16 +79,16 @@
       <p>Behind a hill of width <var>c</var> and height <var>s</var>₀ the surface falls away. The weight <var>W</var> takes a
         time 1/ω<sub>c</sub> to let the mass <var>m</var> down by <var>s</var>₀,</p>
       <p class="formula">ω<sub>c</sub> = √(<var>W</var>/(<var>m</var><var>s</var>₀))</p>
-      <p>and the hill takes <var>c</var>/<var>V</var> to pass. The slider is left in the air where the hill is the quicker
-        one. So one number counts,</p>
+      <p>and the hill takes <var>c</var>/<var>V</var> to pass. If that is the shorter time, the slider is left in the air.
+        So one number counts,</p>
       <p class="formula"><var>v</var> = <var>V</var>/(<var>c</var>ω<sub>c</sub>) = (<var>V</var>/<var>c</var>)
         √(<var>m</var><var>s</var>₀/<var>W</var>)</p>
       <p>Here <var>c</var> = ${um(length)} and <var>c</var>ω<sub>c</sub> = ${milli(length * rate)}, so that
         <var>v</var> = ${say(speed)}. If <var>c</var>, the number of summits and the part of the energy that an impact
         takes stay as they are, the whole motion, measured in <var>c</var>, <var>s</var>₀ and 1/ω<sub>c</sub>, follows
         from <var>v</var>. Heights four times as large need half the speed.</p>
-      <p>However it hops, the load is the weight on average: what is missing in the air comes back in the impact. How long
-        it is apart, no formula says: this is where a law ends and a simulation is needed.</p>`;
+      <p>However it hops, the load is the weight on average: what is missing in the air comes back in the impact. No
+        formula says how long it is apart: for that you need a simulation.</p>`;
     },
     checks: [
       {

@@ -106,7 +106,7 @@
         };
       }
       const mean = world.strength * world.meanArea;
-      const begin = [(world.heights ?? rub.load.SCALE) * (shear[0] / mean - 1), 0]; // as it is borne at the start
+      const begin = [rub.load.of(world).scale * (shear[0] / mean - 1), 0]; // as it is borne at the start
       const state = from ? [this.separation[from - 1], this.rise[from - 1]] : begin;
       const follow = rub.load.follower(world, mean, time, state);
       return (i) => {
