@@ -66,7 +66,8 @@ A_CLAIM = Claim(
 
 A_ROW = FieldClaim(
     id="someone1956",
-    source=Publication(name="Someone 1956", doi=None, known=Known.ABSTRACT),
+    label="number",
+    source=Publication(label="Someone", name="Someone 1956", doi=None, known=Known.ABSTRACT),
     statement="It is 1.",
     conditions="dry",
     because="It is.",

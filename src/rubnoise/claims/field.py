@@ -30,8 +30,12 @@ class FieldVerdict(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Publication:
-    """A publication: author and year, its DOI where it was found, and how well what it says is known."""
+    """A publication: author and year, its DOI where it was found, and how well what it says is known.
 
+    ``label`` is what a table calls it.
+    """
+
+    label: str
     name: str
     doi: str | None
     known: Known
@@ -41,11 +45,12 @@ class Publication:
 class FieldClaim:
     """A published statement with the model's numbers.
 
-    ``published`` is None where the source gives no number. ``scenario`` is that of the runs. ``cannot_fail`` marks
-    numbers that agree by assumption, whatever is measured: they test nothing.
+    ``label`` is what a table calls the number. ``published`` is None where the source gives no number. ``scenario`` is
+    that of the runs.
     """
 
     id: str
+    label: str
     source: Publication
     statement: str
     conditions: str
@@ -53,15 +58,14 @@ class FieldClaim:
     quantity: ClaimedNumber | None = None
     published: Range | None = None
     scenario: str | None = None
-    cannot_fail: bool = False
 
     @property
     def numbers_agree(self) -> bool | None:
         """Whether the model's numbers lie among the published ones: the exact one, and some of the runs' interval.
 
-        None if there is nothing to compare, or no comparison could fail.
+        None if there is nothing to compare.
         """
-        if self.quantity is None or self.published is None or self.cannot_fail:
+        if self.quantity is None or self.published is None:
             return None
         low, high = self.published
         exact, simulated = self.quantity.exact, self.quantity.simulated.interval

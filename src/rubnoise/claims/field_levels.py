@@ -84,6 +84,7 @@ def _identity(slow: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="identity_one_way",
+            label="$n$ + exponent of $d$",
             source=sources.THIS_MODEL,
             statement="At constant A_rm and psi, the exponents of junction diameter and speed add up to 1.",
             conditions="one-way, births at random, any pulse, any laws that scale with d, any linear structure",
@@ -100,7 +101,8 @@ def _sums(slow: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="sum_measured",
-            source=sources.BA_2010_NUMBERS,
+            label="$n$ + exponent of $d$",
+            source=sources.BA_2010,
             statement=f"The exponents m and n are {_EITHER}. Those of d and V then add up to 1.5 or more.",
             conditions=f"two rough flats, dry, light load. {NORMAL}",
             quantity=quantity,
@@ -110,7 +112,8 @@ def _sums(slow: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="sum_measured_two_way",
-            source=sources.BA_2010_NUMBERS,
+            label="$n$ + exponent of $d$, two-way",
+            source=sources.BA_2010,
             statement="The same, for a slider that pushes back: does feedback bring the model to the measured sum?",
             conditions="1 to 2 mm/s, 20 and 5 junctions, so few that their force is skewed",
             quantity=_sum_of_exponents(slow, "two-way"),
@@ -121,6 +124,7 @@ def _sums(slow: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="sum_computed",
+            label="$n$ + exponent of $d$",
             source=sources.DANG_2013,
             statement="m = 0.63 to 0.67 and n = 0.52 to 0.63: the exponents of d and V add up to 1.15 or more.",
             conditions=f"{_SIMULATED}. {NORMAL}",
@@ -138,7 +142,7 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
     rows = (
         (
             "ba2010_speed",
-            sources.BA_2010_NUMBERS,
+            sources.BA_2010,
             f"The level rises as V^n. The exponents of roughness and speed are {_EITHER}.",
             f"two rough flats, dry, light load. {NORMAL}",
             (0.7, 1.16),
@@ -161,6 +165,7 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id=name,
+            label="$n$, 20 to 80 mm/s",
             source=source,
             statement=statement,
             conditions=conditions,
@@ -174,6 +179,7 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
     ] + [
         FieldClaim(
             id="speed2019_two_way",
+            label="$n$, two-way",
             source=sources.SPEED_2019,
             statement="The same, for a slider that pushes back.",
             conditions="here a slider that sticks and slips at 1 to 2 mm/s, along the surface",
@@ -191,6 +197,7 @@ def _damping(found: Evidence) -> FieldClaim:
     quotient = ratio(heavy.numbers["velocity_std"], light.numbers["velocity_std"])
     return FieldClaim(
         id="dang2013_damping",
+        label="dB at ten times the damping",
         source=sources.DANG_2013,
         statement="Ten times the modal damping takes 10 dB from the level.",
         conditions="simulated rough surfaces, damping ratio 0.02 and more; here 0.0204 and 0.204",
@@ -217,6 +224,7 @@ _LN_10 = 2.302585092994046
 def _fretting(slow: Evidence) -> FieldClaim:
     return FieldClaim(
         id="jibiki2001",
+        label="$n$, 1 to 2 mm/s",
         source=sources.JIBIKI_2001,
         statement="The level rises with stroke and frequency, and is tied to the mean sliding speed.",
         conditions="crossed steel cylinders, 19.6 N, mean speeds 0.05 to 5.8 mm/s, self-excited part included",

@@ -85,7 +85,8 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="ba2010_normal_speed",
-            source=sources.BA_2010_NUMBERS,
+            label="$n$, normal",
+            source=sources.BA_2010,
             statement=f"The level rises as V^n, n = 0.7 to 0.96 or 0.8 to 1.16: {constant}.",
             conditions=f"two rough flats, dry, light load. {_OWN}",
             quantity=_of_speed(bouncing, speed, "velocity"),
@@ -96,7 +97,8 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="ba2010_normal_height",
-            source=sources.BA_2010_NUMBERS,
+            label="$m$, normal",
+            source=sources.BA_2010,
             statement=f"The level rises as Ra^m, m = 0.8 to 1.16 or 0.7 to 0.96: {constant}.",
             conditions=f"two rough flats, dry, light load. {_OWN}",
             quantity=_of_height(bouncing),
@@ -106,6 +108,7 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="dang2013_normal_speed",
+            label="$n$, normal",
             source=sources.DANG_2013,
             statement=f"The level rises as V^n, n = 0.52 to 0.63: {growing}.",
             conditions=f"simulated rough surfaces, light load, 20 to 700 mm/s. {_OWN}",
@@ -116,6 +119,7 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="dang2013_normal_height",
+            label="$m$, normal",
             source=sources.DANG_2013,
             statement=f"The level rises as Rq^m, m = 0.63 to 0.67: {growing}.",
             conditions=f"simulated rough surfaces, light load, Rq 3.6 to 38.6 um. {_OWN}",
@@ -126,6 +130,7 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="speed2019_normal",
+            label="$n$, normal",
             source=sources.SPEED_2019,
             statement=f"The noise level is a power of speed with an exponent of about 3/4: {growing}.",
             conditions="experiment and simulation, wide band, weak interaction; of an amplitude, or of a power (then "
@@ -143,6 +148,7 @@ def _impacts(damped: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="ba2011_rate",
+            label="$n$ of the rate of shocks",
             source=sources.BA_2011,
             statement="The rate of shocks falls with speed.",
             conditions=conditions,
@@ -153,6 +159,7 @@ def _impacts(damped: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="ba2011_strength",
+            label="$n$ of the speed of impact",
             source=sources.BA_2011,
             statement="The strength of a shock rises with speed.",
             conditions=conditions,
@@ -163,6 +170,7 @@ def _impacts(damped: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="dang2013_peaks",
+            label="load peaks below ten weights",
             source=sources.DANG_2013,
             statement="57 % of the peaks of contact force are below ten weights of the slider.",
             conditions=f"simulated rough surfaces, light load. {_OWN}, a height scale of 10 um, 121 mm/s",
@@ -185,6 +193,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="zouabi2016_slow",
+            label="share apart, 7 mm/s",
             source=sources.ZOUABI_2016,
             statement="Contact is unbroken at low speed.",
             conditions=zouabi,
@@ -195,6 +204,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="zouabi2016_fast",
+            label="share apart, 121 mm/s",
             source=sources.ZOUABI_2016,
             statement="The slider jumps at higher speed.",
             conditions=zouabi,
@@ -206,6 +216,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="ponthus2019",
+            label="rms separation over roughness",
             source=sources.PONTHUS_2019,
             statement="The root mean square of the normal motion is much smaller than the roughness.",
             conditions="rigid self-affine surfaces that touch in one point; much smaller is taken as below half, and "

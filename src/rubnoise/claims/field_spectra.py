@@ -90,6 +90,7 @@ def _kilburn(contact: Found) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="kilburn1974_white",
+            label="fall of $S$ below $V/d$",
             source=sources.KILBURN_1974,
             statement="Friction is a constant signal with superimposed white noise.",
             conditions="cast-iron button on a cast-iron disk, 60 runs; bandwidth not in the abstract",
@@ -116,6 +117,7 @@ def _fingers(contact: Found, wide: Found) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="finger_equal_sizes",
+            label="fall of $S$, one size",
             source=sources.FINGER_2011,
             statement="The background of the friction force follows a 1/f trend.",
             conditions="bare finger on smooth flat surfaces; here junctions of one size, as in Figure 5",
@@ -127,6 +129,7 @@ def _fingers(contact: Found, wide: Found) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="finger_power_law",
+            label="fall of $S$, density $d^{-6}$",
             source=sources.FINGER_2011,
             statement="The background of the friction force follows a 1/f trend.",
             conditions="bare finger on smooth flat surfaces; here diameters with density d^-6 over a factor of 25",
@@ -138,6 +141,7 @@ def _fingers(contact: Found, wide: Found) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="brewer2016",
+            label="$n$ of $S$ at one frequency",
             source=sources.BREWER_2016,
             statement="The 1/f background of the lateral force decreases with scanning speed.",
             conditions="finger on sinusoidal gratings, more so on compliant textures",
@@ -177,6 +181,7 @@ def _blocks(free: Found) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="xu2025_measured",
+            label="fall of $S_x$, measured",
             source=sources.XU_2025,
             statement="The PSD of displacement falls as omega^-g, g from 4 to 5; 4 without visible wear particles.",
             conditions=blocks,
@@ -189,6 +194,7 @@ def _blocks(free: Found) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="xu2025_asperities",
+            label="fall of $S_x$, of a model",
             source=sources.XU_2025,
             statement="A model of asperity forces, whose number and size fluctuate, has g = 6.",
             conditions="smooth block on a randomly rough substrate, without redistribution of load",

@@ -182,8 +182,6 @@ def format_ledger(claims: Sequence["FieldClaim"]) -> list[str]:
             lines += [_numbers(claim.quantity)]
         if claim.published is not None:
             lines += [remark(f"Published: {as_range(claim.published)}.")]
-        if claim.cannot_fail:
-            lines += [remark("No test: these numbers cannot disagree.")]
         lines += [remark(claim.because), ""]
     return lines[:-1]
 
