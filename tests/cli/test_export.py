@@ -35,8 +35,8 @@ JUNCTIONS, TICKS = 57, 203
 @pytest.fixture
 def rows(here: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Return the rows of `run.h5`, of which every export takes several panels."""
-    for name in ("CHUNK_ROWS", "ROW_GROUP"):
-        monkeypatch.setattr(exporting, name, 50)
+    monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 50)
+    monkeypatch.setattr(exporting, "ROW_GROUP", 50)
     description = describe(JUNCTIONS, TICKS)
     made = random_rows(description)
     made["trace"]["friction_force"][:3] = [1e300, 5e-324, -0.1 - 0.2]

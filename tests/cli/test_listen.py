@@ -13,7 +13,6 @@ import pytest
 from PIL import Image
 
 import rubnoise
-from rubnoise.analysis import sound
 from rubnoise.analysis.hearing import Hearing
 from rubnoise.analysis.spectra import Spectrum
 from rubnoise.storage.reader import RunFile
@@ -173,7 +172,7 @@ def test_memory_holds_one_panel_at_a_time(result: Path, monkeypatch: pytest.Monk
         read.append(values.size)
         return values
 
-    monkeypatch.setattr(sound, "CHUNK_ROWS", 50)
+    monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 50)
     monkeypatch.setattr(RunFile, "column", counted)
     assert call("listen", "x.h5").code == 0
     assert max(read) == 50

@@ -323,7 +323,7 @@ def test_few_rows_are_drawn_as_they_are(file: RunFile) -> None:
 
 
 def test_of_many_rows_the_extremes_are_kept(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stretches, "CHUNK_ROWS", 999)
+    monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 999)
     whole = Stretch.of(file)
     distance, area = whole.curve("trace", "real_contact_area")
     values = file.column("trace", "real_contact_area")

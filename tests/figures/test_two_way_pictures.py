@@ -73,6 +73,10 @@ class Held:
     groups: dict[str, dict[str, Any]]
     path: Path = field(default=Path("held.h5"))
 
+    @property
+    def columns(self) -> dict[str, tuple[str, ...]]:
+        return {group: tuple(columns) for group, columns in self.groups.items()}
+
     def rows(self, group: str) -> int:
         return len(next(iter(self.groups[group].values())))
 
@@ -134,7 +138,7 @@ def test_running_back_does_not_end_a_stretch(two_way: Stretch, monkeypatch: pyte
         chosen=True,
     )
     for chunk_rows in (2, 3, 4, 100):
-        monkeypatch.setattr("rubnoise.figures.stretch.CHUNK_ROWS", chunk_rows)
+        monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", chunk_rows)
         assert made_up.rows("slider") == (2, 8)
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 import rubnoise
+from rubnoise import arrays
 from rubnoise.api import columns as module
 from rubnoise.errors import ExtraMissing
 from rubnoise.storage.schema import TRACE
@@ -43,7 +44,8 @@ class Source:
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "ROWS_AT_ONCE", 64)
+    for place in (module, arrays):
+        monkeypatch.setattr(place, "CHUNK_ROWS", 64)
     monkeypatch.setattr(module.Column.chunks, "__defaults__", (64,))
 
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import rubnoise
+from rubnoise import arrays
 from rubnoise.analysis import selection
 from rubnoise.analysis.selection import gather, select
 from rubnoise.analysis.where import DEEPEST, LONGEST, ConditionRefused, condition
@@ -44,7 +45,8 @@ def path(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureReques
 @pytest.fixture
 def file(path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunFile]:
     """That file, opened."""
-    monkeypatch.setattr(selection, "CHUNK_ROWS", CHUNK)
+    for place in (selection, arrays):
+        monkeypatch.setattr(place, "CHUNK_ROWS", CHUNK)
     monkeypatch.setattr(selection, "NEAR", 5)
     with open_run(path) as opened:
         yield opened

@@ -127,7 +127,8 @@ def test_a_file_that_does_not_say_how_far_it_goes_is_refused(tmp_path: Path) -> 
 
 def test_panels_do_not_change_the_answer(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = life_of(file, 2)
-    monkeypatch.setattr(selection_module, "CHUNK_ROWS", 3)
+    monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 3)
+    monkeypatch.setattr(selection_module, "AREAS_AT_ONCE", 3)
     parts = life_of(file, 2)
     assert parts.others.rows.tolist() == whole.others.rows.tolist() == [1, 3, 4, 5]
     distance = np.linspace(2.0, 14.0, 50)

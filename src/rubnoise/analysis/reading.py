@@ -1,4 +1,4 @@
-"""The columns of a file read from front to back in chunks, so that a longer run needs no more memory."""
+"""Rows read ahead for those who take small steps, and rows that are checked as they are read."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
@@ -7,49 +7,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import CHUNK_ROWS
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Rows, chunks
 from rubnoise.theory.lags import longest_life
-
-CHUNK_ROWS: Final = 65_536
-
-
-class Chunk(Mapping[str, NDArray[Any]]):
-    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is asked for."""
-
-    def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
-        """Read nothing yet: to unpack a column takes time."""
-        self.first, self.end = first, end
-        self._rows, self._group = rows, group
-        self._read: dict[str, NDArray[Any]] = {}
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the rows of one column; raises KeyError if the group does not have it."""
-        if name not in self:
-            raise KeyError(name)
-        if name not in self._read:
-            self._read[name] = self._rows.column(self._group, name, self.first, self.end)
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        """Yield the names of the columns."""
-        return iter(self._rows.columns[self._group])
-
-    def __len__(self) -> int:
-        """Return the number of columns."""
-        return len(self._rows.columns[self._group])
-
-    def __contains__(self, name: object) -> bool:
-        """Whether the group has a column; it is not read for that."""
-        return name in self._rows.columns[self._group]
-
-
-def chunks(rows: Rows, group: str, size: int = CHUNK_ROWS) -> Iterator[Chunk]:
-    """Yield all columns of a group from its first row to its last, so many rows at a time; of no rows one chunk."""
-    total = rows.rows(group)
-    for first in range(0, max(total, 1), size):
-        yield Chunk(rows, group, first, min(first + size, total))
 
 
 class Ahead:
@@ -83,6 +45,7 @@ class Ahead:
 
 
 CHECKED_ROWS: Final = 1 << 18
+"""Rows that a comparison reads at once: it sums up each chunk by itself, so its last bits depend on them."""
 
 
 def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
@@ -90,8 +53,6 @@ def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dic
 
     Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
     """
-    if not rows.rows(group):
-        return
     for chunk in chunks(rows, group, CHECKED_ROWS):
         found = {name: chunk[name] for name in names if name in chunk}
         for name, values in found.items():

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 
 MOST: Final = 4096
 """Numerator and denominator of a ratio of sample rates at most."""
@@ -107,8 +107,7 @@ class _Stream:
         first = last - (width - 1) - self._first
         outputs = np.empty(stop - start)
         rows = max(1, _PRODUCTS // width)
-        for begin in range(0, outputs.size, rows):
-            block = slice(begin, begin + rows)
+        for block in slices(0, outputs.size, rows):
             np.einsum("ij,ij->i", windows[first[block]], self._taps[phase[block]], out=outputs[block])
         return outputs
 

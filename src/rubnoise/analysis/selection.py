@@ -12,15 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.where import Condition
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
 from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
-from rubnoise.record.reader import Reader, Rows
+from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.storage.life_curve import stored_pulse
 
-CHUNK_ROWS: Final = 1 << 18
+AREAS_AT_ONCE: Final = 1 << 18
+"""Areas that are held at once; their sum is taken piece by piece, so its last bits depend on it."""
 NEAR: Final = 4096
 """Rows nearer to each other than this are read together with what lies between them."""
 
@@ -42,31 +43,20 @@ def select(
     """
     best = _Best(head, descending=descending)
     total = 0
-    for first, columns, size in _chunks(file, where, sort):
-        rows = np.arange(size) if where is None else np.flatnonzero(where.chosen(columns))
+    for chunk in chunks(file, "junctions"):
+        rows = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where.chosen(chunk))
         total += rows.size
-        best.add(rows + first, rows + first if sort is None else columns[sort][rows])
+        best.add(rows + chunk.first, rows + chunk.first if sort is None else chunk[sort][rows])
     return best.rows(), total
 
 
 def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield columns of the rows, in their order, a chunk of them at a time."""
-    for first in range(0, rows.size, CHUNK_ROWS):
-        chunk = rows[first : first + CHUNK_ROWS]
+    for part in slices(0, rows.size):
+        chunk = rows[part]
         order = np.argsort(chunk, kind="stable")
         spans = list(_spans(chunk[order]))
         yield {name: _gathered(file, name, chunk, order, spans) for name in names}
-
-
-def _chunks(
-    file: Rows, where: Condition | None, sort: str | None
-) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
-    """Yield the first row, the columns needed and the number of rows of each chunk of the file."""
-    names = (frozenset() if where is None else where.columns) | ({sort} if sort else frozenset())
-    total = file.rows("junctions")
-    for first in range(0, total, CHUNK_ROWS):
-        last = min(first + CHUNK_ROWS, total)
-        yield first, {name: file.column("junctions", name, first, last) for name in names}, last - first
 
 
 class _Best:
@@ -170,9 +160,8 @@ class Neighbours:
     def total_area(self, distance: Doubles) -> Doubles:
         """Return the sum of their areas in um^2 at sliding distances in um, some junctions at a time."""
         total = np.zeros(distance.size)
-        step = max(1, CHUNK_ROWS // max(1, distance.size))
-        for first in range(0, self.rows.size, step):
-            total += self._chosen(slice(first, first + step)).areas(distance).sum(axis=0)
+        for part in slices(0, self.rows.size, max(1, AREAS_AT_ONCE // max(1, distance.size))):
+            total += self._chosen(part).areas(distance).sum(axis=0)
         return total
 
     def _chosen(self, which: NDArray[np.bool_] | slice) -> Self:
@@ -196,13 +185,10 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     """
     if not touches:
         refuse_touches(file.columns["junctions"])
-    total = file.rows("junctions")
     found = [np.zeros(0, dtype=np.int64)]
-    for first in range(0, total, CHUNK_ROWS):
-        last = min(first + CHUNK_ROWS, total)
-        birth = file.column("junctions", "birth_distance", first, last)
-        death = file.column("junctions", "death_distance", first, last)
-        found.append(np.flatnonzero((birth <= stop) & (death >= start)) + first)
+    for chunk in chunks(file, "junctions"):
+        alive = (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start)
+        found.append(np.flatnonzero(alive) + chunk.first)
     rows = np.concatenate(found)
     return _read(file, rows[rows != number])
 

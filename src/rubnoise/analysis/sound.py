@@ -14,7 +14,7 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader
+from rubnoise.record.reader import Reader, column_chunks
 from rubnoise.record.tally import Moments
 from rubnoise.scenario.reading import stored
 from rubnoise.storage import schema
@@ -32,7 +32,6 @@ COLUMNS: Final[dict[Heard, str]] = {
 PEAK: Final = 10.0 ** (-3.0 / 20.0)
 """How far the loudest sample goes of full scale: 3 dB below it."""
 
-CHUNK_ROWS: Final = 65_536
 _SEGMENTS: Final = 8
 _MOST_TICKS: Final = 1 << 17
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
@@ -110,10 +109,8 @@ class Sound:
         return self.samples / self.rate
 
     def chunks(self) -> Iterator[Doubles]:
-        """Yield the rows as they are in the run."""
-        end = self.first + self.rows
-        for first in range(self.first, end, CHUNK_ROWS):
-            yield self.file.column(self.group, self.column, first, min(first + CHUNK_ROWS, end))
+        """Return the rows as they are in the run."""
+        return column_chunks(self.file, self.group, self.column, self.first, self.first + self.rows)
 
     def about(self, mean: float) -> Iterator[Doubles]:
         """Yield the samples less a mean, in the unit of the column."""

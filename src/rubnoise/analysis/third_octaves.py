@@ -6,12 +6,11 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.reading import chunks
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Rows, chunks
 from rubnoise.theory.load import THIRD, band_numbers, level, third_octaves
 
 MOST_ROWS: Final = 1 << 22

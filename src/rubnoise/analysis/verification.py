@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from rubnoise.analysis.answer import LeftOut
-from rubnoise.analysis.reading import chunks
 from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
 from rubnoise.analysis.verifying.columns import area_check, curve_check, hash_check, summary_check, unreadable
 from rubnoise.analysis.verifying.findings import Check, Difference, Verification
 from rubnoise.analysis.verifying.origin import layout_check, machines, other_streams, scenario_check
 from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.record.reader import HashedReader
+from rubnoise.record.reader import HashedReader, chunks
 from rubnoise.record.tally import TALLIED, Tally
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from rubnoise.api.columns import ROWS_AT_ONCE, Column
+from rubnoise.api.columns import Column
+from rubnoise.arrays import slices
 from rubnoise.errors import needing
 from rubnoise.storage import schema
 from rubnoise.tables import as_html, shortened
@@ -105,9 +106,9 @@ class Columns:
         except ConditionRefused as refused:
             raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
         rows = [np.zeros(0, dtype=np.int64)]
-        for first in range(0, len(self), ROWS_AT_ONCE):
-            last = min(first + ROWS_AT_ONCE, len(self))
-            rows.append(first + np.flatnonzero(node.chosen({name: self[name][first:last] for name in node.columns})))
+        for part in slices(0, len(self)):
+            right = node.chosen({name: self[name][part] for name in node.columns})
+            rows.append(part.start + np.flatnonzero(right))
         chosen = np.concatenate(rows)
         return Columns(self._about, {name: each.taken(chosen) for name, each in self._columns.items()})
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import DTypeLike, NDArray
 
+from rubnoise.arrays import CHUNK_ROWS, chunk_of_steps, slices
 from rubnoise.record.tally import Moments
 from rubnoise.storage import schema
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ROWS_AT_ONCE: Final = 65_536
 READ_AT_ONCE: Final = 4
 Read = Callable[[int, int], NDArray[Any]]
 """Returns rows start to stop of a column."""
@@ -131,15 +131,15 @@ class Column(NDArrayOperatorsMixin):
         def read(start: int, stop: int) -> NDArray[Any]:
             chosen = rows[start:stop]
             # Chunk by chunk: few rows may lie far apart.
-            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // ROWS_AT_ONCE)) + 1)
+            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // CHUNK_ROWS)) + 1)
             return np.concatenate([self._picked(part) for part in parts])
 
         return Column(self.about, rows.size, read)
 
-    def chunks(self, rows: int = ROWS_AT_ONCE) -> Iterator[NDArray[Any]]:
+    def chunks(self, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
         """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
-        for first in range(0, self._rows, rows):
-            yield self._read(first, min(first + rows, self._rows))
+        for part in slices(0, self._rows, rows):
+            yield self._read(part.start, part.stop)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:  # noqa: FBT001
         """Read the whole column (numpy's protocol)."""
@@ -233,8 +233,8 @@ class Column(NDArrayOperatorsMixin):
         if step == 1:
             return self._read(start, max(start, stop))
         # Steps wider than a chunk touch single rows; narrower ones pick from chunks that hold a whole number of steps.
-        span = step * max(1, ROWS_AT_ONCE // step)
-        width = span if step <= ROWS_AT_ONCE else 1
+        span = chunk_of_steps(step)
+        width = span if step <= CHUNK_ROWS else 1
         parts = [self._read(first, min(first + width, stop))[::step] for first in range(start, stop, span)]
         return np.concatenate(parts) if parts else self._read(0, 0)
 
@@ -259,11 +259,7 @@ class Column(NDArrayOperatorsMixin):
             raise IndexError(
                 f"a mask of shape {mask.shape} chooses no rows of {self.name}, which has {self._rows} rows"
             )
-        parts = [
-            self._read(first, min(first + ROWS_AT_ONCE, self._rows))[mask[first : first + ROWS_AT_ONCE]]
-            for first in range(0, self._rows, ROWS_AT_ONCE)
-            if mask[first : first + ROWS_AT_ONCE].any()
-        ]
+        parts = [self._read(part.start, part.stop)[mask[part]] for part in slices(0, self._rows) if mask[part].any()]
         return np.concatenate(parts) if parts else self._read(0, 0)
 
 

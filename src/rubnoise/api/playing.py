@@ -4,9 +4,10 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, cast
 
 from rubnoise.analysis.summary import summarise
+from rubnoise.arrays import slices
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Sink, Tee
@@ -26,9 +27,6 @@ from rubnoise.storage.written import Written
 
 if TYPE_CHECKING:
     from rubnoise.api.record import Record
-
-ROWS_AT_ONCE: Final = 65_536
-"""Rows of a record in memory that are written at once."""
 
 
 def describe(
@@ -126,9 +124,8 @@ def _play_again(record: "Record", sink: Sink) -> None:
     """Hand all rows of a run in memory to a sink, some at a time."""
     for group, columns in record.groups.items():
         rows = next(iter(columns.values())).size
-        for first in range(0, rows, ROWS_AT_ONCE):
-            last = min(first + ROWS_AT_ONCE, rows)
-            sink.write(group, first, {name: values[first:last] for name, values in columns.items()})
+        for part in slices(0, rows):
+            sink.write(group, part.start, {name: values[part] for name, values in columns.items()})
 
 
 def _figures(model: Model, tally: Tally) -> dict[str, float | int | str]:

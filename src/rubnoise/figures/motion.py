@@ -16,10 +16,10 @@ from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import CHUNK_ROWS, MOST_READ, Stretch, thinned
+from rubnoise.figures.stretch import MOST_READ, Stretch, thinned
 from rubnoise.figures.style import STUCK, one_line, shortened
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import Reader
+from rubnoise.record.reader import Reader, column_chunks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,10 +132,8 @@ class Motion:
         raise Refused(f"the run has no {name.replace('_', ' ')} to draw; [strength] in its scenario would give it one")
 
     def chunks(self, name: str) -> Iterator[NDArray[Any]]:
-        """Yield a column as arrays of some rows; raises Refused for a force that the run does not have."""
-        name = self.present(name)
-        for begin in range(self.first, self.last, CHUNK_ROWS):
-            yield self.file.column(self.group, name, begin, min(begin + CHUNK_ROWS, self.last))
+        """Return a column as arrays of some rows; raises Refused for a force that the run does not have."""
+        return column_chunks(self.file, self.group, self.present(name), self.first, self.last)
 
     def stick_slip(self) -> StickSlip:
         """Return the sticks and slips of a two-way slider, of a very long stretch those of its beginning."""

@@ -1,7 +1,7 @@
 """A stretch of a result that a picture shows, read in chunks and thinned to what a picture can hold."""
 
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any, Final, Self
@@ -9,16 +9,15 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, chunk_of_steps
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader, Rows
+from rubnoise.record.reader import Reader, Rows, chunks, column_chunks
 from rubnoise.scenario.reading import stored
 
 MOST_POINTS: Final = 3000
 """Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
 
-CHUNK_ROWS: Final = 65_536
 MOST_READ: Final = 4_194_304
 """Rows that are read at once where a picture needs them together; more of them change the picture little."""
 
@@ -102,11 +101,9 @@ class Stretch:
         last = floor(self.stop / self.model.tick + SLACK) + 1
         return first, min(last, self.file.rows(group))
 
-    def chunks(self, group: str, name: str, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
-        """Yield a column of the stretch as arrays of so many rows, the last one shorter."""
-        first, last = self.rows(group)
-        for begin in range(first, last, rows):
-            yield self.file.column(group, name, begin, min(begin + rows, last))
+    def chunks(self, group: str, name: str, rows: int | None = None) -> Iterator[NDArray[Any]]:
+        """Yield a column of the stretch as arrays of so many rows (CHUNK_ROWS when None), the last one shorter."""
+        return column_chunks(self.file, group, name, *self.rows(group), size=rows)
 
     def record(self, group: str, name: str) -> Doubles:
         """Return a column of the stretch as doubles, or its beginning where there is more than a picture needs."""
@@ -126,29 +123,32 @@ class Stretch:
         rows, first = self.file.rows("slider"), 0 if self.start == 0.0 else None
         if first == 0 and self.stop >= self.model.distance:
             return 0, rows
-        for begin in range(0, rows, CHUNK_ROWS):
-            distance = self.file.column("slider", "distance", begin, min(begin + CHUNK_ROWS, rows))
-            if first is None and (reached := np.flatnonzero(distance >= self.start)).size:
-                first = begin + int(reached[0])
-            if (passed := np.flatnonzero(distance > self.stop)).size:
-                return begin + int(passed[0]) if first is None else first, begin + int(passed[0])
+        for chunk in chunks(self.file, "slider"):
+            if first is None and (reached := np.flatnonzero(chunk["distance"] >= self.start)).size:
+                first = chunk.first + int(reached[0])
+            if (passed := np.flatnonzero(chunk["distance"] > self.stop)).size:
+                last = chunk.first + int(passed[0])
+                return last if first is None else first, last
         return rows if first is None else first, rows
 
 
 def thinned(rows: Rows, group: str, name: str, first: int, last: int) -> tuple[Doubles, Doubles]:
-    """Return numbers of rows and a column's values in them; of many rows only the extremes of each few.
-
-    However many there are, a chunk is held at a time.
-    """
+    """Return numbers of rows and a column's values in them; of many rows only the extremes of each few."""
     step = ceil((last - first) / MOST_POINTS)
     if step <= 2:
         return np.arange(first, last, dtype=np.float64), rows.column(group, name, first, last).astype(np.float64)
     # The lowest and the highest of twice as many rows make as many points.
     step *= 2
-    chunk_rows, values = step * max(1, CHUNK_ROWS // step), []
-    for begin in range(first, last, chunk_rows):
-        chunk = rows.column(group, name, begin, min(begin + chunk_rows, last))
-        starts = np.arange(0, chunk.size, step)
-        values.append(np.stack([np.minimum.reduceat(chunk, starts), np.maximum.reduceat(chunk, starts)], axis=-1))
     places = np.repeat(np.arange(first, last, step) + 0.5 * (step - 1), 2)
-    return places, np.concatenate(values).ravel().astype(np.float64)
+    chunks = column_chunks(rows, group, name, first, last, size=chunk_of_steps(step))
+    return places, np.stack(lowest_and_highest(chunks, step), axis=-1).ravel()
+
+
+def lowest_and_highest(chunks: Iterable[NDArray[Any]], step: int) -> tuple[Doubles, Doubles]:
+    """Return the lowest and the highest values of each ``step`` rows; chunks hold a whole number of steps."""
+    low, high = [], []
+    for chunk in chunks:
+        starts = np.arange(0, chunk.size, step)
+        low.append(np.minimum.reduceat(chunk, starts))
+        high.append(np.maximum.reduceat(chunk, starts))
+    return np.concatenate(low).astype(np.float64), np.concatenate(high).astype(np.float64)

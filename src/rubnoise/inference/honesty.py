@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
 from rubnoise.inference.scoring import RAMP_VARIANCE, Fit
@@ -76,8 +76,7 @@ def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_kno
 def third_cumulant(values: Doubles, level: Doubles | float) -> float:
     """Return the mean cube of a trace about its mean or its course, piece by piece."""
     total = 0.0
-    for begin in range(0, values.size, _PIECE):
-        piece = slice(begin, begin + _PIECE)
+    for piece in slices(0, values.size, _PIECE):
         centred = values[piece] - _of(level, piece)
         total += float(np.sum(centred * centred * centred))
     return total / values.size

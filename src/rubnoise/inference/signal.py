@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 
 _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
@@ -117,9 +117,8 @@ def ramp_of(values: Doubles) -> float:
     Of a trace whose mean of n samples has the variance S(0)/n, it has the variance 12 S(0)/n.
     """
     n, total = values.size, 0.0
-    for begin in range(0, n, _SEEN):
-        piece = values[begin : begin + _SEEN]
-        total += float((np.arange(begin, begin + piece.size) - 0.5 * (n - 1)) @ piece)
+    for part in slices(0, n, _SEEN):
+        total += float((np.arange(part.start, part.stop) - 0.5 * (n - 1)) @ values[part])
     return 12.0 * total / (n * n)
 
 

@@ -5,8 +5,7 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.stick_slip import StickSlip
-from rubnoise.figures.stretch import CHUNK_ROWS
-from rubnoise.record.reader import Reader
+from rubnoise.record.reader import Reader, chunks
 from rubnoise.record.rows import ContactKind
 
 FORCES: Final = ("friction_force", "real_contact_area")
@@ -33,24 +32,20 @@ def extremes(file: Reader, tick: float) -> dict[str, Any]:
 
 def _largest(file: Reader, group: str, name: str) -> tuple[int, float]:
     best, where = -np.inf, 0
-    for first in range(0, file.rows(group), CHUNK_ROWS):
-        values = file.column(group, name, first, min(first + CHUNK_ROWS, file.rows(group)))
-        row = int(np.argmax(values))
-        if values[row] > best:
-            best, where = float(values[row]), first + row
+    for chunk in chunks(file, group):
+        row = int(np.argmax(chunk[name]))
+        if chunk[name][row] > best:
+            best, where = float(chunk[name][row]), chunk.first + row
     return where, best
 
 
 def _hardest_impact(file: Reader) -> dict[str, float] | None:
     best: dict[str, float] | None = None
-    for first in range(0, file.rows("landmarks"), CHUNK_ROWS):
-        last = min(first + CHUNK_ROWS, file.rows("landmarks"))
-        names = ("kind", "time", "distance", "impact_speed")
-        kind, time, distance, speed = (file.column("landmarks", name, first, last) for name in names)
-        speed = np.where(kind == ContactKind.CONTACT_MADE, speed, -np.inf)
+    for chunk in chunks(file, "landmarks"):
+        speed = np.where(chunk["kind"] == ContactKind.CONTACT_MADE, chunk["impact_speed"], -np.inf)
         row = int(np.argmax(speed))
         if speed[row] > (-np.inf if best is None else best["speed"]):
-            best = {"time": float(time[row]), "distance": float(distance[row]), "speed": float(speed[row])}
+            best = {name: float(chunk[name][row]) for name in ("time", "distance")} | {"speed": float(speed[row])}
     return best
 
 

@@ -16,12 +16,14 @@ from rubnoise.analysis.flights import Flights
 from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.selection import neighbours
 from rubnoise.analysis.stick_slip import StickSlip
+from rubnoise.arrays import chunk_of_steps
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
+from rubnoise.figures.stretch import Stretch, lowest_and_highest
 from rubnoise.pages.exact_curves import exact_curves
 from rubnoise.pages.extremes import extremes
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import packed, page
+from rubnoise.record.reader import column_chunks
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.resume import CommittedRun
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
@@ -232,14 +234,8 @@ def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
     rows = file.rows(group)
     step = max(1, ceil(rows / CELLS))
     kept = [name for name in (*names, "distance") if name in file.columns[group]]
-    chunk_rows = step * max(1, CHUNK_ROWS // step)
     found: dict[str, Any] = {"step": step, "rows": rows}
     for name in kept:
-        low, high = [], []
-        for begin in range(0, rows, chunk_rows):
-            values = file.column(group, name, begin, min(begin + chunk_rows, rows)).astype(np.float64)
-            starts = np.arange(0, values.size, step)
-            low.append(np.minimum.reduceat(values, starts))
-            high.append(np.maximum.reduceat(values, starts))
-        found[name] = {"low": packed(np.concatenate(low)), "high": packed(np.concatenate(high))}
+        low, high = lowest_and_highest(column_chunks(file, group, name, size=chunk_of_steps(step)), step)
+        found[name] = {"low": packed(low), "high": packed(high)}
     return found

@@ -1,11 +1,12 @@
-"""Where the rows of a run come from: protocols between those who keep a run and those who look at it."""
+"""Where the rows of a run come from: protocols between those who keep a run and those who look at it, and chunks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from rubnoise.arrays import slices
 from rubnoise.record.sink import Extent
 
 Attributes = Mapping[str, float | int | str]
@@ -68,3 +69,47 @@ class HashedReader(Reader, Protocol):
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that are unreadable or do not have the hash written beside them."""
         ...
+
+
+class Chunk(Mapping[str, NDArray[Any]]):
+    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is asked for."""
+
+    def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
+        """Read nothing yet: to unpack a column takes time."""
+        self.first, self.end = first, end
+        self._rows, self._group = rows, group
+        self._read: dict[str, NDArray[Any]] = {}
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the rows of one column; raises KeyError if the group does not have it."""
+        if name not in self:
+            raise KeyError(name)
+        if name not in self._read:
+            self._read[name] = self._rows.column(self._group, name, self.first, self.end)
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of the columns."""
+        return iter(self._rows.columns[self._group])
+
+    def __len__(self) -> int:
+        """Return the number of columns."""
+        return len(self._rows.columns[self._group])
+
+    def __contains__(self, name: object) -> bool:
+        """Whether the group has a column; it is not read for that."""
+        return name in self._rows.columns[self._group]
+
+
+def chunks(rows: Rows, group: str, size: int | None = None) -> Iterator[Chunk]:
+    """Yield all columns of a group from its first row to its last, ``size`` rows (CHUNK_ROWS when None) at a time."""
+    for part in slices(0, rows.rows(group), size):
+        yield Chunk(rows, group, part.start, part.stop)
+
+
+def column_chunks(
+    rows: Rows, group: str, name: str, start: int = 0, stop: int | None = None, *, size: int | None = None
+) -> Iterator[NDArray[Any]]:
+    """Yield rows ``start`` to ``stop`` (to the end when None) of a column, as `chunks` yields all columns."""
+    for part in slices(start, rows.rows(group) if stop is None else stop, size):
+        yield rows.column(group, name, part.start, part.stop)

@@ -9,7 +9,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.arrays import Bytes
+from rubnoise.arrays import Bytes, slices
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingPlace
@@ -191,9 +191,9 @@ class ColumnFile:
 
     def _read(self, first: int, end: int, size: int | None = None) -> Iterator[NDArray[Any]]:
         size = size or PIECE_BYTES // self._dtype.itemsize
-        for start in range(first, end, size):
-            chunk = np.empty(min(size, end - start), dtype=self._dtype)
-            self._fill(chunk.view(np.uint8).data, self._bytes(start))
+        for part in slices(first, end, size):
+            chunk = np.empty(part.stop - part.start, dtype=self._dtype)
+            self._fill(chunk.view(np.uint8).data, self._bytes(part.start))
             yield chunk
 
     def _fill(self, target: memoryview, offset: int) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused, Refused, needing
+from rubnoise.record.reader import chunks
 from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.output import check_output, naming_file, whole_files
 from rubnoise.storage.pages import unfailing
@@ -21,9 +22,8 @@ Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
 TABLES_TOGETHER: Final = frozenset({"netcdf"})
 """Formats of which one file holds several tables."""
-CHUNK_ROWS: Final = 65_536
 ROW_GROUP: Final = 262_144
-"""Rows that are read at once, and those of a row group of a Parquet file."""
+"""Rows of a row group of a Parquet file."""
 
 TABLES: Final = ("junctions", "trace", "slider", "load", "landmarks")
 """The groups that are exported; the life curve is the same in every run of one pulse."""
@@ -46,10 +46,8 @@ class ExportTable:
 
     def chunks(self, rows: int | None = None) -> Iterator[tuple[int, list[NDArray[Any]]]]:
         """Yield the first row and the columns of each stretch of at most so many rows."""
-        rows = rows or CHUNK_ROWS
-        for first in range(0, self.rows, rows):
-            stop = min(first + rows, self.rows)
-            yield first, [self.file.column(self.group.name, column.name, first, stop) for column in self.columns]
+        for chunk in chunks(self.file, self.group.name, rows):
+            yield chunk.first, [chunk[column.name] for column in self.columns]
 
     @property
     def bytes(self) -> int:

@@ -11,6 +11,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.arrays import slices
 from rubnoise.storage.layout import stored_columns
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.provenance import now, package_version
@@ -36,6 +37,8 @@ TEXTS: Final = (
 """The attributes of an index that are not the same in all of them."""
 
 ROWS_AT_ONCE: Final = 4096
+"""Rows of an index that are read at once; one of them may hold a whole curve."""
+
 RUN: Final = Dataset(name="run", dtype="<i8", units="1", symbol="r", long_name="row number of the run")
 POINT: Final = Dataset(name="point", dtype="<i8", units="1", symbol="p", long_name="number of the point")
 
@@ -230,6 +233,6 @@ def _keep_arrays(file: h5py.File, arrays: Arrays, scale: h5py.Dataset) -> None:
 def _put_hash(dataset: h5py.Dataset) -> None:
     """Write the hash of a column beside it, which is read back for that in pieces."""
     digest = xxhash.xxh3_128()
-    for first in range(0, dataset.shape[0], ROWS_AT_ONCE):
-        digest.update(np.ascontiguousarray(dataset[first : first + ROWS_AT_ONCE]).data)
+    for part in slices(0, dataset.shape[0], ROWS_AT_ONCE):
+        digest.update(np.ascontiguousarray(dataset[part]).data)
     put_text(dataset, HASH, digest.hexdigest())

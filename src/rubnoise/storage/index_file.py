@@ -9,6 +9,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.arrays import slices
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
@@ -77,8 +78,8 @@ class IndexFile(OpenFile):
     def _hash(self, group: str, name: str) -> str | None:
         digest = xxhash.xxh3_128()
         try:
-            for first in range(0, self._places[group][name]["shape"][0], ROWS_AT_ONCE):
-                digest.update(self.raw(group, name, first, first + ROWS_AT_ONCE).data)
+            for part in slices(0, self._places[group][name]["shape"][0], ROWS_AT_ONCE):
+                digest.update(self.raw(group, name, part.start, part.stop).data)
         except RunFileRefused:
             return None
         return digest.hexdigest()

@@ -13,13 +13,15 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.arrays import slices
 from rubnoise.errors import RunFileRefused
+from rubnoise.record.reader import chunks
 from rubnoise.storage import disk
 from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_scale, describe_column
 from rubnoise.storage.index_file import open_index, open_named
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Dataset, motion_of
+from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset, motion_of
 from rubnoise.storage.structure import LIBRARY_VERSIONS
 
 COPIED: Final = ("points", RUNS, SUMMARIES)
@@ -67,10 +69,10 @@ def _hash(dataset: h5py.Dataset) -> xxhash.xxh3_128:
     """Return the hash of a dataset, read in chunks of its rows."""
     digest = xxhash.xxh3_128()
     if dataset.ndim == 1:
-        places: Iterable[Any] = (slice(first, first + CHUNK_ROWS) for first in range(0, dataset.size, CHUNK_ROWS))
+        places: Iterable[Any] = slices(0, dataset.size)
     elif dataset.ndim == 2:
         rows, columns = dataset.shape
-        places = ((r, slice(first, first + CHUNK_ROWS)) for r in range(rows) for first in range(0, columns, CHUNK_ROWS))
+        places = ((row, part) for row in range(rows) for part in slices(0, columns))
     else:
         places = range(len(dataset))
     for place in places:
@@ -173,10 +175,9 @@ def _write_junctions(file: h5py.File, results: dict[int, _Result], filling: _Fil
 def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
     """Yield a column with the first row of each chunk; raises RunFileRefused at the end of one that is damaged."""
     digest = xxhash.xxh3_128()
-    for first in range(0, run.rows(group), CHUNK_ROWS):
-        values = run.column(group, name, first, first + CHUNK_ROWS)
-        digest.update(values.data)
-        yield first, values
+    for chunk in chunks(run, group):
+        digest.update(chunk[name].data)
+        yield chunk.first, chunk[name]
     if digest.hexdigest() != run.digest(group, name):
         raise RunFileRefused(f"{run.path}: damaged: /{group}/{name} is not what its hash was taken of")
 
@@ -190,8 +191,8 @@ def _junctions(run: RunFile, row: int, column: Dataset) -> Iterator[tuple[int, N
 
 def _same(value: object, about: Dataset, count: int) -> Iterator[tuple[int, NDArray[Any]]]:
     """Yield a column that has one value in all of its rows, as `_panels` does."""
-    for first in range(0, count, CHUNK_ROWS):
-        yield first, np.full(min(CHUNK_ROWS, count - first), value, dtype=about.dtype)
+    for part in slices(0, count):
+        yield part.start, np.full(part.stop - part.start, value, dtype=about.dtype)
 
 
 def _missing(about: Dataset) -> float | int:

@@ -22,12 +22,13 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.record.reader import column_chunks
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk, lock
 from rubnoise.storage.layout import DTYPES, ByteRange, Name, between, digest_of, places_of, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
-from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
+from rubnoise.storage.schema import FORMAT_VERSION, GROUPS, Feature, Scalar
 
 if TYPE_CHECKING:
     from rubnoise.storage.inventory import Inventory
@@ -226,8 +227,8 @@ class RunFile(OpenFile):
 
     def _hash(self, group: str, name: str) -> str:
         digest = xxhash.xxh3_128()
-        for first in range(0, self.rows(group), CHUNK_ROWS):
-            digest.update(self.column(group, name, first, first + CHUNK_ROWS).data)
+        for values in column_chunks(self, group, name):
+            digest.update(values.data)
         return digest.hexdigest()
 
 

@@ -17,7 +17,7 @@ Scalar = float | int | str
 FORMAT: Final = "rubnoise-run"
 FORMAT_VERSION: Final = 1
 CONVENTIONS: Final = "CF-1.11"
-CHUNK_ROWS: Final = 65_536
+CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
 HASH: Final = "xxh3_128"
 HASH_DIGITS: Final = 32
 

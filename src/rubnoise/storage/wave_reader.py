@@ -8,7 +8,7 @@ from typing import Any, BinaryIO, Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 from rubnoise.errors import Refused
 from rubnoise.regular_file import open_stream
 from rubnoise.storage.samples import chosen_column
@@ -55,9 +55,8 @@ def read_wave(path: Path, wanted: str | None) -> tuple[str, Doubles, int]:
         names = [str(channel + 1) for channel in range(form.channels)]
         chosen = chosen_column(path, names, wanted, None)
         found = np.empty(size // frame)
-        for first in range(0, found.size, _FRAMES_AT_ONCE):
-            count = min(_FRAMES_AT_ONCE, found.size - first)
-            found[first : first + count] = _channel(stream.read(count * frame), form, chosen)
+        for part in slices(0, found.size, _FRAMES_AT_ONCE):
+            found[part] = _channel(stream.read((part.stop - part.start) * frame), form, chosen)
     return names[chosen], found, form.rate
 
 

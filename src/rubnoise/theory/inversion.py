@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rubnoise.arrays import Complexes, Doubles
+from rubnoise.arrays import Complexes, Doubles, slices
 from rubnoise.theory.live_area import LiveArea
 from rubnoise.theory.quadrature import complementary_error, panels
 
@@ -72,8 +72,7 @@ def point_transform(places: Doubles, weights: Doubles, count: int) -> Complexes:
     transform is divided out again. Source: Barnett, Magland and af Klinteberg (2019), doi:10.1137/18M120885X.
     """
     grid = np.zeros(4 * count)
-    for first in range(0, places.size, _POINTS_AT_ONCE):
-        part = slice(first, first + _POINTS_AT_ONCE)
+    for part in slices(0, places.size, _POINTS_AT_ONCE):
         _smear(grid, grid.size * (places[part] - np.floor(places[part])), weights[part])
     sums: Complexes = np.conj(np.fft.rfft(grid)[:count])
     return sums / _kernel_transform(np.arange(count) / grid.size)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 from rubnoise.contact.laws import Law
 from rubnoise.contact.laws.discrete import has_single_values, parts_of
 from rubnoise.contact.pulses import Pulse
@@ -41,8 +41,7 @@ class Piecewise:
         """Return the values at places of any shape; places outside are taken as the nearest end."""
         places = np.clip(x, self.edges[0], self.edges[-1]).ravel()
         result = np.empty_like(places)
-        for first in range(0, places.size, _AT_ONCE):
-            part = slice(first, first + _AT_ONCE)
+        for part in slices(0, places.size, _AT_ONCE):
             result[part] = self._values(places[part])
         return result.reshape(np.shape(x))
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, slices
 
 _NODES = 20
 _LAST = 4  # highest coefficients that have to be negligible
@@ -27,8 +27,8 @@ class LogTable:
         """Return all functions, the first axis, at places of any shape; 0 outside the table."""
         x = place.ravel()
         result = np.empty((self.coefficients.shape[0], x.size))
-        for first in range(0, x.size, _AT_ONCE):
-            result[:, first : first + _AT_ONCE] = self._values(x[first : first + _AT_ONCE])
+        for part in slices(0, x.size, _AT_ONCE):
+            result[:, part] = self._values(x[part])
         return result.reshape(-1, *place.shape)
 
     def _values(self, x: Doubles) -> Doubles:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.arrays import Complexes, Doubles
+from rubnoise.arrays import Complexes, Doubles, slices
 from rubnoise.contact.laws import Law
 from rubnoise.contact.laws.discrete import parts_of
 from rubnoise.contact.pulses import Pulse
@@ -149,7 +149,7 @@ def _over_sizes(law: Law, wavenumber: Doubles, life: _Life, average: Average) ->
 def _chunks(wavenumbers: Doubles, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """Return few rows at a time, in order of wavenumber, so that memory and nodes stay few."""
     ordered = rows[np.argsort(wavenumbers[rows])]
-    return [ordered[first : first + _AT_ONCE] for first in range(0, ordered.size, _AT_ONCE)]
+    return [ordered[part] for part in slices(0, ordered.size, _AT_ONCE)]
 
 
 def _followed_cuts(law: Law, fastest: float) -> Doubles:

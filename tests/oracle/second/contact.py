@@ -7,12 +7,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, Chunk, chunks
+from rubnoise.analysis.reading import Ahead
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import CHUNK_ROWS, Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Chunk, Rows, chunks
 from tests.oracle.second.sums import add_areas
 
 

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, chunks
+from rubnoise.analysis.reading import Ahead
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import CHUNK_ROWS, Doubles
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Rows, chunks
 from rubnoise.theory.motion_cumulants import free_motion
 from rubnoise.theory.quadrature import panels
 from tests.oracle.second.contact import Window

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.landmarks import first_landmark
-from rubnoise.analysis.reading import Ahead, chunks
+from rubnoise.analysis.reading import Ahead
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Rows, chunks
 from rubnoise.record.rows import LandmarkKind, Phase
 from tests.oracle.second.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
 

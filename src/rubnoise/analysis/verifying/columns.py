@@ -7,14 +7,14 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis.agreement import ERROR, EXACT, Agreement
-from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, chunks
+from rubnoise.analysis.reading import Ahead
 from rubnoise.analysis.summary import summarise
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.reader import HashedReader, Reader, Rows
+from rubnoise.record.reader import HashedReader, Reader, Rows, chunks, column_chunks
 from rubnoise.record.rows import JunctionState, junction_columns, junction_states, natural_death
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.simulation.kernels import peak_areas
@@ -41,8 +41,8 @@ def unreadable(run: HashedReader) -> list[str]:
     for group, names in run.columns.items():
         for name in names:
             try:
-                for first in range(0, run.rows(group), CHUNK_ROWS):
-                    run.column(group, name, first, first + CHUNK_ROWS)
+                for _ in column_chunks(run, group, name):
+                    pass
             except RunFileRefused:
                 found.append(f"/{group}/{name}")
     return found

@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.reading import Ahead, chunks
+from rubnoise.analysis.reading import Ahead
 from rubnoise.analysis.verifying.columns import chosen_ticks
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.model import FreeSeparation, Model
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Rows, chunks
 from rubnoise.simulation.free.scales import Scales
 
 _ROUNDING: Final = 2.0**-42
