@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from textwrap import wrap
@@ -47,7 +47,7 @@ def command(
         raise typer.Exit(2)
 
 
-def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, dict[str, Any], list[str]]:
+def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, dict[str, Any], Iterable[str]]:
     """Return the group that the answer for a file belongs to, the answer, and its lines to print."""
     from rubnoise.cli import derivation
     from rubnoise.cli.loading import scenario_or_sweep

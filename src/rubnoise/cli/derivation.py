@@ -1,22 +1,14 @@
 """What follows from a scenario: sizes, exact means and spreads, validity and cost, by name and as lines to print."""
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.summary import missing_for_motion
-from rubnoise.cli.layout import (
-    ONE_WAY_ALONE,
-    about,
-    duration,
-    grouped,
-    line,
-    number,
-    remark,
-    size,
-    too_short_for_motion,
-)
+from rubnoise.cli.layout import ONE_WAY_ALONE, grouped, line, number, remark, too_short_for_motion
 from rubnoise.cli.load import format_load, load_as_json
+from rubnoise.cli.rendering import Told, lines
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
@@ -82,64 +74,64 @@ def missing_resources(scenario: Scenario, file: Path) -> list[str]:
     return []
 
 
-def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
-    """Return what follows from a scenario, as lines to print under a heading."""
+SIZES: Final[tuple[Told, ...]] = (
+    ("mean diameter d_m", "{calibrated_diameter} um (calibration {calibration})"),
+    ("mean life L_jm", "{mean_life_distance} um"),
+    ("mean birth spacing s_jm", "{mean_birth_spacing} um"),
+    ("junction count", "mean {junction_count.mean}, std {junction_count.std}"),
+    ("real contact area", "mean {real_contact_area.mean}, std {real_contact_area.std} um^2"),
+    ("friction force", "mean {friction_force.mean}, std {friction_force.std} uN"),
+    ("friction coefficient", "{friction_coefficient}"),
+    ("natural frequency", "{slider.natural_frequency} Hz"),
+    ("damping ratio", "{slider.damping_ratio}"),
+)
+MOTION: Final[tuple[Told, ...]] = (
+    ("displacement", "mean {displacement_mean}, std {displacement_std} um"),
+    ("velocity", "std {velocity_std} um/s"),
+    ("one-way validity", "{one_way_validity:.6g} (std of velocity over sliding speed)"),
+    ("coupling strength", "{coupling_strength} (Pi; weak below 0.03)"),
+    ("stick number", "{stick_number} (theta; a slow slider sticks above 1)"),
+    ("expected change", "{expected_change:change} of std displacement, if two-way", "not known: {change_unknown}"),
+)
+COST: Final[tuple[Told, ...]] = (
+    ("rows", "{junctions:grouped} junctions, {ticks:grouped} ticks ({counted_by})"),
+    ("slider", "{slider_rows_at_most:grouped} rows at most"),
+    ("events", "{events:about}"),
+    ("file size", "{bytes:size}{before}"),
+    ("free disk", "{free_disk:size}"),
+    ("memory", "about {peak_memory:size}, {working_memory:size} beside the program's own"),
+    ("time", "{seconds:duration} on this machine, engine {engine}"),
+)
+"""The lines of a scenario, of its slider's motion and of a run's cost."""
 
-    def spread(name: str, unit: str) -> str:
-        return f"mean {number(answer[name]['mean'])}, std {number(answer[name]['std'])}{unit}"
 
+def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[str]:
+    """Yield what follows from a scenario, as lines to print under a heading."""
     model = scenario.model()
-    lines = [
-        *([line("title", scenario.title)] if scenario.title else []),
-        line("mean diameter d_m", f"{number(answer['calibrated_diameter'])} um (calibration {model.calibration})"),
-        line("mean life L_jm", f"{number(answer['mean_life_distance'])} um"),
-        line("mean birth spacing s_jm", f"{number(answer['mean_birth_spacing'])} um"),
-        line("junction count", spread("junction_count", "")),
-        line("real contact area", spread("real_contact_area", " um^2")),
-    ]
-    if "friction_force" in answer:
-        lines.append(line("friction force", spread("friction_force", " uN")))
-    if "friction_coefficient" in answer:
-        lines.append(line("friction coefficient", number(answer["friction_coefficient"])))
-    lines += _slider_lines(answer.get("slider"), two_way=model.is_two_way)
-    lines += format_load(answer["load"])
-    lines.append(line("births", f"{grouped(answer['expected_births'])} expected"))
-    lines += _cost_lines(scenario, answer["cost"]) if "cost" in answer else []
-    return lines + [remark(f"note: {note}") for note in answer["notes"]]
+    yield from [line("title", scenario.title)] if scenario.title else []
+    yield from lines(answer | {"calibration": model.calibration}, SIZES)
+    if "slider" in answer:
+        yield from format_motion(answer["slider"], two_way=model.is_two_way)
+    yield from format_load(answer["load"])
+    yield line("births", f"{grouped(answer['expected_births'])} expected")
+    if "cost" in answer:
+        cost = dict(answer["cost"])
+        if cost["free_disk"] <= cost["bytes"]:
+            del cost["free_disk"]
+        known = {
+            "counted_by": "this seed" if model.free is None else "at constant separation",
+            "before": "" if scenario.output.compression == "none" else " before compression",
+            "engine": scenario.run.engine,
+        }
+        yield from lines(cost | known, COST)
+    yield from (remark(f"note: {note}") for note in answer["notes"])
 
 
-def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
-    counted_by = "this seed" if scenario.model().free is None else "at constant separation"
-    return [
-        line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks ({counted_by})"),
-        *(
-            [line("slider", f"{grouped(cost['slider_rows_at_most'])} rows at most")]
-            if "slider_rows_at_most" in cost
-            else []
-        ),
-        line("events", about(cost["events"])),
-        line(
-            "file size",
-            size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else ""),
-        ),
-        *([line("free disk", size(cost["free_disk"]))] if cost["free_disk"] > cost["bytes"] else []),
-        line("memory", f"about {size(cost['peak_memory'])}, {size(cost['working_memory'])} beside the program's own"),
-        line("time", f"{duration(cost['seconds'])} on this machine, engine {scenario.run.engine}"),
-    ]
-
-
-def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> list[str]:
-    if slider is None:
-        return []
-    return [
-        line("natural frequency", f"{number(slider['natural_frequency'])} Hz"),
-        line("damping ratio", number(slider["damping_ratio"])),
-        line(
-            "displacement", f"mean {number(slider['displacement_mean'])}, std {number(slider['displacement_std'])} um"
-        ),
-        line("velocity", f"std {number(slider['velocity_std'])} um/s"),
-        *format_coupling(slider, two_way=two_way),
-    ]
+def format_motion(slider: dict[str, Any], *, two_way: bool) -> Iterator[str]:
+    """Yield the exact motion of a slider as lines to print, with a warning where two-way coupling is needed."""
+    yield from lines(slider, MOTION)
+    if slider["one_way_validity"] > WORTH_A_WARNING and not two_way:
+        yield remark(f"warning: {one_way_warning(slider['one_way_validity'])}")
 
 
 def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
@@ -184,29 +176,6 @@ def coupling_as_json(theory: Exact) -> dict[str, Any]:
         "expected_change": found.expected_change,
     }
     return figures if found.unknown is None else figures | {"expected_change": None, "change_unknown": found.unknown}
-
-
-def format_coupling(slider: dict[str, Any], *, two_way: bool) -> list[str]:
-    """Return the same as lines to print, one-way validity first, and a warning where two-way coupling is needed."""
-    validity = slider["one_way_validity"]
-    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING and not two_way else []
-    valid = line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)")
-    if "coupling_strength" not in slider:
-        return [valid, *doubt]
-    return [
-        valid,
-        line("coupling strength", f"{number(slider['coupling_strength'])} (Pi; weak below 0.03)"),
-        line("stick number", f"{number(slider['stick_number'])} (theta; a slow slider sticks above 1)"),
-        line("expected change", _change(slider)),
-        *doubt,
-    ]
-
-
-def _change(slider: dict[str, Any]) -> str:
-    change = slider["expected_change"]
-    if change is None:
-        return f"not known: {slider['change_unknown']}"
-    return f"{change - 1.0:+.2%} of std displacement, if two-way"
 
 
 def budget_as_json(budget: Budget) -> dict[str, float]:

@@ -1,14 +1,15 @@
 """What a load that weighs does, by name and as lines to print; without one, that the separation is held."""
 
 from collections.abc import Iterator
+from dataclasses import fields
 from math import inf, isnan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.cli.layout import line, number, remark
+from rubnoise.cli.layout import remark
+from rubnoise.cli.rendering import Told, lines
 
 if TYPE_CHECKING:
     from rubnoise.theory.exact import Exact
-    from rubnoise.theory.free_motion import FreeMotion
 
 HELD = "separation held"
 """The regime of a scenario without a load that weighs: the gap is constant, and the load is not."""
@@ -20,11 +21,43 @@ WORTH_A_SHARE = 1e-4
 """Share of time with a negative load from which it is printed."""
 
 
+LINES: Final[dict[str, tuple[Told, ...]]] = {
+    HELD: (("normal motion", "{regime}; the load that it takes varies by {load_variation:percent} (std over mean)"),),
+    FREE: (
+        ("normal motion", "free to leave the contact (V is {relative_speed} times c omega_c, N is {live})"),
+        (
+            "contact resonance",
+            "{contact_resonance} Hz, restitution {restitution}",
+            "{contact_resonance} Hz, impact damping {impact_damping} of 1/(s_0 omega_c)",
+        ),
+        ("load", "mean {load_mean} uN"),
+        ("mean area", "{area_mean} um^2"),
+        (
+            "of first order",
+            "normal velocity std {first_order_velocity_std} um/s, the limit of many junctions at a low speed",
+        ),
+    ),
+}
+WEIGHED: Final[tuple[Told, ...]] = (
+    ("regime", "{regime} (V is {relative_speed} times c omega_c)"),
+    ("contact resonance", "{contact_resonance} Hz, damping ratio {damping_ratio}"),
+    ("separation", "std {separation_std} um"),
+    ("normal velocity", "std {velocity_std} um/s, {velocity_level:.1f} dB re 50 nm/s"),
+    ("load", "std {load_std} uN"),
+    ("suppression", "{suppression} times less excitation than at constant separation"),
+)
+"""The lines of a regime, and those of motion under a load that weighs."""
+
+
 def load_as_json(theory: "Exact") -> dict[str, Any]:
     """Return the regime of a contact by name, and its motion under a load that weighs; an unknown error is None."""
     motion, free = theory.load, theory.free
     if free is not None:
-        return {"regime": FREE} | _known(free)
+        known = {each.name: getattr(free, each.name) for each in fields(free) if each.name != "first_order"}
+        if (linear := free.first_order) is not None:
+            known["first_order_separation_std"] = linear.separation_std
+            known["first_order_velocity_std"] = linear.velocity_std
+        return {"regime": FREE} | {name: value for name, value in known.items() if not isnan(value)}
     if motion is None:
         return {"regime": HELD, "load_variation": theory.area.std / theory.area.mean}
     return {
@@ -42,67 +75,16 @@ def load_as_json(theory: "Exact") -> dict[str, Any]:
     }
 
 
-def _known(free: "FreeMotion") -> dict[str, Any]:
-    """Return the scales and exact means of free motion by name; what is not known is left out."""
-    found = {
-        "contact_resonance": free.contact_resonance,
-        "relative_speed": free.relative_speed,
-        "live": free.live,
-        "damping_ratio": free.damping_ratio,
-        "restitution": free.restitution,
-        "impact_damping": free.impact_damping,
-        "load_mean": free.load_mean,
-        "area_mean": free.area_mean,
-        "force_mean": free.force_mean,
-    }
-    linear = free.first_order
-    if linear is not None:
-        found |= {"first_order_separation_std": linear.separation_std, "first_order_velocity_std": linear.velocity_std}
-    return {name: value for name, value in found.items() if not isnan(value)}
-
-
-def _free_lines(load: dict[str, Any]) -> Iterator[str]:
-    speed = number(load["relative_speed"])
-    yield line(
-        "normal motion", f"free to leave the contact (V is {speed} times c omega_c, N is {number(load['live'])})"
-    )
-    loss = (
-        f"restitution {number(load['restitution'])}"
-        if "restitution" in load
-        else f"impact damping {number(load['impact_damping'])} of 1/(s_0 omega_c)"
-    )
-    yield line("contact resonance", f"{number(load['contact_resonance'])} Hz, {loss}")
-    yield line("load", f"mean {number(load['load_mean'])} uN")
-    if "area_mean" in load:
-        yield line("mean area", f"{number(load['area_mean'])} um^2")
-    if "first_order_velocity_std" in load:
-        linear = f"normal velocity std {number(load['first_order_velocity_std'])} um/s"
-        yield line("of first order", f"{linear}, the limit of many junctions at a low speed")
-    yield remark(
-        "note: these are exact, and so is that the level's exponents obey m = (1 + n)/2 where nothing but height and"
-        " speed changes; other lines are for constant separation, which free motion has at high speeds alone"
-    )
-
-
 def format_load(load: dict[str, Any]) -> Iterator[str]:
     """Yield the same as lines to print, with a warning where first order is not to be trusted."""
+    yield from lines(load, LINES.get(load["regime"], WEIGHED))
     if load["regime"] == FREE:
-        yield from _free_lines(load)
-        return
-    if load["regime"] == HELD:
-        share = f"{100.0 * load['load_variation']:.3g} %"
-        yield line("normal motion", f"{HELD}; the load that it takes varies by {share} (std over mean)")
-        return
-    speed = number(load["relative_speed"])
-    yield line("regime", f"{load['regime']} (V is {speed} times c omega_c)")
-    ratio = f"damping ratio {number(load['damping_ratio'])}"
-    yield line("contact resonance", f"{number(load['contact_resonance'])} Hz, {ratio}")
-    yield line("separation", f"std {number(load['separation_std'])} um")
-    level = f"{load['velocity_level']:.1f} dB re 50 nm/s"
-    yield line("normal velocity", f"std {number(load['velocity_std'])} um/s, {level}")
-    yield line("load", f"std {number(load['load_std'])} uN")
-    yield line("suppression", f"{number(load['suppression'])} times less excitation than at constant separation")
-    yield from map(remark, _doubts(load))
+        yield remark(
+            "note: these are exact, and so is that the level's exponents obey m = (1 + n)/2 where nothing but height"
+            " and speed changes; other lines are for constant separation, which free motion has at high speeds alone"
+        )
+    elif load["regime"] != HELD:
+        yield from map(remark, _doubts(load))
 
 
 def _doubts(load: dict[str, Any]) -> Iterator[str]:

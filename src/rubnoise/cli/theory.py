@@ -2,16 +2,18 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.layout import ONE_WAY_ALONE, line, number, printable, remark, sentence
+from rubnoise.cli.layout import ONE_WAY_ALONE, line, printable, remark, sentence
 from rubnoise.cli.load import format_load
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.cli.plot import check_picture, write_picture
+from rubnoise.cli.rendering import Told, lines, plain, words
 
 
 def command(
@@ -98,9 +100,8 @@ def command(
         print(json.dumps(answer))
     else:
         heading = f"{file}: {scenario.title}".removesuffix(": ")
-        lines_of = partial(format_theory, heading, model.calibration, two_way=model.is_two_way)
-        lines = csv_rows(answer) if as_csv else lines_of(answer)
-        print("\n".join(lines))
+        text = partial(format_theory, heading, model.calibration, two_way=model.is_two_way)
+        print("\n".join(csv_rows(answer) if as_csv else text(answer)))
 
 
 COLUMN: Final = 19
@@ -108,6 +109,78 @@ LINES_SHOWN: Final = 6
 BINS_SHOWN: Final = 8
 GUIDE_SKEWNESS: Final = 0.45
 """Of the displacement: up to there the series for passages was compared with the exact law."""
+
+MOMENTS: Final[tuple[Told, ...]] = (
+    ("mean diameter d_m", "{diameter.calibrated} um (calibration {calibration})"),
+    ("diameters as drawn", "mean {diameter.mean} um"),
+    ("of those found alive", "mean {diameter.length_biased_mean} um"),
+    ("junction count", "mean {count.mean}, variance {count.variance}"),
+    ("real contact area", "mean {area.mean}, std {area.std} um^2"),
+    ("", "skewness {area.skewness}, excess kurtosis {area.excess_kurtosis}"),
+    ("friction force", "mean {force.mean}, std {force.std} uN"),
+    ("", "skewness {force.skewness}, excess kurtosis {force.excess_kurtosis}"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Curve:
+    """A group that is a curve: its heading, and of each column name, label and unit; the first is the abscissa."""
+
+    heading: str
+    columns: tuple[tuple[str, str, str], ...]
+
+
+CURVES: Final = {
+    "spectrum": Curve(
+        heading="spectral density of the area, two-sided",
+        columns=(("wavenumber", "k (rad/um)", "rad/um"), ("density", "S (um^4/(rad/um))", "um^4/(rad/um)")),
+    ),
+    "spectral_lines": Curve(
+        heading="and the first of its lines",
+        columns=(("wavenumber", "k (rad/um)", "rad/um"), ("power", "power (um^4)", "um^4")),
+    ),
+    "autocovariance": Curve(
+        heading="autocovariance of the area",
+        columns=(("lag", "lag (um)", "um"), ("value", "R (um^4)", "um^4")),
+    ),
+    "third_octaves": Curve(
+        heading="normal velocity in third octaves",
+        columns=(("frequency", "f (Hz)", "Hz"), ("velocity", "rms (um/s)", "um/s"), ("level", "dB re 50 nm/s", "dB")),
+    ),
+    "estimated_spectrum": Curve(
+        heading="what Welch's method shows with {segments} segments of {ticks} ticks; {shown} of {bins} bins",
+        columns=(
+            ("wavenumber", "k (rad/um)", "rad/um"),
+            ("density", "S (um^4/(rad/um))", "um^4/(rad/um)"),
+            ("standard_error", "std error", "um^4/(rad/um)"),
+        ),
+    ),
+    "crossings": Curve(
+        heading="passages of the displacement upwards, whose skewness is {displacement_skewness}",
+        columns=(
+            ("level", "level (um)", "um"),
+            ("rate", "rate (1/s)", "1/s"),
+            ("gaussian_rate", "if Gaussian (1/s)", "1/s"),
+        ),
+    ),
+    "from_empty": Curve(
+        heading="means after an empty start; over the whole run {run_area_mean} um^2 and {run_count_mean} junctions",
+        columns=(
+            ("distance", "distance (um)", "um"),
+            ("area_mean", "area (um^2)", "um^2"),
+            ("count_mean", "junctions", "1"),
+        ),
+    ),
+    "distribution": Curve(
+        heading="distribution of the area, which is 0 with probability {atom_at_zero}",
+        columns=(
+            ("area", "area (um^2)", "um^2"),
+            ("density", "density (1/um^2)", "1/um^2"),
+            ("cdf", "P(A_r <= area)", "1"),
+        ),
+    ),
+}
+"""The curves of an answer, in the order in which they are shown."""
 
 COVARYING: Final = {
     "separation": "um",
@@ -144,36 +217,18 @@ UNITS: Final = {
     "white_noise.displacement_std": "um",
     "white_noise.velocity_std": "um/s",
     "white_noise.wavenumber": "rad/um",
-    "spectrum.wavenumber": "rad/um",
-    "spectrum.density": "um^4/(rad/um)",
-    "spectral_lines.wavenumber": "rad/um",
-    "spectral_lines.power": "um^4",
-    "autocovariance.lag": "um",
-    "autocovariance.value": "um^4",
-    "estimated_spectrum.wavenumber": "rad/um",
-    "estimated_spectrum.density": "um^4/(rad/um)",
-    "estimated_spectrum.standard_error": "um^4/(rad/um)",
-    "crossings.level": "um",
-    "crossings.rate": "1/s",
-    "crossings.gaussian_rate": "1/s",
-    "from_empty.distance": "um",
-    "from_empty.area_mean": "um^2",
     "from_empty.run_area_mean": "um^2",
     "load.contact_resonance": "Hz",
     "load.separation_std": "um",
     "load.velocity_std": "um/s",
     "load.velocity_level": "dB",
     "load.load_std": "uN",
-    "third_octaves.frequency": "Hz",
-    "third_octaves.velocity": "um/s",
-    "third_octaves.level": "dB",
-    "distribution.area": "um^2",
-    "distribution.density": "1/um^2",
     **{
         f"load_covariances.{one}*{other}": f"{of_one}*{of_other}"
         for one, of_one in COVARYING.items()
         for other, of_other in COVARYING.items()
     },
+    **{f"{group}.{name}": unit for group, curve in CURVES.items() for name, _, unit in curve.columns},
 }
 """Units by the path of a field; what is not here is a plain number, but for cumulants, each of its own unit."""
 
@@ -184,147 +239,49 @@ OTHER_MODELS: Final = {
 }
 """Groups of older models, and what they are called."""
 
-CURVES: Final = {
-    "spectrum": "wavenumber",
-    "spectral_lines": "wavenumber",
-    "autocovariance": "lag",
-    "distribution": "area",
-    "estimated_spectrum": "wavenumber",
-    "crossings": "level",
-    "from_empty": "distance",
-    "third_octaves": "frequency",
-}
-"""Groups that are curves, and the field that holds their abscissas."""
+
+def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two_way: bool) -> Iterator[str]:
+    """Yield what theory says, as lines to print under a heading."""
+    from rubnoise.cli.derivation import format_motion
+
+    yield from (sentence(printable(heading)), "")
+    yield from lines(answer | {"calibration": calibration}, MOMENTS)
+    if "slider" in answer:
+        yield from format_motion(answer["slider"], two_way=two_way)
+        yield from [remark(f"note: {ONE_WAY_ALONE}")] if two_way else []
+    if "load" in answer:
+        yield from format_load(answer["load"])
+    for group, model in OTHER_MODELS.items():
+        yield from ("", sentence(model)) if group in answer else ()
+        for name, value in answer.get(group, {}).items():
+            yield line(name.replace("_", " "), f"{plain(value)} {UNITS.get(f'{group}.{name}', '')}".rstrip())
+    for group, curve in CURVES.items():
+        if group in answer:
+            yield from _curve_lines(group, curve, answer[group])
 
 
-def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two_way: bool) -> list[str]:
-    """Return what theory says, as lines to print under a heading."""
-    return [
-        sentence(printable(heading)),
-        "",
-        *_moment_lines(calibration, answer),
-        *_slider_lines(answer.get("slider"), two_way=two_way),
-        *(format_load(answer["load"]) if "load" in answer else ()),
-        *_other_lines(answer),
-        *_curve_lines(answer),
-    ]
-
-
-def _moment_lines(calibration: str, answer: dict[str, Any]) -> Iterator[str]:
-    count, sizes = answer["count"], answer["diameter"]
-    yield line("mean diameter d_m", f"{_shown(sizes['calibrated'])} um (calibration {calibration})")
-    yield line("diameters as drawn", f"mean {_shown(sizes['mean'])} um")
-    yield line("of those found alive", f"mean {_shown(sizes['length_biased_mean'])} um")
-    yield line("junction count", f"mean {_shown(count['mean'])}, variance {_shown(count['variance'])}")
-    for name, label, unit in (("area", "real contact area", "um^2"), ("force", "friction force", "uN")):
-        if name in answer:
-            yield from _cumulant_lines(label, unit, answer[name])
-
-
-def _cumulant_lines(label: str, unit: str, group: dict[str, Any]) -> Iterator[str]:
-    yield line(label, f"mean {_shown(group['mean'])}, std {_shown(group['std'])} {unit}")
-    yield line("", f"skewness {_shown(group['skewness'])}, excess kurtosis {_shown(group['excess_kurtosis'])}")
-
-
-def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> Iterator[str]:
-    if slider is None:
-        return
-    place = f"mean {_shown(slider['displacement_mean'])}, std {_shown(slider['displacement_std'])} um"
-    yield line("displacement", place)
-    yield line("velocity", f"std {_shown(slider['velocity_std'])} um/s")
-    from rubnoise.cli.derivation import format_coupling
-
-    yield from format_coupling(slider, two_way=two_way)
-    if two_way:
-        yield remark(f"note: {ONE_WAY_ALONE}")
-
-
-def _other_lines(answer: dict[str, Any]) -> Iterator[str]:
-    """Yield what older models of the family say: a name, a value and its unit in each line."""
-    for group in OTHER_MODELS:
-        fields = answer.get(group, {})
-        if fields:
-            yield from ("", sentence(OTHER_MODELS[group]))
-        for name, value in fields.items():
-            shown = ("yes" if value else "no") if isinstance(value, bool) else _shown(value)
-            yield line(name.replace("_", " "), f"{shown} {UNITS.get(f'{group}.{name}', '')}".rstrip())
-
-
-def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
-    spectrum, covariance, law = answer["spectrum"], answer["autocovariance"], answer.get("distribution")
-    yield from _table_lines(
-        "spectral density of the area, two-sided",
-        {"k (rad/um)": spectrum["wavenumber"], "S (um^4/(rad/um))": spectrum["density"]},
-    )
-    if "spectral_lines" in answer:
-        k, power = (answer["spectral_lines"][name][:LINES_SHOWN] for name in ("wavenumber", "power"))
-        yield from _table_lines("and the first of its lines", {"k (rad/um)": k, "power (um^4)": power})
-    yield from _table_lines(
-        "autocovariance of the area", {"lag (um)": covariance["lag"], "R (um^4)": covariance["value"]}
-    )
-    if "third_octaves" in answer:
-        heard = answer["third_octaves"]
-        yield from _table_lines(
-            "normal velocity in third octaves",
-            {"f (Hz)": heard["frequency"], "rms (um/s)": heard["velocity"], "dB re 50 nm/s": heard["level"]},
-        )
-    yield from _estimated_lines(answer.get("estimated_spectrum"))
-    yield from _crossing_lines(answer.get("crossings"))
-    yield from _growth_lines(answer.get("from_empty"))
-    if law is not None:
-        yield from _table_lines(
-            f"distribution of the area, which is 0 with probability {_shown(law['atom_at_zero'])}",
-            {"area (um^2)": law["area"], "density (1/um^2)": law["density"], "P(A_r <= area)": law["cdf"]},
-        )
-
-
-def _estimated_lines(seen: dict[str, Any] | None) -> Iterator[str]:
-    """Yield some of the bins of an estimate, evenly spaced in the logarithm of the wavenumber."""
-    if seen is None:
-        return
-    bins = len(seen["wavenumber"])
-    import numpy as np
-
-    shown = sorted({0, *(round(each) for each in np.geomspace(1, bins - 1, BINS_SHOWN))})
-    columns = {"k (rad/um)": "wavenumber", "S (um^4/(rad/um))": "density", "std error": "standard_error"}
-    cut = f"{seen['segments']} segments of {seen['ticks']} ticks"
-    yield from _table_lines(
-        f"what Welch's method shows with {cut}; {len(shown)} of {bins} bins",
-        {label: [seen[name][n] for n in shown] for label, name in columns.items() if name in seen},
-    )
-
-
-def _crossing_lines(passed: dict[str, Any] | None) -> Iterator[str]:
-    if passed is None:
-        return
-    skewness = passed["displacement_skewness"]
-    yield from _table_lines(
-        f"passages of the displacement upwards, whose skewness is {_shown(skewness)}",
-        {"level (um)": passed["level"], "rate (1/s)": passed["rate"], "if Gaussian (1/s)": passed["gaussian_rate"]},
-    )
-    if abs(skewness) > GUIDE_SKEWNESS:
+def _curve_lines(group: str, curve: Curve, answer: dict[str, Any]) -> Iterator[str]:
+    """Yield a curve as a table, of lines and bins some."""
+    columns = {label: answer[name] for name, label, _ in curve.columns if name in answer}
+    rows = list(zip(*columns.values(), strict=True))
+    shown = _shown_rows(group, len(rows))
+    yield from ("", sentence(words(curve.heading, answer | {"shown": len(shown), "bins": len(rows)})))
+    yield "  " + "".join(f"{label:>{COLUMN}}" for label in columns)
+    for row in shown:
+        yield "  " + "".join(f"{plain(value):>{COLUMN}}" for value in rows[row])
+    if abs(answer.get("displacement_skewness", 0.0)) > GUIDE_SKEWNESS:
         yield remark(f"note: beyond a skewness of {GUIDE_SKEWNESS} these rates are a guide alone")
 
 
-def _growth_lines(grown: dict[str, Any] | None) -> Iterator[str]:
-    if grown is None:
-        return
-    over = f"{_shown(grown['run_area_mean'])} um^2 and {_shown(grown['run_count_mean'])} junctions"
-    yield from _table_lines(
-        f"means after an empty start; over the whole run {over}",
-        {"distance (um)": grown["distance"], "area (um^2)": grown["area_mean"], "junctions": grown["count_mean"]},
-    )
+def _shown_rows(group: str, rows: int) -> Sequence[int]:
+    """Return which rows of a curve are shown: the first lines, bins evenly in the logarithm of their number, or all."""
+    if group == "spectral_lines":
+        return range(min(rows, LINES_SHOWN))
+    if group == "estimated_spectrum":
+        import numpy as np
 
-
-def _table_lines(heading: str, columns: dict[str, Sequence[float | None]]) -> Iterator[str]:
-    yield from ("", sentence(heading))
-    yield "  " + "".join(f"{name:>{COLUMN}}" for name in columns)
-    for row in zip(*columns.values(), strict=True):
-        yield "  " + "".join(f"{_shown(value):>{COLUMN}}" for value in row)
-
-
-def _shown(value: float | None) -> str:
-    return "none" if value is None else number(value)
+        return sorted({0, *(round(each) for each in np.geomspace(1, rows - 1, BINS_SHOWN))})
+    return range(rows)
 
 
 def csv_rows(answer: dict[str, Any]) -> Iterator[str]:
@@ -334,7 +291,7 @@ def csv_rows(answer: dict[str, Any]) -> Iterator[str]:
     """
     yield "quantity,at,at_unit,value,unit"
     for group, fields in answer.items():
-        at = CURVES.get(group)
+        at = CURVES[group].columns[0][0] if group in CURVES else None
         for name, value in fields.items():
             path = f"{group}.{name}"
             if name == "cumulants":

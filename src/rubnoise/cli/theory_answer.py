@@ -13,6 +13,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import coupling_as_json
 from rubnoise.cli.layout import printable
 from rubnoise.cli.load import load_as_json
+from rubnoise.cli.rendering import finite
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.base_excitation import base_response
@@ -173,7 +174,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None, *, 
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         answer |= _at(model, points)
         answer |= _estimated(theory, segment) | _crossings(theory, points) | _from_empty(theory, points)
-    return {name: _finite(group) for name, group in answer.items()}
+    return dict(finite(answer))
 
 
 def _moments(cumulants: Cumulants) -> dict[str, Any]:
@@ -303,12 +304,3 @@ def _from_empty(theory: Exact, points: Points) -> dict[str, Any]:
         "run_count_mean": empty.expected_mean_count(),
     }
     return {"from_empty": grown}
-
-
-def _finite(value: Any) -> Any:
-    """Return a value as JSON has it: arrays as lists, and None for what is no finite number."""
-    if isinstance(value, dict):
-        return {name: _finite(item) for name, item in value.items()}
-    if isinstance(value, list | np.ndarray):
-        return [_finite(item) for item in np.asarray(value, dtype=np.float64).tolist()]
-    return value if value is None or isinstance(value, str) or isfinite(value) else None
