@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from math import isfinite, isnan
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +11,7 @@ import typer
 from rubnoise.cli.layout import remark, table_row
 from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal
+from rubnoise.cli.rendering import finite
 
 if TYPE_CHECKING:
     from rubnoise.claims.claim import Claim, ClaimedNumber
@@ -110,7 +111,7 @@ def _quantity(quantity: "ClaimedNumber") -> dict[str, Any]:
         "unit": quantity.unit,
         "printed": quantity.printed,
         "simulated": {"value": quantity.simulated.value, "low": low, "high": high, "runs": quantity.simulated.runs},
-        "exact": None if isnan(quantity.exact) else quantity.exact,
+        "exact": finite(quantity.exact),
         "agree": quantity.agrees,
     }
 
@@ -147,8 +148,7 @@ _FILES = ("field.md", "field.json")
 
 def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
     """Return a row by name, numbers in the unit of its quantity; None if there is no number."""
-    quantity, published = claim.quantity, claim.published
-    low, high = published or (None, None)
+    quantity = claim.quantity
     interval = (None, None) if quantity is None else quantity.simulated.interval
     return {
         "id": claim.id,
@@ -159,10 +159,10 @@ def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
         "conditions": claim.conditions,
         "quantity": None if quantity is None else quantity.name,
         "unit": None if quantity is None else quantity.unit,
-        "published": [_number(low), _number(high)],
-        "exact": None if quantity is None else _number(quantity.exact),
+        "published": finite(claim.published or (None, None)),
+        "exact": None if quantity is None else finite(quantity.exact),
         "simulated": None if quantity is None else quantity.simulated.value,
-        "interval": [_number(end) for end in interval],
+        "interval": finite(interval),
         "verdict": claim.verdict.value,
         "because": claim.because,
         "scenario": claim.scenario,
@@ -205,10 +205,6 @@ def write_ledger(folder: Path, claims: Sequence["FieldClaim"], *, force: bool) -
         with whole_file(path, force=force) as part:
             part.write_text(f"{text}\n", encoding="utf-8")
     return paths
-
-
-def _number(value: float | None) -> float | None:
-    return value if value is not None and isfinite(value) else None
 
 
 def _numbers(quantity: "ClaimedNumber") -> str:

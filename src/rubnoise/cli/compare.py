@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
-from rubnoise.cli.layout import number, printable, remark, table_row
+from rubnoise.cli.layout import FIGURE_HEADS, agreement_row, printable, remark, table_row
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import finite
 from rubnoise.errors import Refused, RunOutside
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.agreement import Agreement
     from rubnoise.analysis.comparing.findings import Comparison, Identity
     from rubnoise.model import Model
     from rubnoise.theory.white_noise import WhiteNoise
@@ -94,7 +94,7 @@ def _white_as_json(model: "Model") -> dict[str, Any]:
     if white is None:
         return {}
     stds = {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}
-    return {"white_noise": {key: std if isfinite(std) else None for key, std in stds.items()}}
+    return {"white_noise": finite(stds)}
 
 
 def _white_in_words(model: "Model") -> Iterator[str]:
@@ -103,31 +103,6 @@ def _white_in_words(model: "Model") -> Iterator[str]:
         stds = f"{white.displacement_std:.4g} um and {white.velocity_std:.4g} um/s"
         yield remark(f"white noise of the same level at low frequency (Kilburn) would leave std of {stds}")
 
-
-UNITS = {
-    "birth_gap": "um",
-    "asked_mean_area": "um^2",
-    "asked_area_from_rows": "um^2",
-    "start_": "",
-    "diameter": "um",
-    "shear_strength": "MPa",
-    "area_from_rows": "um^2",
-    "life_": "",
-    "life": "um",
-    "death": "um",
-    "real_contact_area_autocovariance": "um^4",
-    "real_contact_area": "um^2",
-    "friction_force": "uN",
-    "spectrum": "um^4",
-    "displacement": "um",
-    "velocity": "um/s",
-    "separation": "um",
-    "normal_velocity": "um/s",
-    "load": "uN",
-    "mean_force": "uN",
-}
-PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
-"""Ends of names of figures without a unit."""
 
 SHORTER = {
     "junction_count_zero_share": "share without contact",
@@ -147,8 +122,10 @@ def format_comparison(found: "Comparison", file: Path) -> Iterator[str]:
         if part.figures:
             heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading
             yield ""
-            yield table_row(f"{heading:<34}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7} ")
-            yield from (_figure(figure, found) for figure in part.figures)
+            yield table_row(f"{heading:<34}", f"{FIGURE_HEADS} ")
+        for figure in part.figures:
+            mark = "*" if figure.name in found.outside else " "
+            yield agreement_row(label(figure.name), figure, width=32, score=_score, mark=mark)
     if found.identities:
         yield ""
         yield table_row(f"{'exact but for rounding':<34}", f"{'off by':>13}{'allowed':>14}  ")
@@ -178,16 +155,6 @@ def label(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _figure(figure: "Agreement", found: "Comparison") -> str:
-    unit = "" if figure.name.endswith(PLAIN) else _unit(figure.name)
-    name = label(figure.name) + (f" ({unit})" if unit else "")
-    expected = "" if figure.expected is None else number(figure.expected)
-    error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
-    z = "" if figure.z is None else _score(figure.z)
-    star = "*" if figure.name in found.outside else " "
-    return table_row(f"  {name:<32}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}{star}")
-
-
 def _score(z: float) -> str:
     """Return a score in six places at most."""
     return f"{z:+.2f}" if abs(z) < 99.995 else f"{z:+.0f}" if abs(z) < 99_999.5 else f"{z:+.0e}"
@@ -196,7 +163,3 @@ def _score(z: float) -> str:
 def _identity(each: "Identity") -> str:
     name = label(each.name) + (f" ({each.units})" if each.units else "")
     return table_row(f"  {name:<32}", f"{each.deviation:>13.3g}{each.allowed:>14.3g}{'  ' if each.holds else ' *'}")
-
-
-def _unit(name: str) -> str:
-    return next((unit for quantity, unit in UNITS.items() if name.startswith(quantity)), "")

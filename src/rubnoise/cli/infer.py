@@ -1,6 +1,6 @@
 """`rubnoise infer`: from a measured trace back to its junctions, as text, as JSON, as a scenario and as a page."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
 from enum import StrEnum
@@ -17,16 +17,6 @@ from rubnoise.errors import in_shell
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
     from rubnoise.inference.inference import InferenceResult, OtherPulse
-
-NAMES = (
-    "junction_count",
-    "diameter",
-    "relative_spread",
-    "shear_strength",
-    "strength_spread",
-    "mean_real_contact_area",
-    "noise",
-)
 
 
 class Zero(StrEnum):
@@ -201,7 +191,7 @@ def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
     return {
         "trace": trace,
         "law": found.law,
-        "estimates": {name: _as_json(found.estimates[name]) for name in NAMES if name in found.estimates},
+        "estimates": _in_order(found.estimates),
         "not_identified": {name: in_shell(reason) for name, reason in found.not_identified.items()},
         "flags": [in_shell(flag) for flag in found.flags],
         "refused": found.refused_because,
@@ -211,7 +201,7 @@ def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
                 "worse_by": each.worse_by,
                 "worse_by_error": each.error,
                 "told_apart": each.told_apart,
-                "estimates": {name: _as_json(each.estimates[name]) for name in NAMES if name in each.estimates},
+                "estimates": _in_order(each.estimates),
             }
             for each in found.laws
         },
@@ -224,8 +214,12 @@ def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
         "assumptions": list(found.assumptions),
         **_other(found),
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
-        "bootstrap": {name: _as_json(each) for name, each in found.bootstrap.items()},
+        "bootstrap": {name: asdict(each) for name, each in found.bootstrap.items()},
     }
+
+
+def _in_order(estimates: Mapping[str, "Estimate"]) -> dict[str, Any]:
+    return {name: asdict(estimates[name]) for name in _LABELS if name in estimates}
 
 
 def _other(found: "InferenceResult") -> dict[str, Any]:
@@ -242,15 +236,6 @@ def _other(found: "InferenceResult") -> dict[str, Any]:
     return told
 
 
-def _as_json(estimate: "Estimate") -> dict[str, Any]:
-    return {
-        "value": estimate.value,
-        "standard_error": estimate.standard_error,
-        "interval": list(estimate.interval),
-        "unit": estimate.unit,
-    }
-
-
 _LABELS = {
     "junction_count": "junctions at a time",
     "diameter": "mean diameter",
@@ -260,6 +245,7 @@ _LABELS = {
     "mean_real_contact_area": "real contact area",
     "noise": "noise of the sensor",
 }
+"""The estimates of an answer, in order, and what they are called."""
 
 
 def described(found: "InferenceResult", trace: str) -> Iterator[str]:
@@ -271,9 +257,9 @@ def described(found: "InferenceResult", trace: str) -> Iterator[str]:
     alike = [each.law for each in found.laws if not each.told_apart and each.law != found.law]
     laws = f"{found.law}; not distinguished from it: {', '.join(alike)}" if alike else found.law
     yield line("law of sizes", laws)
-    for name in NAMES:
+    for name, label in _LABELS.items():
         if name in found.estimates:
-            yield line(_LABELS[name], _value(found.estimates[name]))
+            yield line(label, _value(found.estimates[name]))
     if alike:
         yield remark("Intervals hold 95 % whichever of these laws is right.")
     for name, reason in found.not_identified.items():

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from math import floor, isfinite, log10
+from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +10,7 @@ import typer
 
 from rubnoise.cli.layout import agreement_table, grouped, line, printable, sentence, size
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import finite
 from rubnoise.cli.sweep import format_failures
 from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder
@@ -292,9 +293,9 @@ def _interval(estimate: "PooledEstimate") -> dict[str, float | int | None]:
         "standard_error": estimate.standard_error,
         "low": estimate.value - estimate.reach,
         "high": estimate.value + estimate.reach,
+        "runs": estimate.runs,
     }
-    finite: dict[str, float | int | None] = {name: each if isfinite(each) else None for name, each in numbers.items()}
-    return {**finite, "runs": estimate.runs}
+    return dict(finite(numbers))
 
 
 def format_sweep(answer: Mapping[str, Any]) -> list[str]:

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from math import isfinite
 from textwrap import fill
@@ -83,19 +83,6 @@ LABEL_WIDTH, SHORTER_LABEL_WIDTH, NARROW = 30, 25, 72
 """Columns of labels before their values, and the same on terminals of fewer columns than the last."""
 
 
-UNITS = {
-    "real_contact_area": "um^2",
-    "junction_count": "",
-    "friction_force": "uN",
-    "displacement": "um",
-    "velocity": "um/s",
-    "separation": "um",
-    "normal_velocity": "um/s",
-    "load": "uN",
-    "mean_force": "uN",
-}
-
-
 def line(label: str, value: str, *, whole: bool = False) -> str:
     """Return one labelled value, indented below its heading; a long one on several lines unless it is kept whole."""
     head = f"  {label:<{LABEL_WIDTH if width() >= NARROW else SHORTER_LABEL_WIDTH}}"
@@ -170,20 +157,54 @@ def too_short_for_motion(decays: float, needed: float) -> str:
     )
 
 
+UNITS = {
+    "birth_gap": "um",
+    "asked_mean_area": "um^2",
+    "asked_area_from_rows": "um^2",
+    "start_": "",
+    "diameter": "um",
+    "shear_strength": "MPa",
+    "area_from_rows": "um^2",
+    "life_": "",
+    "life": "um",
+    "death": "um",
+    "real_contact_area_autocovariance": "um^4",
+    "real_contact_area": "um^2",
+    "friction_force": "uN",
+    "spectrum": "um^4",
+    "displacement": "um",
+    "velocity": "um/s",
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
+    "mean_force": "uN",
+}
+"""Units of figures, by how their names begin; the first that fits."""
+
+PLAIN = ("kolmogorov", "variation", "skewness", "kurtosis")
+"""Ends of names of figures without a unit."""
+
+FIGURE_HEADS = f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
+
+
 def agreement_table(figures: Iterable["Agreement"]) -> list[str]:
     """Return a table of measured beside exact figures, with z-scores where there are any."""
-    heading = table_row(f"  {'':<33}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}")
-    return [heading, *map(_row, figures)]
+    rows = (agreement_row(printable(each.name).replace("one_way", "one-way"), each, width=33) for each in figures)
+    return [table_row(f"  {'':<33}", FIGURE_HEADS), *rows]
 
 
-def _row(figure: "Agreement") -> str:
-    unit = "" if figure.name.endswith(("skewness", "kurtosis")) else _unit(figure.name)
-    label = printable(figure.name).replace("one_way", "one-way").replace("_", " ") + (f" ({unit})" if unit else "")
+def agreement_row(
+    name: str,
+    figure: "Agreement",
+    *,
+    width: int,
+    score: Callable[[float], str] = "{:+.2f}".format,
+    mark: str = "",
+) -> str:
+    """Return a figure's row under a name, with its unit, and a mark at its end."""
+    unit = "" if figure.name.endswith(PLAIN) else next((UNITS[key] for key in UNITS if figure.name.startswith(key)), "")
+    label = name.replace("_", " ") + (f" ({unit})" if unit else "")
     expected = "" if figure.expected is None else number(figure.expected)
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
-    z = "" if figure.z is None else f"{figure.z:+.2f}"
-    return table_row(f"  {label:<33}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}")
-
-
-def _unit(name: str) -> str:
-    return next((unit for quantity, unit in UNITS.items() if name.startswith(quantity)), "")
+    z = "" if figure.z is None else score(figure.z)
+    return table_row(f"  {label:<{width}}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}{mark}")
