@@ -43,9 +43,8 @@ NESTED: Final = {
     "docs/command-line": ("commands", "outputs", "docs/sweeps", "docs/json"),
     "docs/api": ("python", "notebooks/README"),
     "docs/scenarios": ("scenarios",),
-    "docs/your-data": ("docs/laboratory",),
     "docs/theory": ("docs/two-way", "docs/family", "docs/load", "docs/surfaces"),
-    "docs/comparing": ("docs/paper", "docs/field", "docs/references"),
+    "docs/comparing": ("docs/paper", "docs/field"),
     "CONTRIBUTING": ("docs/design", "docs/reproducibility", "docs/performance", "docs/survival"),
     "CHANGELOG": ("SUPPORT", "SECURITY", "CODE_OF_CONDUCT"),
 }

@@ -124,7 +124,7 @@ def test_the_recipe_builds_and_tests_what_pip_would() -> None:
 def test_references_are_the_bibliography() -> None:
     """Each entry of the bibliography stands on the page with its DOI, and nothing else does."""
     listed = entries((ROOT / "docs" / "references.bib").read_text(encoding="utf-8"))
-    page = (ROOT / "docs" / "references.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
     rows = re.findall(
         r"^\| `(\w+)` \|.*\| (?:\[([^\]]+)\]\(https://doi\.org/([^)]+)\)|no DOI found) \|", page, re.MULTILINE
     )
