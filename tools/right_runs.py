@@ -25,7 +25,6 @@ from rubnoise.record.memory import MemoryRecord  # noqa: E402
 from rubnoise.scenario import loads  # noqa: E402
 from rubnoise.simulation.extent import extent  # noqa: E402
 from rubnoise.simulation.run import simulate  # noqa: E402
-from tests.verification.scores import held  # noqa: E402
 
 Cases = dict[str, tuple[str, ...]]
 
@@ -202,7 +201,7 @@ def compared(model: Model, seed: int) -> Comparison:
     """Run a model, and hold its rows against the theory."""
     record = MemoryRecord(extent(model, seed))
     simulate(model, seed, record, engine="batch")
-    return compare(model, held(record))
+    return compare(model, record)
 
 
 def counted(changes: Sequence[str], seeds: Iterable[int]) -> Count:

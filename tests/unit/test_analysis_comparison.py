@@ -22,7 +22,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants
 from tests.models import bare, model, recorded
-from tests.verification.scores import Held, Made, held, made, seed_of
+from tests.verification.scores import Held, Made, made, seed_of
 
 QUICK = Slider(mass=0.005, stiffness=300.0, damping=0.5)
 RIGHT = {
@@ -42,7 +42,7 @@ RIGHT = {
 
 @cache
 def run(name: str) -> Held:
-    return held(recorded(RIGHT[name], seed_of(f"comparison/{name}")))
+    return recorded(RIGHT[name], seed_of(f"comparison/{name}"))
 
 
 @cache
@@ -135,12 +135,12 @@ def test_an_area_that_regular_births_keep_constant_is_an_identity(monkeypatch: p
     constant = replace(contact, births=RegularBirths(mean_spacing=contact.mean_birth_spacing), pulse=TRIANGLE)
     mean = constant.stationary_mean_area
     monkeypatch.setattr(comparing.contact, "area_cumulants", lambda model: Cumulants(values=(mean, *(0.0,) * 5)))
-    record = held(recorded(constant, seed_of("comparison/constant")))
+    record = recorded(constant, seed_of("comparison/constant"))
     found = {identity.name: identity for identity in compare(constant, record).identities}
     assert found["real_contact_area"].holds
     assert compare(constant, record).figures == []
     ripple = replace(constant, pulse=bare().pulse)
-    assert "real_contact_area" in compare(ripple, held(recorded(ripple, 1))).outside
+    assert "real_contact_area" in compare(ripple, recorded(ripple, 1)).outside
 
 
 def test_a_slider_under_regular_births_is_left_out() -> None:
@@ -150,18 +150,18 @@ def test_a_slider_under_regular_births_is_left_out() -> None:
 
 
 def test_what_is_too_short_for_a_figure_says_how_long_it_should_be() -> None:
-    found = compare(bare(distance=700.0, tick=0.2), held(recorded(bare(distance=700.0, tick=0.2), 1)))
+    found = compare(bare(distance=700.0, tick=0.2), recorded(bare(distance=700.0, tick=0.2), 1))
     assert "it needs about 1.76e+04 um" in reason(found, "real_contact_area_excess_kurtosis")
     assert "real_contact_area_mean" in names(found)
-    slider = compare(model(distance=1000.0), held(recorded(model(distance=1000.0), 1)))
+    slider = compare(model(distance=1000.0), recorded(model(distance=1000.0), 1))
     assert reason(slider, "displacement").startswith("the run is too short; it needs about 3.")
 
 
 def test_the_length_that_is_said_to_be_needed_is_enough() -> None:
-    short = compare(bare(distance=700.0, tick=0.4), held(recorded(bare(distance=700.0, tick=0.4), 1)))
+    short = compare(bare(distance=700.0, tick=0.4), recorded(bare(distance=700.0, tick=0.4), 1))
     needed = float(reason(short, "real_contact_area_skewness").split("about ")[1].removesuffix(" um"))
     longer = bare(distance=1.05 * needed, tick=0.4)
-    assert "real_contact_area_skewness" in names(compare(longer, held(recorded(longer, 1))))
+    assert "real_contact_area_skewness" in names(compare(longer, recorded(longer, 1)))
 
 
 @pytest.mark.parametrize(
@@ -169,21 +169,21 @@ def test_the_length_that_is_said_to_be_needed_is_enough() -> None:
 )
 def test_a_run_too_short_for_its_mean_is_refused(short: Model, needed: float) -> None:
     with pytest.raises(RecordTooShort, match=r"a comparison with the theory: .* too short") as refused:
-        compare(short, held(recorded(short, 1)))
+        compare(short, recorded(short, 1))
     assert refused.value.needed == pytest.approx(needed, abs=1.0)
     assert isinstance(refused.value.estimate, float)
 
 
 def test_ticks_too_wide_for_a_spectrum_are_told() -> None:
     wide = bare(distance=3000.0, tick=3.0)
-    found = compare(wide, held(recorded(wide, 1)))
+    found = compare(wide, recorded(wide, 1))
     assert reason(found, "spectrum") == "ticks are too wide for it; it needs 8 to a mean life"
     assert "real_contact_area_std" in names(found)
 
 
 def test_an_undamped_slider_is_left_out() -> None:
     undamped = model(distance=1000.0, slider=replace(QUICK, damping=0.0))
-    found = compare(undamped, held(recorded(undamped, 1)))
+    found = compare(undamped, recorded(undamped, 1))
     assert reason(found, "displacement") == "a slider without damping never forgets its start"
 
 
@@ -256,7 +256,7 @@ def test_a_wrong_constant_of_the_calibration_is_seen(calibration: str, spread: f
     """The run is made with 0.327 in place of 1/3, and so is its theory: all agrees but with what was asked for."""
     contact = bare(calibration="paper", spread=Spread(absolute=spread), distance=1500.0, tick=0.5)
     wrong = replace(contact, calibration=calibration)
-    record = held(recorded(wrong, seed_of("comparison/asked")))
+    record = recorded(wrong, seed_of("comparison/asked"))
     assert sorted(compare(wrong, record).outside) == sorted(ASKED)
     assert compare(contact, record).outside == ()
 
@@ -265,14 +265,14 @@ def test_a_wrong_constant_of_the_calibration_is_seen(calibration: str, spread: f
 @pytest.mark.parametrize("spread", [Spread(absolute=0.0), Spread(relative=1.0), Spread(relative=0.3, law="lognormal")])
 def test_what_is_asked_for_is_met_by_every_calibration(calibration: str, spread: Spread) -> None:
     right = bare(calibration=calibration, spread=spread, distance=6000.0, tick=1.0)
-    found = compare(right, held(recorded(right, seed_of("comparison/asked"), engine="batch")))
+    found = compare(right, recorded(right, seed_of("comparison/asked"), engine="batch"))
     assert "asked_mean_area" in {identity.name for identity in found.identities}
     assert not set(found.outside) & {"asked_mean_count", *ASKED}
 
 
 def test_what_a_triangle_is_asked_for_is_met() -> None:
     right = bare(pulse=TRIANGLE, distance=1500.0, tick=0.5)
-    record = held(recorded(right, seed_of("comparison/asked")))
+    record = recorded(right, seed_of("comparison/asked"))
     assert not set(compare(right, record).outside) & set(ASKED)
     assert set(ASKED) <= set(compare(replace(right, mean_real_contact_area=202.0), record).outside)
 
@@ -304,7 +304,7 @@ class SmallLens(LensPulse):
 def test_births_at_another_rate_than_asked_for_are_seen() -> None:
     contact = bare(distance=1500.0, tick=0.5)
     wrong = replace(contact, births=PoissonBirths(mean_spacing=0.99 * contact.mean_birth_spacing))
-    found = compare(wrong, held(recorded(wrong, seed_of("comparison/asked"))))
+    found = compare(wrong, recorded(wrong, seed_of("comparison/asked")))
     assert found.outside == ("asked_mean_count", "asked_mean_area")
 
 
@@ -328,7 +328,7 @@ def test_right_runs_of_sparse_contact_are_accepted() -> None:
     """Most ticks are without contact: the distribution has an atom, whose share is not judged by a distance."""
     sparse = bare(count=0.05, distance=6_000_000.0, tick=10.0)
     for seed in range(seed_of("comparison/sparse"), seed_of("comparison/sparse") + 4):
-        found = compare(sparse, held(recorded(sparse, seed, engine="batch")))
+        found = compare(sparse, recorded(sparse, seed, engine="batch"))
         assert found.outside == ()
         shares = {figure.name: figure for figure in found.figures}
         assert shares["junction_count_zero_share"].expected == pytest.approx(np.exp(-0.05), rel=1e-4)
@@ -337,10 +337,10 @@ def test_right_runs_of_sparse_contact_are_accepted() -> None:
 
 def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> None:
     rare = bare(count=4.0, distance=8000.0, tick=0.5)
-    found = compare(rare, held(recorded(rare, seed_of("comparison/rare"))))
+    found = compare(rare, recorded(rare, seed_of("comparison/rare")))
     needed = float(reason(found, "junction_count_zero_share").split("about ")[1].removesuffix(" um"))
     longer = bare(count=4.0, distance=1.05 * needed, tick=1.0)
-    assert "junction_count_zero_share" in names(compare(longer, held(recorded(longer, engine="batch"))))
+    assert "junction_count_zero_share" in names(compare(longer, recorded(longer, engine="batch")))
     assert "real_contact_area_kolmogorov" in names(found)
     # Of a denser contact nothing is said: the share is below a thousandth.
     assert "junction_count_zero_share" not in {each.name for each in compared("figure 5").omitted}
@@ -351,7 +351,7 @@ def test_scores_of_many_right_runs_are_unit_normals() -> None:
     seeds = range(seed_of("comparison/many"), seed_of("comparison/many") + 50)
     scores: dict[str, list[float]] = {}
     for seed in seeds:
-        for figure in compare(short, held(recorded(short, seed))).figures:
+        for figure in compare(short, recorded(short, seed)).figures:
             scores.setdefault(figure.name, []).append(figure.z or 0.0)
     whole = {name: np.array(z) for name, z in scores.items() if not name.startswith(("start", "real_contact_area_kol"))}
     assert len(whole) > 15

@@ -36,7 +36,7 @@ from rubnoise.theory.response import response
 from rubnoise.theory.sampling import mean_area_error
 from tests.models import FIG5_SLIDER, bare, model, recorded
 from tests.unit.theory_models import model_of
-from tests.verification.scores import held, seed_of
+from tests.verification.scores import seed_of
 
 # The figures of a run beside the exact ones: which there are, and when a standard error is promised.
 AREA = [
@@ -361,7 +361,7 @@ def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     """Of some hundred such runs one has a mean that a normal law would call impossible."""
     run = replace(bare(distance=LENGTH, tick=2.0), sizes=Lognormal(mean=5.4772, std=3.834))
     record = recorded(run, 1010)
-    found = compare(run, held(record))
+    found = compare(run, record)
     assert found.outside == ()
     assert "real_contact_area_mean" in {each.name for each in found.omitted}
     mean = float(record["trace"]["real_contact_area"].mean())

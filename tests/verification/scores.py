@@ -19,7 +19,6 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
@@ -156,11 +155,6 @@ class Held:
 
     def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         return self.groups[group][name][start:stop]
-
-
-def held(record: MemoryRecord) -> Held:
-    """Return a run in memory with the face of a file."""
-    return Held(record.groups)
 
 
 @dataclass(frozen=True, kw_only=True)

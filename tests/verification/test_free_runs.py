@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import count, pairwise
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import h5py
 import numpy as np
@@ -168,10 +168,10 @@ def test_the_force_is_that_of_each_summit_with_its_strength() -> None:
 def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
     model = replace(RUNS[name], distance=8000.0, tick=0.2, tick_count=40_000)
     record = recorded(model, seed=8)
-    assert compare(model, _rows(record)).outside == ()
+    assert compare(model, record).outside == ()
     assert model.free is not None
     heavier = replace(model, free=replace(model.free, held=replace(model.free.held, load=5.1e4)))
-    assert "load_mean" in compare(heavier, _rows(record)).outside
+    assert "load_mean" in compare(heavier, record).outside
 
 
 def test_mean_loads_are_those_of_whole_columns_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -189,7 +189,7 @@ def test_mean_loads_are_those_of_whole_columns_whatever_is_read_at_a_time(monkey
     wanted = {"load_mean": mean(load["load"]) - push, "real_contact_area_mean": mean(area) - push / held.hardness}
     for at_a_time in (reading.CHECKED_ROWS, 777, int(ends[1])):
         monkeypatch.setattr(reading, "CHECKED_ROWS", at_a_time)
-        found = {each.name: each.observed for each in compare(model, _rows(record)).figures}
+        found = {each.name: each.observed for each in compare(model, record).figures}
         assert found == pytest.approx(wanted, rel=1e-11)
 
 
@@ -280,19 +280,6 @@ def test_theory_knows_what_is_exact() -> None:
     assert elastic.first_order is not None
     assert free_motion(RUNS["impact damping"]).impact_damping == pytest.approx(0.3)
     assert height_exponent(0.75) == 0.875
-
-
-def _rows(record: MemoryRecord) -> Any:
-    class Rows:
-        columns: ClassVar = {group: tuple(columns) for group, columns in record.groups.items()}
-
-        def rows(self, group: str) -> int:
-            return next(iter(record[group].values())).size
-
-        def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> Any:
-            return record[group][name][start:stop]
-
-    return Rows()
 
 
 # The file.

@@ -38,7 +38,6 @@ from tests.verification.scores import (
     REJECTED,
     errors_of,
     expected,
-    held,
     mean_score,
     measured,
     outside,
@@ -178,7 +177,7 @@ def played(run: Model) -> MemoryRecord:
 
 @cache
 def compared(run: Model, with_theory_of: Model | None = None) -> Comparison:
-    return compare(with_theory_of or run, held(played(run)))
+    return compare(with_theory_of or run, played(run))
 
 
 def scores_off_centre(found: Comparison) -> dict[str, float]:
@@ -227,7 +226,7 @@ def test_other_offsets_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(draws, "_both_ways", lambda uniform: right(np.where(uniform < 0.01, 1.0 - uniform, uniform)))
     draws._drawn_at_once.cache_clear()
     run = bare(pulse=OFF_CENTRE_LENS, distance=60_000.0, tick=5.0)
-    found = compare(run, held(recorded(run, seed_of("off centre, other side"), engine="batch")))
+    found = compare(run, recorded(run, seed_of("off centre, other side"), engine="batch"))
     draws._drawn_at_once.cache_clear()
     assert scores_off_centre(found)["offset_kolmogorov"] > REJECTED
 

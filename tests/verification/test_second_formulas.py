@@ -26,7 +26,7 @@ from tests.oracle.second.contact import FORMULA, contact_checks
 from tests.oracle.second.motion import cell_motion, motion_check
 from tests.oracle.slow_contact import Doubles, Rows, lens_area, traces, triangle_area
 from tests.unit.tampering import ONE_WAY, TWO_WAY, Kind, scenario_of
-from tests.verification.scores import Held, held, seed_of
+from tests.verification.scores import Held, seed_of
 
 # Every row of runs of every kind comes out of other formulas, too; and those formulas are right by themselves.
 LIVES = {
@@ -47,7 +47,7 @@ def ran(name: str, of: Mapping[str, Kind] = ONE_WAY) -> tuple[Model, Held]:
     left_out, changes = of[name]
     scenario = scenario_of(*left_out, **changes)
     model = scenario.model()
-    return model, held(recorded(model, scenario.run.seed, engine="batch"))
+    return model, recorded(model, scenario.run.seed, engine="batch")
 
 
 def cells(model: Model) -> int:

@@ -25,7 +25,7 @@ from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.response import response
 from tests.models import UNEQUAL, coupled, model, recorded
-from tests.verification.scores import Held, held, seed_of
+from tests.verification.scores import Held, seed_of
 
 
 def two_way(run: Model, **changes: Any) -> Model:
@@ -55,7 +55,7 @@ RUNS = {
 @cache
 def ran(name: str, tolerance: float = 1e-9) -> tuple[Model, Held]:
     run = two_way(RUNS[name], tolerance=tolerance)
-    return run, held(recorded(run, seed_of(f"balance/{name}"), engine="batch"))
+    return run, recorded(run, seed_of(f"balance/{name}"), engine="batch")
 
 
 def identities(run: Model, rows: Held) -> dict[str, Identity | LeftOut]:
@@ -179,7 +179,7 @@ def test_a_drive_one_percent_off_is_rejected(name: str) -> None:
     run, _ = ran(name)
     assert run.sliding_speed is not None
     other = replace(run, sliding_speed=1.01 * run.sliding_speed)
-    rows = held(recorded(other, seed_of(f"balance/{name}"), engine="batch"))
+    rows = recorded(other, seed_of(f"balance/{name}"), engine="batch")
     assert broken(other, rows) == set()
     assert {"sliding_distance", "energy", "mean_force_law"} <= broken(run, rows)
 
@@ -213,7 +213,7 @@ WEAK = two_way(model(speed=2.5e4, slider=slider(0.5), distance=60_000.0, tick=2.
 
 @cache
 def weak_run() -> tuple[Held, Comparison]:
-    rows = held(recorded(WEAK, seed_of("weak/compared"), engine="batch"))
+    rows = recorded(WEAK, seed_of("weak/compared"), engine="batch")
     return rows, compare(WEAK, rows)
 
 
@@ -255,7 +255,7 @@ def test_strong_coupling_leaves_the_motion_out_and_keeps_the_contact() -> None:
 def test_the_mean_force_without_its_excess_is_rejected() -> None:
     """Over 60 mm the force is known to 0.3 %; at 1 mm/s the dashpot's share is many times that."""
     run = two_way(model(distance=60_000.0, tick=2.0, slider=slider(0.2)))
-    rows = held(recorded(run, seed_of("mean force"), engine="batch"))
+    rows = recorded(run, seed_of("mean force"), engine="batch")
     figure = next(each for each in compare(run, rows).figures if each.name == "mean_force")
     assert figure.expected is not None
     assert figure.standard_error is not None

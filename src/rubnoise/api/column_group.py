@@ -1,6 +1,7 @@
 """The columns of one group of a result, by name."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from rubnoise.api.columns import Column
 from rubnoise.arrays import slices
 from rubnoise.errors import needing
+from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
 from rubnoise.tables import as_html, shortened
 
@@ -152,6 +154,21 @@ class Columns:
     def _repr_html_(self) -> str:
         rows = [(name, each.units, each.long_name) for name, each in self._columns.items()]
         return as_html(f"/{self.name}: {self.long_name}, {len(self):,} rows", ("column", "unit", "meaning"), rows)
+
+
+def columns_by_group(rows: Rows) -> dict[str, Columns]:
+    """Return the columns of every group that a run has, in a file or in memory, each read when it is asked for."""
+    features = schema.motion_of(rows.columns["junctions"])
+    return {group.name: _columns(rows, group.as_in(features)) for group in schema.GROUPS if group.name in rows.columns}
+
+
+def _columns(rows: Rows, group: schema.Group) -> Columns:
+    found = {
+        about.name: Column(about, rows.rows(group.name), partial(rows.column, group.name, about.name))
+        for about in group.columns
+        if about.name in rows.columns[group.name]
+    }
+    return Columns(group, found)
 
 
 GROUP_HEADS: Final = ("group", "rows", "columns")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, cast
 
 from rubnoise.analysis.summary import summarise
 from rubnoise.arrays import slices
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Sink, Tee
 from rubnoise.record.tally import Tally
@@ -100,9 +99,7 @@ def play(
 
 def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
     """Write a run from memory into a result file, and return which file that is (see Record.save)."""
-    scenario = record.scenario
-    if scenario is None:
-        raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
+    scenario = record.known_scenario()
     check_locks(path)
     check_output(path, force=force)
     check_disk_space(scenario, expected(scenario), path)
@@ -123,8 +120,7 @@ def figures_of(record: "Record", model: Model) -> dict[str, float | int | str]:
 def _play_again(record: "Record", sink: Sink) -> None:
     """Hand all rows of a run in memory to a sink, some at a time."""
     for group, columns in record.groups.items():
-        rows = next(iter(columns.values())).size
-        for part in slices(0, rows):
+        for part in slices(0, record.rows(group)):
             sink.write(group, part.start, {name: values[part] for name, values in columns.items()})
 
 

@@ -6,21 +6,16 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column_group import GROUP_HEADS, Columns, group_rows, listed
-from rubnoise.api.columns import Column
+from rubnoise.api.column_group import Columns, columns_by_group
 from rubnoise.api.result import Contents, Run
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.record.reader import Reader
-from rubnoise.storage import schema
+from rubnoise.record.reader import Attributes, Reader
 from rubnoise.storage.reader import open_run
-from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     from rubnoise.analysis.verification import ResultFile
@@ -62,7 +57,7 @@ class Record(MemoryRecord, Contents):
     @property
     def provenance(self) -> Mapping[str, float | int | str]:
         """Scenario and seed of the run, by the names that they have in a file; raises Refused without a scenario."""
-        return MemoryReader(self).provenance
+        return self.reader().provenance
 
     @property
     def summary(self) -> list[Agreement]:
@@ -71,26 +66,30 @@ class Record(MemoryRecord, Contents):
 
         return from_attributes(figures_of(self, self.model()))
 
+    def known_scenario(self) -> "Scenario":
+        """Return what was run; raises Refused if the record does not say."""
+        if self.scenario is None:
+            raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
+        return self.scenario
+
     def groups_by_name(self) -> Mapping[str, Columns]:
         """Return every group of columns by name."""
-        return {group.name: self._columns(group) for group in schema.GROUPS if group.name in self.groups}
+        return columns_by_group(self)
 
     @property
     def _pulse(self) -> Pulse:
         return self.pulse
-
-    def _columns(self, group: schema.Group) -> Columns:
-        arrays = self.groups[group.name]
-        stored = group.as_in(schema.motion_of(self.groups["junctions"]))
-        kept = [about for about in stored.columns if about.name in arrays]
-        return Columns(stored, {about.name: _column(about, arrays[about.name]) for about in kept})
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return {"title": self.scenario.title if self.scenario is not None else ""}
 
     def reader(self) -> Reader:
         """Return the rows with what their file would say of them; raises Refused without a scenario."""
-        return MemoryReader(self)
+        scenario = self.known_scenario()
+        origin: Attributes = {"scenario_resolved": json.dumps(scenario.resolved()), "seed": scenario.run.seed}
+        return MemoryReader(
+            self.extent, self.groups, self.pulse, attributes={"title": scenario.title}, provenance=origin
+        )
 
     def _file_of(self) -> "AbstractContextManager[ResultFile]":
         from rubnoise.api.answers import saved
@@ -101,51 +100,16 @@ class Record(MemoryRecord, Contents):
     def _called(self) -> str:
         return "the run in memory"
 
-    def __repr__(self) -> str:
-        return shortened([self._heading, *listed(self.groups_by_name())])
-
-    def _repr_html_(self) -> str:
-        return as_html(self._heading, GROUP_HEADS, group_rows(self.groups_by_name()))
-
-    @property
-    def _heading(self) -> str:
+    def _shown(self) -> tuple[str, Mapping[str, Columns]]:
         title = self.scenario.title if self.scenario is not None else ""
-        return f"a run in memory: {title}" if title else "a run in memory"
+        return f"a run in memory: {title}" if title else "a run in memory", self.groups_by_name()
 
 
-class MemoryReader:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MemoryReader(MemoryRecord):
     """A run in memory with what its file would say of it."""
 
-    def __init__(self, record: Record) -> None:
-        """Stand for a record; raises Refused for one without its scenario."""
-        if record.scenario is None:
-            raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
-        self._record = record
-        self.path = Path("memory")
-        self.extent = record.extent
-        self.attributes: Mapping[str, float | int | str] = {"title": record.scenario.title}
-        self.summary: Mapping[str, float | int | str] = {}
-        self.provenance: Mapping[str, float | int | str] = {
-            "scenario_resolved": json.dumps(record.scenario.resolved()),
-            "seed": record.scenario.run.seed,
-        }
-
-    @property
-    def columns(self) -> Mapping[str, tuple[str, ...]]:
-        """Names of the columns in each group."""
-        return {name: tuple(columns) for name, columns in self._record.groups.items()}
-
-    def rows(self, group: str) -> int:
-        """Return the number of rows of a group."""
-        return next(iter(self._record.groups[group].values())).size
-
-    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Return rows ``start`` to ``stop`` of a column."""
-        return self._record.groups[group][name][start:stop]
-
-
-def _column(about: schema.Dataset, values: NDArray[Any]) -> Column:
-    def read(start: int, stop: int) -> NDArray[Any]:
-        return values[start:stop]
-
-    return Column(about, values.size, read)
+    attributes: Attributes
+    provenance: Attributes
+    summary: Attributes = field(default_factory=dict)
+    path: Path = Path("memory")

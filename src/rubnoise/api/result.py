@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from copy import deepcopy
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from operator import index
 from pathlib import Path
 from types import TracebackType
@@ -16,17 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column_group import GROUP_HEADS, Columns, group_rows, listed
-from rubnoise.api.columns import Column
+from rubnoise.api.column_group import GROUP_HEADS, Columns, columns_by_group, group_rows, listed
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import Refused, RunFileRefused, needing
-from rubnoise.record.reader import Reader, Rows
+from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import OpenFile, RunFile, open_run
-from rubnoise.storage.schema import GROUPS
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import in_unit
 
@@ -91,7 +89,9 @@ class Junction:
         return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
 
 
-INSIDE: Final = frozenset({"reader", "write", "groups_by_name", "extent", "pulse"})
+INSIDE: Final = frozenset(
+    {"reader", "write", "groups_by_name", "extent", "pulse", "columns", "rows", "column", "known_scenario"}
+)
 """Names of a run that no user needs."""
 
 
@@ -239,6 +239,18 @@ class Contents(ABC):
     def _called(self) -> str:
         """What messages call the run."""
 
+    @abstractmethod
+    def _shown(self) -> tuple[str, Mapping[str, Columns]]:
+        """Return the line by which the run shows itself, and the groups that it lists below."""
+
+    def __repr__(self) -> str:
+        heading, groups = self._shown()
+        return shortened([heading, *listed(groups)])
+
+    def _repr_html_(self) -> str:
+        heading, groups = self._shown()
+        return as_html(heading, GROUP_HEADS if groups else (), group_rows(groups))
+
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
 
@@ -291,7 +303,7 @@ class Run(Opened, Contents):
     def __init__(self, file: RunFile) -> None:
         """Take over an open run file."""
         self._file: RunFile = file
-        self._found = {group.name: _columns(file, group.name) for group in GROUPS if group.name in file.columns}
+        self._groups = columns_by_group(file)
 
     @property
     def path(self) -> Path:
@@ -300,7 +312,7 @@ class Run(Opened, Contents):
 
     def groups(self) -> dict[str, Columns]:
         """Return every group of columns by name."""
-        return dict(self._found)
+        return dict(self._groups)
 
     @cached_property
     def scenario(self) -> "Scenario":
@@ -324,15 +336,10 @@ class Run(Opened, Contents):
         """Scenario, software, seed, command and times of the run."""
         return self._file.provenance
 
-    def __repr__(self) -> str:
+    def _shown(self) -> tuple[str, Mapping[str, Columns]]:
         if self._file.closed:
-            return f"{self.path}: a run, closed"
-        return shortened([f"{self.path}: {self.attributes['title']}", *listed(self._found)])
-
-    def _repr_html_(self) -> str:
-        if self._file.closed:
-            return as_html(f"{self.path}: a run, closed", (), ())
-        return as_html(f"{self.path}: {self.attributes['title']}", GROUP_HEADS, group_rows(self._found))
+            return f"{self.path}: a run, closed", {}
+        return f"{self.path}: {self.attributes['title']}", self._groups
 
     def reader(self) -> Reader:
         """Return the open file; raises RunFileRefused for an unfinished run."""
@@ -353,7 +360,7 @@ class Run(Opened, Contents):
 
     def groups_by_name(self) -> Mapping[str, Columns]:
         """Return every group of columns by name."""
-        return self._found
+        return self._groups
 
     @cached_property
     def _pulse(self) -> Pulse:
@@ -381,15 +388,3 @@ def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open rea
         if str(path) in shipped_names():
             raise RunFileRefused(f'{path}: is a scenario, not a result; rubnoise.simulate("{path}") runs it') from None
         raise
-
-
-def _columns(file: Rows, name: str) -> Columns:
-    features = schema.motion_of(file.columns["junctions"])
-    group = next(group for group in GROUPS if group.name == name).as_in(features)
-    rows = file.rows(name)
-    found = {
-        about.name: Column(about, rows, partial(file.column, name, about.name))
-        for about in group.columns
-        if about.name in file.columns[name]
-    }
-    return Columns(group, found)

@@ -14,11 +14,11 @@ _LINE = 64
 """Bytes at whose multiples columns begin, as the processor fetches them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class MemoryRecord:
     """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file.
 
-    ``pulse`` is the shape of the lives in it.
+    ``pulse`` is the shape of the lives in it. It takes rows as a Sink does, and gives them back as Rows.
     """
 
     extent: Extent
@@ -29,6 +29,19 @@ class MemoryRecord:
     def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
         """Return the columns of one group."""
         return self.groups[group]
+
+    @property
+    def columns(self) -> dict[str, tuple[str, ...]]:
+        """Names of the columns of each group."""
+        return {name: tuple(columns) for name, columns in self.groups.items()}
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        return int(next(iter(self.groups[group].values())).size)
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
+        return self.groups[group][name][start:stop]
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Keep rows of a group (see Sink)."""
