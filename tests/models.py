@@ -25,13 +25,13 @@ from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
-from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks, start
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.two_way import lived
 from tests.oracle.oscillator import Oscillator
 from tests.oracle.slow_contact import Rows
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.flights import Flights
+from rubnoise.analysis.landmarks import Flights
 from rubnoise.errors import Refused
 from rubnoise.figures.catalogue import HEARD, PICTURES, drawing, picture
 from rubnoise.figures.stretch import Stretch

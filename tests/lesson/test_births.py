@@ -12,7 +12,7 @@ from scipy import stats
 
 import rubnoise
 from rubnoise.lesson.page import page as page_text
-from rubnoise.lesson.replay import record_of
+from rubnoise.lesson.page import record_of
 from rubnoise.lesson.settings import settings_of
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, opened

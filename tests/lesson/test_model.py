@@ -12,7 +12,7 @@ from scipy.integrate import quad, solve_ivp
 import rubnoise
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of, half_life
 from rubnoise.contact.pulses import PULSES
-from rubnoise.lesson.replay import record_of
+from rubnoise.lesson.page import record_of
 from tests.lesson.node import FIGURE_5, WORLDS, answer, scenario_of, world_with
 
 # What the page predicts is what the package predicts, to six digits, wherever a knob may stand.
@@ -266,7 +266,7 @@ def test_another_junction_would_be_noticed(tmp_path: Path) -> None:
 
 
 def test_a_long_run_is_cut_where_the_page_is_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rubnoise.lesson.replay.MOST_ROWS", 100)
+    monkeypatch.setattr("rubnoise.lesson.page.MOST_ROWS", 100)
     page, run = replayed(world_with(), tmp_path)
     assert len(page["rows"]) == 100
     assert page["end"] == run["birth"][100]

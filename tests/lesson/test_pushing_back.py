@@ -8,7 +8,7 @@ import pytest
 
 import rubnoise
 from rubnoise.lesson.page import page as page_text
-from rubnoise.lesson.replay import record_of
+from rubnoise.lesson.page import record_of
 from rubnoise.lesson.settings import settings_of
 from rubnoise.scenario import load
 from tests.architecture.sources import ROOT

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 import rubnoise
-from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.two_way import lived
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.models import CoupledRun, coupled
 from tests.verification.scores import seed_of, z_scores

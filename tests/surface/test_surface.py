@@ -12,11 +12,10 @@ from scipy.special import ndtri
 
 import rubnoise
 from rubnoise.scenario import loads
-from rubnoise.surface.counting import patches
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap, without_form
 from rubnoise.surface.reading import read_surface
-from rubnoise.surface.sliding import slide
+from rubnoise.surface.sliding import patches, slide
 from rubnoise.surface.synthesis import self_affine
 from rubnoise.surface.waves import Waves, band_limited
 from tests.cli.terminal import call

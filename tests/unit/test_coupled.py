@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance, FrictionIntegral
-from rubnoise.analysis.stick_slip import StickSlip
+from rubnoise.analysis.landmarks import StickSlip
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Slider

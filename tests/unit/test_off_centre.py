@@ -25,16 +25,15 @@ from rubnoise.theory import off_centre
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance, joint_cumulants
 from rubnoise.theory.coupling import coupling, force_slope_std
-from rubnoise.theory.crossings import crossing_rate
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.estimated_spectrum import estimated_spectrum
-from rubnoise.theory.occupancy import count_covariance, count_from_empty, mean_count
+from rubnoise.theory.motion_cumulants import crossing_rate
+from rubnoise.theory.occupancy import area_from_empty, count_covariance, count_from_empty, mean_count
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.spectrum import density_at_zero, half_power_wavenumber, spectral_density, tail
 from rubnoise.theory.transform import energy_of, transform_of
-from rubnoise.theory.transient import area_from_empty
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 from tests.unit.test_theory_response import slider_of, stds_in_time

@@ -136,7 +136,7 @@ def test_no_force_without_a_strength_and_no_motion_without_a_slider() -> None:
 
 @pytest.mark.parametrize("slow", ["scipy.signal", "scipy.stats", "simpy", "h5py"])
 def test_the_theory_imports_nothing_slow_or_foreign(slow: str) -> None:
-    code = f"import sys, rubnoise.theory.exact, rubnoise.theory.motion_errors; sys.exit({slow!r} in sys.modules)"
+    code = f"import sys, rubnoise.theory.exact, rubnoise.theory.sampling; sys.exit({slow!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -14,9 +14,8 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.coupling import coupling, weak_coupling_change
-from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.motion_cumulants import junction_response, motion_cumulants
+from rubnoise.theory.motion_cumulants import crossing_rate, gaussian_crossing_rate, junction_response, motion_cumulants
 from rubnoise.theory.response import response
 from rubnoise.theory.spectrum import density_at_zero
 from tests.models import model as scenario_model

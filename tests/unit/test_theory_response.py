@@ -16,7 +16,6 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.motion_errors import expected_mean_displacement, mean_force_error, motion_errors
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.regular_births import spectral_lines
 from rubnoise.theory.response import (
@@ -25,7 +24,7 @@ from rubnoise.theory.response import (
     response,
     velocity_spectrum,
 )
-from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.sampling import expected_mean_displacement, mean_force_error, motion_errors, standard_errors
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
 from tests.unit.theory_models import FIG5_SLIDER, excess, model_of, one_size, paper_model
 

@@ -17,11 +17,10 @@ from rubnoise.theory.correlation import Powers, autocovariance, force_autocovari
 from rubnoise.theory.coupling import force_slope_std
 from rubnoise.theory.inversion import point_transform
 from rubnoise.theory.live_area import NODES, Piecewise, series
-from rubnoise.theory.occupancy import mean_count
+from rubnoise.theory.occupancy import area_from_empty, expected_mean_area, expected_mean_count, mean_count
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
-from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
 from tests.unit.theory_models import model_of, one_size, paper_model, regular
 
 PHASES = np.concatenate([np.geomspace(1e-8, 1e6, 90), np.linspace(1.0, 60.0, 60), [10.0, 20.0, 32.0, 31.999, 25.57]])

@@ -20,8 +20,8 @@ from rubnoise.simulation import draws
 from rubnoise.storage import writer
 from rubnoise.theory.base_excitation import base_response
 from rubnoise.theory.exact import exact
-from rubnoise.theory.motion_errors import motion_errors
 from rubnoise.theory.response import displacement_spectrum, response
+from rubnoise.theory.sampling import motion_errors
 from tests.cli.terminal import call
 from tests.models import contents, recorded
 

@@ -12,11 +12,11 @@ from rubnoise.model import Model, Slider
 from rubnoise.simulation.coupled import fold
 from rubnoise.simulation.coupled.fold import CoupledMotion, constants, look_back
 from rubnoise.simulation.coupled.motion import advance
-from rubnoise.simulation.coupled.past import lived, past
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.two_way import lived, past
 from tests.frozen import examples
 from tests.models import UNEQUAL, CoupledRun, coupled, field_of, model, oscillator_of
 from tests.oracle import coupled_slider

@@ -11,8 +11,8 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation.cells import cells_per_tick, narrow
 from rubnoise.simulation.kernels import choice, coarse, triangle
+from rubnoise.simulation.ticks import cells_per_tick, narrow
 from tests.models import FIG5_SLIDER, UNEQUAL, model, recorded
 from tests.models import model as figure_5
 from tests.oracle import dop853_slider, straight_slider, theta_slider

@@ -38,9 +38,14 @@ from rubnoise.scenario import load
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.motion_errors import MotionErrors, mean_displacement_error, motion_errors
 from rubnoise.theory.response import Response, response
-from rubnoise.theory.sampling import StandardErrors, standard_errors
+from rubnoise.theory.sampling import (
+    MotionErrors,
+    StandardErrors,
+    mean_displacement_error,
+    motion_errors,
+    standard_errors,
+)
 from tests.verification.scores import Held
 
 ROOT: Final = Path(__file__).resolve().parents[2]

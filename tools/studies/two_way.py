@@ -20,8 +20,8 @@ import numpy as np
 from small_png import small
 
 import rubnoise
+from rubnoise.analysis.landmarks import StickSlip
 from rubnoise.analysis.replicates import PooledEstimate, pooled
-from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.stretch import Stretch

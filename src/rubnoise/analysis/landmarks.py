@@ -1,4 +1,4 @@
-"""The landmarks of a run between two times, and how long what begins at one of them lasts."""
+"""The landmarks of a run between two times, and the sticks, slips, flights and impacts that they tell of."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
+from rubnoise.record.rows import ContactKind, LandmarkKind
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,3 +71,65 @@ def first_landmark(rows: Rows, time: float) -> int:
         else:
             high = middle
     return low
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flights:
+    """Flights and impacts between two times of a run.
+
+    begin, end: every flight in s, from contact lost to contact made, cut off at the two times; times: how long those
+    last that begin and end between them, in s; impacts, speeds: when contact is made, in s, and how fast the
+    overlap then grows, by sliding and by falling, in um/s.
+    """
+
+    begin: Doubles
+    end: Doubles
+    times: Doubles
+    impacts: Doubles
+    speeds: Doubles
+
+    @classmethod
+    def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
+        """Return the flights of a free run between two times in s, of ``most`` landmarks at most."""
+        found = Landmarks.of(rows, begin, end, most)
+        begins, ends, times = found.lasting(ContactKind.CONTACT_LOST, ContactKind.CONTACT_MADE)
+        made = found.kind == ContactKind.CONTACT_MADE
+        return cls(
+            begin=begins,
+            end=ends,
+            times=times,
+            impacts=found.time[made],
+            speeds=found.column("impact_speed")[made],
+        )
+
+    def share(self, begin: float, end: float) -> float:
+        """Return the share of the time from one to the other, in s, that the slider is off the surface."""
+        return float((self.end - self.begin).sum()) / (end - begin)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StickSlip:
+    """Sticks and slips between two times of a run.
+
+    stick_begin, stick_end: every stick in s, cut off at the two times; stick_times: how long those last that begin and
+    end between them, in s; slip_lengths: how far those slips go, in um, from a breakaway to the next stick or turn.
+    """
+
+    stick_begin: Doubles
+    stick_end: Doubles
+    stick_times: Doubles
+    slip_lengths: Doubles
+
+    @classmethod
+    def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
+        """Return the sticks and slips of a two-way run between two times in s, of ``most`` landmarks at most."""
+        found = Landmarks.of(rows, begin, end, most)
+        begins, ends, times = found.lasting(LandmarkKind.STICK, LandmarkKind.SLIP)
+        breakaways, distance = np.flatnonzero(found.kind == LandmarkKind.SLIP), found.column("distance")
+        slipped = breakaways[breakaways + 1 < distance.size]
+        return cls(
+            stick_begin=begins,
+            stick_end=ends,
+            stick_times=times,
+            slip_lengths=distance[slipped + 1] - distance[slipped],
+        )

@@ -18,16 +18,19 @@ from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
 from rubnoise.theory.drive import separation_of
 from rubnoise.theory.free_motion import free_motion
 from rubnoise.theory.load import load_errors, load_motion
-from rubnoise.theory.motion_errors import (
-    expected_mean_displacement,
-    mean_displacement_error,
-    mean_force_error,
-    motion_errors,
-)
 from rubnoise.theory.occupancy import count_variance, mean_count, mean_count_error
 from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.response import Response, response
-from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
+from rubnoise.theory.sampling import (
+    StandardErrors,
+    expected_mean_displacement,
+    force_standard_errors,
+    mean_area_error,
+    mean_displacement_error,
+    mean_force_error,
+    motion_errors,
+    standard_errors,
+)
 
 FEWEST_DECAYS = 10
 """Runs shorter than so many decay times of the slider get no standard errors of its motion."""

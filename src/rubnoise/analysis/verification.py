@@ -60,9 +60,8 @@ def _of_rows(
 ) -> tuple[list[Check], Check, list[Check]]:
     """Return the checks of rows, of areas by another formula, and of the summary if rows are right."""
     # Opening a result needs nothing of the simulation.
-    from rubnoise.analysis.verifying.columns import identity_check
+    from rubnoise.analysis.verifying.columns import identity_check, touch_check
     from rubnoise.analysis.verifying.replay import replay_checks
-    from rubnoise.analysis.verifying.touches import touch_check
 
     model = scenario.model()
     tally = Tally.of(model)
@@ -83,7 +82,7 @@ def _of_rows(
 
 def _areas(scenario: Scenario, run: HashedReader, streams: str) -> Check:
     """Return the check of areas; those of free motion need its summits, which other streams do not give."""
-    from rubnoise.analysis.verifying.touches import summit_check
+    from rubnoise.analysis.verifying.columns import summit_check
 
     model = scenario.model()
     if model.free is None:

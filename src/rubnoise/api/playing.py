@@ -21,8 +21,8 @@ from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_locks, check_output
 from rubnoise.storage.provenance import gather
+from rubnoise.storage.structure import Written
 from rubnoise.storage.writer import RunWriter
-from rubnoise.storage.written import Written
 
 if TYPE_CHECKING:
     from rubnoise.api.record import Record

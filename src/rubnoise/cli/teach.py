@@ -51,7 +51,7 @@ def _read(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":
     """Return the scenario, and of a finished result its junctions too."""
     from rubnoise import api
     from rubnoise.cli.loading import finished_run, is_result, scenario_of
-    from rubnoise.lesson.replay import record_of
+    from rubnoise.lesson.page import record_of
 
     if not is_result(source):
         return scenario_of(source), None

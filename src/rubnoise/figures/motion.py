@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.flights import Flights
-from rubnoise.analysis.landmarks import first_landmark
-from rubnoise.analysis.stick_slip import StickSlip
+from rubnoise.analysis.landmarks import Flights, StickSlip, first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import MOST_READ, Stretch, thinned

@@ -23,9 +23,8 @@ from rubnoise.figures.style import (
 )
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants, area_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.correlation import autocovariance, covariance_reach
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.lags import covariance_reach
 from rubnoise.theory.response import displacement_spectrum_per_hertz, response
 from rubnoise.theory.spectrum import spectral_density, tail, visible_lines
 

@@ -1,8 +1,10 @@
-"""Reading a scenario: from a file, a text or Python values to a Scenario, or to all of its problems at once."""
+"""Reading a scenario: from a file, a text, Python values or another scenario to a Scenario, or to all problems."""
 
 import json
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
@@ -10,7 +12,8 @@ from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled, plausibility
 from rubnoise.scenario.document import Document, SampledOutput, Slider
-from rubnoise.scenario.fields import FROM_PYTHON
+from rubnoise.scenario.fields import FROM_PYTHON, did_you_mean
+from rubnoise.scenario.keys import ALTERNATIVES, SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.measured_sizes import ReadSizes, with_values
 from rubnoise.scenario.problems import Path, Problem, in_order, report
@@ -121,3 +124,76 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
         physics=model,
         given=given.data,
     )
+
+
+EITHER = {
+    (table, key): tuple(other for way in ways if key not in way for other in way)
+    for table, several in ALTERNATIVES.items()
+    for ways in several
+    for key in (key for way in ways for key in way)
+}
+EITHER |= {("diameter", "values"): ("file", "column", "hash")}
+EITHER |= {("diameter", key): ("values", "hash") for key in ("file", "column")}
+"""Other ways to say what a key says: setting it takes their keys away."""
+
+
+def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """Return a scenario with other values of some keys (see Scenario.replace)."""
+    values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
+    # The seed and the engine may have been changed since the file was read.
+    values["run"] = dict(scenario.resolved()["run"])
+    places = [(*_place(name, value, values), value) for name, value in changes.items()]
+    named = {key for _, key, _ in places}
+    for table, key, value in places:
+        if not table:
+            _set(values, key, value)
+        elif value is None and table not in values:
+            continue
+        else:
+            there = values.get(table)
+            values[table] = dict(there) if isinstance(there, Mapping) else {}
+            for other in EITHER.get((table, key), ()) if value is not None else ():
+                if other not in named:
+                    values[table].pop(other, None)
+            _set(values[table], key, value)
+    changed = build_changed(values, {path for place in places for path in _paths(*place)})
+    return replace(changed, text=changed.to_toml())
+
+
+def _paths(table: str, key: str, value: Any) -> Iterator[Path]:
+    """Yield each changed key with its table: of a table that is given as a whole, each key in it."""
+    if table:
+        yield table, key
+    elif isinstance(value, Mapping):
+        yield from ((key, inner) for inner in value)
+
+
+def _set(table: dict[str, Any], key: str, value: Any) -> None:
+    if value is None:
+        table.pop(key, None)
+    elif isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
+        table[key] = {**table[key], **value}
+    else:
+        table[key] = value
+
+
+def _place(name: str, value: Any, values: Mapping[str, Any]) -> tuple[str, str]:
+    """Return the table of a key, empty at the top, and the key in it; raises ScenarioRefused for no such key.
+
+    A key of several tables is that of the only one that a scenario has.
+    """
+    table, dot, key = name.partition(".")
+    if dot:
+        return table, key
+    homes = [section for section, kind in SECTIONS.items() if name in kind.model_fields]
+    if name in Document.model_fields and not (homes and isinstance(value, str)):  # `load` is a table and a key
+        return "", name
+    homes = [section for section in homes if section in values] or homes
+    if len(homes) == 1:
+        return homes[0], name
+    if homes:
+        meant = " or ".join(f'"{home}.{name}"' for home in homes)
+        raise ScenarioRefused(f"replace: {name} is a key of several tables: say {meant}")
+    known = (*Document.model_fields, *(key for kind in SECTIONS.values() for key in kind.model_fields))
+    hint = did_you_mean(name, tuple(dict.fromkeys(known)))
+    raise ScenarioRefused(f"replace: no key {name}" + (f"; {hint}" if hint else ""))

@@ -65,7 +65,7 @@ class Scenario:
         >>> scenario.run.seed, scenario.sliding.distance, scenario.replace(speed="2 mm/s").sliding.speed
         (3, 5000.0, 2000.0)
         """
-        from rubnoise.scenario.changes import replaced
+        from rubnoise.scenario.reading import replaced
 
         return replaced(self, {**(changes or {}), **keys})
 

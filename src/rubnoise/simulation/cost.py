@@ -16,10 +16,9 @@ import numpy as np
 
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
-from rubnoise.simulation.cells import cells_per_tick, coupled_spacing, narrow
 from rubnoise.simulation.draws import births_drawn_at_once, births_per_block
 from rubnoise.simulation.extent import Engine
-from rubnoise.simulation.ticks import LARGEST_TICK_RANGE
+from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick, coupled_spacing, narrow
 
 REPEATS: Final = 5
 EVENTS: Final = 500

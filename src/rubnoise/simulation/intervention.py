@@ -11,8 +11,7 @@ from simpy.events import ProcessGenerator
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
-from rubnoise.simulation.live_set import LiveSet
-from rubnoise.simulation.process import DistanceClock
+from rubnoise.simulation.process import DistanceClock, LiveSet
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

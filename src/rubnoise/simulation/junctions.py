@@ -16,9 +16,8 @@ from rubnoise.contact.off_centre import half_life
 from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.intervention import Intervening
-from rubnoise.simulation.live_set import LiveSet
 from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.process import DistanceClock, LifeProcess, PromptProcess, Wait
+from rubnoise.simulation.process import DistanceClock, LifeProcess, LiveSet, PromptProcess, Wait
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import TickRange
 

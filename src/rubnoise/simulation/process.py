@@ -3,13 +3,18 @@
 The stock process is started by one event and announces its end by another. No process waits for a junction, and for it
 these two are nearly half of its cost. `PromptProcess` starts its generator where it is made, and makes its end an event
 only when a process waits for it. Interrupts, waiting for a process and conditions work as ever.
+`LiveSet` holds the processes of the junctions that are alive.
 """
 
+from dataclasses import replace
 from heapq import heapify, heappop, heappush
 from typing import Any, cast
 
+import numpy as np
 from simpy import Environment, Event, Process
 from simpy.events import NORMAL, ProcessGenerator, Timeout
+
+from rubnoise.simulation.state import LiveRows
 
 
 class Wait(Timeout):
@@ -146,3 +151,35 @@ class DistanceClock(Environment):
         number = next(self._eid)  # SimPy numbers its events, and keeps the number to itself
         made, self._counted = number - self._counted, number + 1
         return made
+
+
+class LiveSet:
+    """The junctions of a block, and which of them are alive: what the processes say, and nothing else.
+
+    ``processes`` holds the process of each junction that is alive, by its row number, in order of birth; interrupting
+    one ends that junction where the clock stands.
+    """
+
+    def __init__(self, carried: LiveRows, born: LiveRows, begin: float) -> None:
+        """Hold the rows of a block that begins at a distance (um); none has a process yet."""
+        self._rows = carried.then(born)
+        self._half_life = self._rows.half_life
+        self.joined = len(carried)
+        self.processes: dict[int, Process] = {}
+        self.numbers: list[int] = self._rows.junction.tolist()
+        self.departure: list[float] = self._rows.departure.tolist()
+        for row in np.flatnonzero(carried.death <= begin).tolist():
+            self.departure[row] = float(carried.death[row])
+
+    def birth_and_half_life(self, row: int) -> tuple[float, float]:
+        """Return a junction's birth and how far it slides to its mid-life (um)."""
+        return float(self._rows.birth[row]), float(self._half_life[row])
+
+    def rows(self) -> LiveRows:
+        """Return the junctions that have joined so far, with the departures of those that have left."""
+        return replace(self._rows, departure=np.array(self.departure)).part(0, self.joined)
+
+    def alive(self) -> LiveRows:
+        """Return the junctions that have a process now, in order of birth."""
+        numbers = np.fromiter(self.processes, np.int64, len(self.processes))
+        return self._rows.at(np.searchsorted(self._rows.junction, numbers))

@@ -10,7 +10,6 @@ from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.sink import Sink
 from rubnoise.simulation.batch import Ended, play_at_once
 from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
-from rubnoise.simulation.cells import cells_per_tick
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervening, Intervention
@@ -19,6 +18,7 @@ from rubnoise.simulation.load import load_propagator
 from rubnoise.simulation.observer import Notifier, Observer
 from rubnoise.simulation.slider import Propagator, propagator
 from rubnoise.simulation.state import State
+from rubnoise.simulation.ticks import cells_per_tick
 
 
 @lru_cache(maxsize=8)

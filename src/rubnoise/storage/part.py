@@ -20,16 +20,15 @@ from rubnoise.record.sink import Columns, Extent, Sink
 from rubnoise.storage import disk
 from rubnoise.storage.columns import ColumnFile, Mark
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.inspection import check_structure
 from rubnoise.storage.journal import Commit, Ending
 from rubnoise.storage.layout import ByteRange, Name, RunDescription, between, digest_of, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
 from rubnoise.storage.output import OutputPaths, is_file, reserve
 from rubnoise.storage.pages import PagedFile, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
+from rubnoise.storage.run_description import check_structure
 from rubnoise.storage.schema import CHUNK_ROWS, Feature, Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, enlarge
-from rubnoise.storage.written import Written
+from rubnoise.storage.structure import LIBRARY_VERSIONS, Written, complete, compose, enlarge
 
 SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""

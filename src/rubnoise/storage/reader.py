@@ -33,7 +33,7 @@ from rubnoise.storage.schema import FORMAT_VERSION, GROUPS, Feature, Scalar
 if TYPE_CHECKING:
     from rubnoise.storage.inventory import Inventory
     from rubnoise.storage.sandbox import LookName
-    from rubnoise.storage.written import Written
+    from rubnoise.storage.structure import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 

@@ -18,7 +18,6 @@ from rubnoise.record.reader import Attributes
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.inspection import check_structure
 from rubnoise.storage.journal import Ending, History, identity, state_at
 from rubnoise.storage.layout import RunDescription, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES
@@ -26,7 +25,7 @@ from rubnoise.storage.output import OutputPaths, give_final_name, is_being_writt
 from rubnoise.storage.part import Part, open_part
 from rubnoise.storage.provenance import TIME
 from rubnoise.storage.reader import RunFile, open_run, refusing
-from rubnoise.storage.run_description import description_of
+from rubnoise.storage.run_description import check_structure, description_of
 
 SUFFIX: Final = ".part"
 

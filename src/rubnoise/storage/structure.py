@@ -1,14 +1,17 @@
-"""The result file as HDF5 sees it: groups, datasets of final size, scales and attributes, without a single row."""
+"""The result file as HDF5 sees it: groups, datasets of final size, scales and attributes, without rows."""
 
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, Self
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
@@ -275,3 +278,57 @@ def _number_kind(dtype: str) -> h5py.h5t.TypeID:
 @cache
 def _scalar_space() -> h5py.h5s.SpaceID:
     return h5py.h5s.create(h5py.h5s.SCALAR)
+
+
+NamedColumn = tuple[tuple[str, str], ColumnFile]
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A file as it was when this process had written it, and what is in it if that is known (see read_structure)."""
+
+    file: os.stat_result
+    found: Mapping[str, Any] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        file: os.stat_result,
+        description: RunDescription,
+        columns: Iterable[NamedColumn],
+        summary: Mapping[str, Scalar],
+        finished: str,
+    ) -> Self:
+        """Return a whole file of plain columns."""
+        root = _as_stored(root_attributes(description))
+        provenance = _as_stored(provenance_attributes(description) | {"finished": finished})
+        del provenance[HASH]  # it stands apart, since it is taken of all the others
+        found = {
+            "features": sorted(description.features),
+            "columns": _columns(columns),
+            "attributes": {"value": root},
+            "summary": {"value": _as_stored(summary)},
+            "provenance": {"value": provenance},
+            "seal": {"value": seal_of(root, _as_stored(summary), provenance)},
+        }
+        return cls(file, found)
+
+    def is_still(self, now: os.stat_result) -> bool:
+        """Whether a file is this one, untouched."""
+        before = self.file
+        return os.path.samestat(before, now) and (before.st_size, before.st_mtime_ns) == (now.st_size, now.st_mtime_ns)
+
+
+def _columns(columns: Iterable[NamedColumn]) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for (group, name), column in columns:
+        place = {"rows": column.rows, "digest": {"value": column.digest()}, "offset": column.offset}
+        found.setdefault(group, {})[name] = place
+    return found
+
+
+def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    return {
+        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
+        for name, value in values.items()
+    }

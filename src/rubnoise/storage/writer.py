@@ -26,7 +26,7 @@ from rubnoise.storage.part import Part, compressed, make_part
 from rubnoise.storage.provenance import now
 from rubnoise.storage.resume import SUFFIX, TakenUp
 from rubnoise.storage.schema import Scalar
-from rubnoise.storage.written import Written
+from rubnoise.storage.structure import Written
 
 COMMIT_SECONDS: Final = 1.0
 """Between two commits at least: what a power cut may cost, and why a short run makes none."""

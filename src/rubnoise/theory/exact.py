@@ -14,23 +14,24 @@ from rubnoise.tables import as_html
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.coupling import Coupling, coupling
-from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import EstimatedSpectrum, estimated_spectrum
 from rubnoise.theory.free_motion import FreeMotion, free_motion
 from rubnoise.theory.load import LoadMotion, load_motion
-from rubnoise.theory.motion_cumulants import MotionCumulants, motion_cumulants
+from rubnoise.theory.motion_cumulants import MotionCumulants, crossing_rate, gaussian_crossing_rate, motion_cumulants
 from rubnoise.theory.occupancy import (
+    area_from_empty,
     count_from_empty,
     count_variance,
     expected_births,
     expected_junction_rows,
+    expected_mean_area,
+    expected_mean_count,
     length_biased_mean_diameter,
     mean_count,
 )
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import spectral_density
-from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
 from rubnoise.units import in_unit
 
 
@@ -126,7 +127,7 @@ class Exact:
     def crossing_rate(self, level: ArrayLike) -> Doubles:
         """Return how many times a second the displacement passes levels in um upwards, of any shape.
 
-        Rice's rate and what shot noise adds to it: see `rubnoise.theory.crossings`. Raises Refused without slider,
+        Rice's rate and what shot noise adds to it: see `motion_cumulants.crossing_rate`. Raises Refused without slider,
         strength, speed or damping, for births that are not Poisson, and where the slider swings too often in one life.
         """
         return crossing_rate(self.model, in_unit(level, "um"))

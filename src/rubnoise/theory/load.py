@@ -16,16 +16,16 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of, separation_of
-from rubnoise.theory.motion_errors import (
+from rubnoise.theory.quadrature import distinct, panels
+from rubnoise.theory.regular_births import need_random_births
+from rubnoise.theory.response import Rule, response, response_edges, response_rules
+from rubnoise.theory.sampling import (
     carried_momentum,
     force_std_error,
     mean_force_error,
     mean_square_variances,
     motion_errors,
 )
-from rubnoise.theory.quadrature import distinct, panels
-from rubnoise.theory.regular_births import need_random_births
-from rubnoise.theory.response import Rule, response, response_edges, response_rules
 from rubnoise.theory.spectrum import force_spectral_density, mean_spectral_density, spectral_density
 
 Regime = Literal["constant load", "resonance", "constant gap", "bouncing"]

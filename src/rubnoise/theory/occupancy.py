@@ -1,5 +1,6 @@
-"""How many junctions are alive: a queue with infinitely many servers in sliding distance."""
+"""How many junctions are alive, a queue with infinitely many servers; and count and area after an empty start."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, sqrt
 
@@ -7,10 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
+from rubnoise.theory import off_centre
 from rubnoise.theory.birth_noise import excess_of_count, has_noise_of_its_own
-from rubnoise.theory.lags import lag_rule
-from rubnoise.theory.quadrature import cut_size_rule
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.correlation import lag_edges, lag_rule, longest_life
+from rubnoise.theory.quadrature import cut_size_rule, panels
 from rubnoise.theory.regular_births import (
     are_at_random,
     count_lines,
@@ -138,3 +142,51 @@ def _lives_left(model: Model, lag: Doubles) -> Doubles:
     reach = lag[..., None]
     diameters, probabilities = cut_size_rule(model.sizes, 0.5 * reach, _NODES)
     return model.birth_rate * np.sum(probabilities * diameters * model.pulse.lives_left(reach / diameters), axis=-1)
+
+
+_EMPTY_NODES = 24
+_GROWTH_NODES = 16
+
+
+def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
+    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start.
+
+    Source: Campbell's theorem for births since s = 0 alone (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); it is
+    the stationary mean from the longest life on.
+    """
+    s = np.asarray(distance, dtype=np.float64)[..., None]
+    # Cut where a junction ends (d = s/2) and where it is at mid-life (d = s), so that each part is smooth in d.
+    diameters, probabilities = cut_size_rule(model.sizes, s * (0.5, 1.0), _EMPTY_NODES, rooted=True)
+    grown = diameters**3 * _area_so_far(model.pulse, s / diameters)
+    return model.birth_rate * np.sum(probabilities * grown, axis=-1)
+
+
+def expected_mean_area(model: Model, distance: float) -> float:
+    """Return the expected mean of A_r in um^2 over the first ``distance`` um, from the model's start."""
+    return _mean_from_start(model, distance, area_cumulants(model).mean, area_from_empty)
+
+
+def expected_mean_count(model: Model, distance: float) -> float:
+    """Return the expected mean of N over the first ``distance`` um, from the model's start."""
+    return _mean_from_start(model, distance, mean_count(model), count_from_empty)
+
+
+def _mean_from_start(
+    model: Model, distance: float, settled: float, from_empty: Callable[[Model, Doubles], Doubles]
+) -> float:
+    if model.start == "stationary":
+        return settled
+    reach = min(distance, longest_life(model))
+    s, weights = panels(lag_edges(model, reach), _GROWTH_NODES)
+    return (float(weights @ from_empty(model, s)) + (distance - reach) * settled) / distance
+
+
+def _area_so_far(pulse: Pulse, age: Doubles) -> Doubles:
+    """Return the integral of a life of unit diameter up to an age, which grows after mid-life as it grew before.
+
+    Off the centre line it is the mean over offsets.
+    """
+    if pulse.offset != "none":
+        return off_centre.area_so_far(pulse, age)
+    rising = pulse.area_so_far(1.0 - np.minimum(np.abs(1.0 - age), 1.0))
+    return np.where(age < 1.0, rising, pulse.life_integral(1) - rising)

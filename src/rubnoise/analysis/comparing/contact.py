@@ -11,12 +11,10 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.birth_noise import has_noise_of_its_own
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.correlation import autocovariance, joint_cumulants
-from rubnoise.theory.lags import lag_rule
-from rubnoise.theory.motion_errors import mean_force_error
+from rubnoise.theory.correlation import autocovariance, joint_cumulants, lag_rule
 from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
 from rubnoise.theory.regular_births import need_random_births
-from rubnoise.theory.sampling import mean_area_error, standard_errors
+from rubnoise.theory.sampling import mean_area_error, mean_force_error, standard_errors
 
 _ROUNDING = 2.0**-50
 _CONSTANT = 1e-9

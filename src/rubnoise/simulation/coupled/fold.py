@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
-from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, ForceField
 from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
@@ -19,6 +18,7 @@ from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.coupled.steps import WORK
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.ticks import coupled_spacing
 
 Earlier = Callable[[float, float], LiveRows]
 """All junctions that live between two distances (um), in order of birth: asked for where the slider runs far back."""
