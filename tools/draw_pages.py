@@ -1,7 +1,8 @@
 """Draw the pictures that explain the model: `.venv/bin/python tools/draw_pages.py`, after `tools/dev.py sync`.
 
 Each goes to docs/pictures/drawn as NAME.svg for a light page and NAME-dark.svg for a dark one. Curves are those of the
-program: lives from `rubnoise.simulate`, spectra from `rubnoise.exact`, the tree from the schema of the file.
+program: lives from `rubnoise.simulate`, spectra from `rubnoise.exact`, the tree from the schema of the file. All are
+so narrow that a phone shows their letters.
 """
 
 import sys
@@ -22,13 +23,16 @@ from rubnoise.storage.schema import GROUPS
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "pictures" / "drawn"
 BLUE, ORANGE, GREEN, PALE = "#2f7ed8", "#e07b1a", "#2a9d63", "#8a8f98"
 INK: Final = {"": "#1b1f24", "-dark": "#e3e6ea"}
+WIDTH: Final = 5.2
+"""Of a picture, in inches: 11 points are 10 px on a phone."""
+TREE_WIDTH: Final = 4.0
 SHOWN: Final = ("junctions", "trace", "slider", "load", "landmarks", "balance", "blocks", "life_curve")
 
 
 def sketch() -> Figure:
     """Draw two surfaces that touch at junctions, and the slider on its spring and damper."""
-    figure, axes = plt.subplots(figsize=(8.0, 3.6))
-    _bare(axes, (0.0, 16.0), (0.0, 7.2))
+    figure, axes = plt.subplots(figsize=(WIDTH, 3.2))
+    _bare(axes, (0.2, 15.0), (0.0, 7.9))
     x = np.linspace(0.4, 9.6, 400)
     lower = 1.9 + 0.28 * np.sin(2.1 * x) + 0.12 * np.sin(5.3 * x + 1.0)
     upper = 2.28 + 0.25 * np.sin(2.7 * x + 2.0) + 0.14 * np.sin(6.1 * x)
@@ -41,7 +45,7 @@ def sketch() -> Figure:
     axes.text(5.0, 3.7, "slider, mass $m$", ha="center")
     axes.text(5.0, 0.85, "surface that moves", ha="center")
     pointer = {"arrowstyle": "-", "color": mpl.rcParams["text.color"]}
-    axes.annotate("junction", (x[touch][0], lower[touch][0]), (0.6, 5.6), arrowprops=pointer)
+    axes.annotate("junction", (x[touch][0], lower[touch][0]), (0.4, 5.2), arrowprops=pointer)
     _arrow(axes, (1.0, 0.15), (3.0, 0.15), "$V$", (3.35, 0.02))
     _arrow(axes, (4.0, 5.0), (5.4, 5.0), "$x$", (5.65, 4.88))
     zigzag = np.linspace(9.6, 14.2, 13)
@@ -55,9 +59,9 @@ def sketch() -> Figure:
     axes.add_patch(Rectangle((14.2, 2.2), 0.4, 2.6, color=PALE))
     axes.text(14.4, 1.5, "wall", ha="center")
     axes.text(
-        5.0,
-        6.3,
-        "friction force $F_s$ = shear strength $\\psi$ times real contact area $A_r$",
+        7.0,
+        6.4,
+        "friction force $F_s$:\nshear strength $\\psi$ times real contact area $A_r$",
         ha="center",
         color=ORANGE,
     )
@@ -66,10 +70,10 @@ def sketch() -> Figure:
 
 def life() -> Figure:
     """Draw two circles at five distances of a life, above the area that they share."""
-    figure, (stage, curve) = plt.subplots(2, 1, figsize=(8.0, 4.4), height_ratios=(1.0, 1.5))
+    figure, (stage, curve) = plt.subplots(2, 1, figsize=(WIDTH, 4.0), height_ratios=(1.0, 1.5))
     _bare(stage, (-0.6, 2.6), (-0.42, 0.62))
     stage.set_aspect("auto")
-    ratio = 3.2 / 1.04 * (1.0 / 8.0) / (1.0 / 1.75)
+    ratio = 3.2 / 1.04 * (1.0 / WIDTH) / (1.0 / 1.5)
     for s in (0.0, 0.5, 1.0, 1.5, 2.0):
         for centre, colour in ((s + 0.16 * (s - 1.0), BLUE), (s - 0.16 * (s - 1.0), ORANGE)):
             circle = Circle((0.0, 0.0), 0.16, facecolor=colour, alpha=0.4, edgecolor=colour)
@@ -84,8 +88,8 @@ def life() -> Figure:
     curve.plot(distance, area, color=BLUE, linewidth=2.0)
     curve.fill_between(distance, area, color=BLUE, alpha=0.2)
     curve.axhline(1.0 / 3.0, color=ORANGE, linestyle="--")
-    curve.text(-0.57, 0.35, "mean over a life, $d^2/3$", color=ORANGE)
-    curve.text(1.0, 0.12, "area under the curve:  $\\frac{2}{3}\\,d^3$", ha="center")
+    curve.text(-0.57, 0.36, "mean over\na life $d^2/3$", color=ORANGE)
+    curve.text(1.0, 0.06, "area under\nthe curve\n$\\frac{2}{3}\\,d^3$", ha="center")
     curve.set(xlim=(-0.6, 2.6), ylim=(0.0, 0.9), xticks=(0.0, 0.5, 1.0, 1.5, 2.0), yticks=(0.0, np.pi / 4.0))
     curve.set_xticklabels(("0", "$d/2$", "$d$", "$3d/2$", "$2d$"))
     curve.set_yticklabels(("0", "$\\pi d^2/4$"))
@@ -96,7 +100,7 @@ def life() -> Figure:
 def shot_noise() -> Figure:
     """Draw the areas of the junctions of a stretch, and their sum."""
     record = rubnoise.simulate(rubnoise.example("paper/fig5").replace({"sliding.distance": "60 um"}), seed=2)
-    figure, (total, single) = plt.subplots(2, 1, figsize=(8.0, 4.4), sharex=True)
+    figure, (total, single) = plt.subplots(2, 1, figsize=(WIDTH, 4.0), sharex=True)
     distance, area = record.trace["distance"][:], record.trace["real_contact_area"][:]
     thin = slice(None, None, max(1, len(distance) // 500))
     mean = rubnoise.exact("paper/fig5").area.mean
@@ -115,9 +119,9 @@ def shot_noise() -> Figure:
 
 def couplings() -> Figure:
     """Draw the motion of one slider on the same junctions, with both couplings."""
-    figure, axes = plt.subplots(figsize=(8.0, 3.2))
+    figure, axes = plt.subplots(figsize=(WIDTH, 3.0))
     for name, colour, words in (
-        ("paper/fig5", PALE, "one-way: it feels the force, the contact does not feel it"),
+        ("paper/fig5", PALE, "one-way: the contact does not feel it"),
         ("paper/fig5_two_way", BLUE, "two-way: it sticks, then slips"),
     ):
         run = rubnoise.simulate(rubnoise.example(name).replace({"sliding.distance": "1.2 mm"}))
@@ -126,13 +130,13 @@ def couplings() -> Figure:
         thin = slice(None, None, max(1, int(shown.sum()) // 600))
         axes.plot(time[shown][thin], moved[shown][thin], color=colour, linewidth=1.4, label=words)
     axes.set(xlabel="time $t$ (s)", ylabel="displacement $x$ (µm)", xlim=(0.6, 1.1))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.2), ncols=2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.36))
     return figure
 
 
 def family() -> Figure:
     """Draw the spectra of the family's members on the same axes, each over the square of its mean."""
-    figure, axes = plt.subplots(figsize=(8.0, 4.6))
+    figure, axes = plt.subplots(figsize=(WIDTH, 5.8))
     k = np.geomspace(0.01, 6.0, 500)
     contact = rubnoise.build(
         {
@@ -156,17 +160,17 @@ def family() -> Figure:
         if not changes:
             axes.axhline(level[0], color=PALE, linestyle=":", label="Kilburn: white noise")
     axes.annotate(
-        "no noise: Bowden and Tabor, Block (mean alone),\nRabinowicz (regular triangles), Greenwood and Williamson",
+        "no noise: Bowden and Tabor,\nBlock (mean alone), Rabinowicz,\nGreenwood and Williamson",
         (0.012, 2e-8),
     )
     axes.set(xlabel="wavenumber $k$ (rad/µm)", ylabel="spectrum over mean$^2$ (µm)", ylim=(1e-8, 10.0))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.36), ncols=2)
+    figure.legend(loc="outside upper left")
     return figure
 
 
 def corner() -> Figure:
     """Draw the spectra of the friction force of three contacts of one mean area."""
-    figure, axes = plt.subplots(figsize=(8.0, 3.6))
+    figure, axes = plt.subplots(figsize=(WIDTH, 3.6))
     k = np.geomspace(0.02, 6.0, 400)
     strength = 250.0
     for count, colour in ((5, BLUE), (20, ORANGE), (80, GREEN)):
@@ -175,36 +179,32 @@ def corner() -> Figure:
         axes.loglog(k, level, color=colour, label=f"{count} junctions of {theory.mean_diameter:.1f} µm")
         at = 2.25 / theory.mean_diameter
         axes.plot([at], [strength**2 * theory.spectral_density(at)], "o", color=colour)
-    axes.annotate("level: number and strength", (0.03, 3e9), ha="left")
-    axes.annotate("corner (dots), $k\\,d \\approx 2.25$: size", (0.32, 1.2e10), ha="left")
+    axes.annotate("level: number and strength", (0.021, 1.7e10), ha="left")
+    axes.annotate("corner (dots),\n$k\\,d \\approx 2.25$: size", (0.75, 1e9), ha="left")
     axes.set(xlabel="wavenumber $k$ (rad/µm)", ylabel="spectrum of $F_s$ (µN² µm)", ylim=(1e4, 1e11))
     axes.legend(loc="lower left")
     return figure
 
 
 def tree() -> Figure:
-    """Draw the groups of a result, with the columns of each."""
-    groups = [group for group in GROUPS if group.name in SHOWN]
-    lines = [_wrapped([column.name for column in group.columns]) for group in groups]
-    height = sum(len(each) for each in lines) + len(lines) + 3
-    figure, axes = plt.subplots(figsize=(8.0, 0.21 * height))
+    """Draw the groups of a result, with the columns of each below its name."""
+    rows = [
+        (f"/{group.name}", _wrapped([column.name for column in group.columns]))
+        for group in GROUPS
+        if group.name in SHOWN
+    ]
+    rows += [("/summary", ["what was measured, beside theory"]), ("/provenance", ["how to repeat it"])]
+    height = sum(len(lines) + 1.3 for _, lines in rows) + 1.5
+    figure, axes = plt.subplots(figsize=(TREE_WIDTH, 0.2 * height))
     _bare(axes, (0.0, 10.0), (height, -1.0))
     axes.text(0.0, 0.0, "fig5.h5", weight="bold")
-    y = 1.2
-    for group, columns in zip(groups, lines, strict=True):
-        axes.plot([0.15, 0.15, 0.45], [0.5, y, y], color=PALE, linewidth=1.0)
-        axes.text(0.55, y, f"/{group.name}", color=BLUE, weight="bold", va="center")
-        for row, words in enumerate(columns):
-            axes.text(2.35, y + row, words, va="center", fontsize=9)
-        y += len(columns) + 0.6
-    for name, words in (
-        ("summary", "what was measured, beside what theory expects"),
-        ("provenance", "how to repeat it"),
-    ):
-        axes.plot([0.15, 0.15, 0.45], [0.5, y, y], color=PALE, linewidth=1.0)
-        axes.text(0.55, y, f"/{name}", color=BLUE, weight="bold", va="center")
-        axes.text(2.35, y, words, va="center", fontsize=9, style="italic")
-        y += 1.2
+    y = 1.4
+    for name, lines in rows:
+        axes.plot([0.15, 0.15, 0.5], [0.5, y, y], color=PALE, linewidth=1.0)
+        axes.text(0.65, y, name, color=BLUE, weight="bold", va="center")
+        for row, words in enumerate(lines, 1):
+            axes.text(0.65, y + row, words, va="center", fontsize=9.5)
+        y += len(lines) + 1.3
     return figure
 
 
@@ -261,7 +261,7 @@ def _arrow(axes: Axes, start: Place, end: Place, words: str, at: Place) -> None:
     axes.text(*at, words)
 
 
-def _wrapped(names: list[str], width: int = 66) -> list[str]:
+def _wrapped(names: list[str], width: int = 44) -> list[str]:
     lines = [""]
     for name in names:
         longer = f"{lines[-1]}, {name}" if lines[-1] else name
