@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -59,7 +60,8 @@ def command(
     if figures is not None or over is not None:
         raise typer.BadParameter("--figures and --over are for the folder of a sweep")
     if file.suffix == SUFFIX:
-        _show_part(file, as_json=as_json)
+        answer = part_as_json(file)
+        print(json.dumps(answer) if as_json else "\n".join(format_part(answer)))
         return
     with api.open(file) as run:
         if not run.provenance["finished"]:
@@ -79,12 +81,6 @@ def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json:
         if figures is not None:
             answer["estimates"] = estimates_as_json(sweep, [name.strip() for name in figures.split(",")], over)
     print(json.dumps(answer) if as_json else "\n".join(format_sweep(answer)))
-
-
-def _show_part(part: Path, *, as_json: bool) -> None:
-
-    answer = part_as_json(part)
-    print(json.dumps(answer) if as_json else "\n".join(format_part(answer)))
 
 
 def run_as_json(run: "Run", file: Path) -> dict[str, Any]:
@@ -240,10 +236,7 @@ def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
         "bytes": sum(file.stat().st_size for file in folder.rglob("*") if file.is_file()),
         "figures": list(sweep.figures),
         "summaries": list(sweep.summaries),
-        "failures": [
-            {"run_id": each.run_id, "values": dict(each.values), "replicate": each.replicate, "reason": each.reason}
-            for each in sweep.failures
-        ],
+        "failures": [asdict(each) for each in sweep.failures],
     }
 
 

@@ -10,6 +10,7 @@ import typer
 
 from rubnoise.cli.layout import filled, grouped, number, printable, table_row
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import finite
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
@@ -72,7 +73,7 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
         "death_distance": life.death_distance,
         "life_distance": life.life_distance,
         "birth_time": life.birth_time,
-        "mid_life_time": None if middle is None else _number(life.time(middle)),
+        "mid_life_time": None if middle is None else finite(life.time(middle)),
         "death_time": life.death_time,
         "diameter": life.diameter,
         "lateral_offset": life.lateral_offset,
@@ -80,7 +81,7 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
         "shear_strength": life.shear_strength,
         "peak": {
             "distance": life.peak_distance,
-            "time": _number(life.time(life.peak_distance)),
+            "time": finite(life.time(life.peak_distance)),
             "area": life.peak_area,
             "force": life.peak_force,
             "real_contact_area": life.real_contact_area,
@@ -89,12 +90,8 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
             "force_share": life.force_share,
             "others_alive": life.beside.rows.tolist(),
         },
-        "curve": {name: values.tolist() for name, values in life.curve().items()},
+        "curve": finite(life.curve()),
     }
-
-
-def _number(value: Any) -> float | None:
-    return None if value is None else float(value)
 
 
 def _check_options(picture: Path | None, *, plot: bool, force: bool, as_csv: bool, as_json: bool) -> None:

@@ -11,6 +11,7 @@ import typer
 
 from rubnoise.cli.layout import line, number, printable, remark, sentence
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import finite
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
@@ -262,7 +263,7 @@ def contents(contact: "SlidingContact") -> dict[str, Any]:
     waves = np.geomspace(0.02, 20.0, _WAVES) * np.pi / contact.cutoff
     tables: dict[str, dict[str, float | None]] = {name: {} for name in HEADINGS}
     for table, key, _, _, value in figures(contact):
-        tables[table][key] = value if isfinite(value) else None
+        tables[table][key] = finite(value)
     return {
         "track": _map(contact, 0),
         "slider": _map(contact, 1),

@@ -124,7 +124,10 @@ MOMENTS: Final[tuple[Told, ...]] = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """A group that is a curve: its heading, and of each column name, label and unit; the first is the abscissa."""
+    """A group that is a curve: its heading, and of each column name, label and unit; the first is the abscissa.
+
+    Braces in a label stand for the unit.
+    """
 
     heading: str
     columns: tuple[tuple[str, str, str], ...]
@@ -133,51 +136,47 @@ class Curve:
 CURVES: Final = {
     "spectrum": Curve(
         heading="spectral density of the area, two-sided",
-        columns=(("wavenumber", "k (rad/um)", "rad/um"), ("density", "S (um^4/(rad/um))", "um^4/(rad/um)")),
+        columns=(("wavenumber", "k ({})", "rad/um"), ("density", "S ({})", "um^4/(rad/um)")),
     ),
     "spectral_lines": Curve(
         heading="and the first of its lines",
-        columns=(("wavenumber", "k (rad/um)", "rad/um"), ("power", "power (um^4)", "um^4")),
+        columns=(("wavenumber", "k ({})", "rad/um"), ("power", "power ({})", "um^4")),
     ),
     "autocovariance": Curve(
         heading="autocovariance of the area",
-        columns=(("lag", "lag (um)", "um"), ("value", "R (um^4)", "um^4")),
+        columns=(("lag", "lag ({})", "um"), ("value", "R ({})", "um^4")),
     ),
     "third_octaves": Curve(
         heading="normal velocity in third octaves",
-        columns=(("frequency", "f (Hz)", "Hz"), ("velocity", "rms (um/s)", "um/s"), ("level", "dB re 50 nm/s", "dB")),
+        columns=(("frequency", "f ({})", "Hz"), ("velocity", "rms ({})", "um/s"), ("level", "dB re 50 nm/s", "dB")),
     ),
     "estimated_spectrum": Curve(
         heading="what Welch's method shows with {segments} segments of {ticks} ticks; {shown} of {bins} bins",
         columns=(
-            ("wavenumber", "k (rad/um)", "rad/um"),
-            ("density", "S (um^4/(rad/um))", "um^4/(rad/um)"),
+            ("wavenumber", "k ({})", "rad/um"),
+            ("density", "S ({})", "um^4/(rad/um)"),
             ("standard_error", "std error", "um^4/(rad/um)"),
         ),
     ),
     "crossings": Curve(
         heading="passages of the displacement upwards, whose skewness is {displacement_skewness}",
         columns=(
-            ("level", "level (um)", "um"),
-            ("rate", "rate (1/s)", "1/s"),
-            ("gaussian_rate", "if Gaussian (1/s)", "1/s"),
+            ("level", "level ({})", "um"),
+            ("rate", "rate ({})", "1/s"),
+            ("gaussian_rate", "if Gaussian ({})", "1/s"),
         ),
     ),
     "from_empty": Curve(
         heading="means after an empty start; over the whole run {run_area_mean} um^2 and {run_count_mean} junctions",
         columns=(
-            ("distance", "distance (um)", "um"),
-            ("area_mean", "area (um^2)", "um^2"),
+            ("distance", "distance ({})", "um"),
+            ("area_mean", "area ({})", "um^2"),
             ("count_mean", "junctions", "1"),
         ),
     ),
     "distribution": Curve(
         heading="distribution of the area, which is 0 with probability {atom_at_zero}",
-        columns=(
-            ("area", "area (um^2)", "um^2"),
-            ("density", "density (1/um^2)", "1/um^2"),
-            ("cdf", "P(A_r <= area)", "1"),
-        ),
+        columns=(("area", "area ({})", "um^2"), ("density", "density ({})", "1/um^2"), ("cdf", "P(A_r <= area)", "1")),
     ),
 }
 """The curves of an answer, in the order in which they are shown."""
@@ -262,7 +261,7 @@ def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two
 
 def _curve_lines(group: str, curve: Curve, answer: dict[str, Any]) -> Iterator[str]:
     """Yield a curve as a table, of lines and bins some."""
-    columns = {label: answer[name] for name, label, _ in curve.columns if name in answer}
+    columns = {label.format(unit): answer[name] for name, label, unit in curve.columns if name in answer}
     rows = list(zip(*columns.values(), strict=True))
     shown = _shown_rows(group, len(rows))
     yield from ("", sentence(words(curve.heading, answer | {"shown": len(shown), "bins": len(rows)})))
