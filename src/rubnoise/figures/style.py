@@ -177,8 +177,25 @@ def as_bytes(figure: "Figure", kind: Format) -> bytes:
     with warnings.catch_warnings():
         # A title in a script that the font lacks is drawn as boxes, which is no reason for a warning on the terminal.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
-        figure.savefig(stream, format=kind, dpi=DOTS_PER_INCH, metadata=_WITHOUT_ORIGIN[kind])
+        if kind == "png":
+            _write_png(figure, stream)
+        else:
+            figure.savefig(stream, format=kind, dpi=DOTS_PER_INCH, metadata=_WITHOUT_ORIGIN[kind])
     return stream.getvalue()
+
+
+def _write_png(figure: "Figure", stream: BytesIO) -> None:
+    """Write what `savefig` writes, which draws a figure twice to lay it out."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas, dots_per_inch = figure.canvas, figure.dpi
+    try:
+        figure.set_dpi(DOTS_PER_INCH)
+        drawn: Any = FigureCanvasAgg(figure)
+        drawn.print_png(stream, metadata=_WITHOUT_ORIGIN["png"])
+    finally:
+        figure.set_dpi(dots_per_inch)
+        figure.set_canvas(canvas)
 
 
 def as_png(figure: "Figure") -> bytes:
