@@ -298,7 +298,7 @@ CASES = [
     pytest.param(keep, name, seed, id=f"{name}-{keep}-{seed}")
     for keep in SWEEPS
     for name in COMMANDS
-    for seed in range(examples(1, 12) if name in PICTURES else examples(5, 60))
+    for seed in range(examples(1, 6) if name in PICTURES else examples(5, 24))
 ]
 
 

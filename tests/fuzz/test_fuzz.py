@@ -22,7 +22,7 @@ from tests.unit.tampering import tell
 
 # A few of the damaged and hostile files of `tools/fuzz_results.py`, and proof that the script would notice.
 ON_LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the limits are those of Linux")
-FEW = 24
+FEW = 12
 
 
 @pytest.fixture(scope="module")
@@ -131,8 +131,8 @@ def test_good_files_are_good(judge: Judge) -> None:
 
 # Traces that are damaged, hostile or of the wrong kind: `infer` answers or refuses, in bounded time and memory.
 SEED = 33
-COUNT = 304
-PER_TEST = 38
+COUNT = 152
+PER_TEST = 19
 SECONDS = 20.0
 """Ten are allowed; a copy of a large process takes some of its own where other tests share the processors."""
 

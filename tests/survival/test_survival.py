@@ -80,7 +80,7 @@ def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
 
 
 def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> None:
-    outcome = moments.sweeps(30, seed=3, stories=(BARE, COMPRESSED))
+    outcome = moments.sweeps(16, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
     assert outcome.counts["runs made anew"] > 0 < outcome.counts["runs found whole"]
     assert outcome.counts["runs found torn"] > 0 < outcome.counts["runs gone on with"]
@@ -99,7 +99,7 @@ def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest
 
 
 def test_bits_that_turn_get_no_final_name() -> None:
-    outcome = moments.flips(24, seed=3, stories=(BARE, COMPRESSED))
+    outcome = moments.flips(12, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
     assert outcome.counts["published"] > 0 < outcome.counts["whole: exit code 2"]
 
@@ -116,7 +116,7 @@ def test_a_gate_that_lets_all_pass_is_found_by_bits_that_turn(monkeypatch: pytes
 
 
 def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:
-    outcome = full.full(2, seed=3, stories=(BARE,), every=61)
+    outcome = full.full(2, seed=3, stories=(BARE,), every=127)
     assert outcome.findings == []
     assert outcome.counts["EIO: exit code 1"] > 0 < outcome.counts["ENOSPC: exit code 1"]
 
@@ -148,10 +148,10 @@ def test_a_part_that_is_not_kept_is_found_by_signals(monkeypatch: pytest.MonkeyP
 
 def test_rows_that_grow_beside_a_part_are_no_more_easily_lost() -> None:
     with growing((WITH_SLIDER, MOVING)):
-        outcome = moments.writes(1, seed=3, stories=(WITH_SLIDER,), every=29)
-        outcome.add(moments.power(16, seed=3, stories=(WITH_SLIDER,)))
+        outcome = moments.writes(1, seed=3, stories=(WITH_SLIDER,), every=61)
+        outcome.add(moments.power(8, seed=3, stories=(WITH_SLIDER,)))
         outcome.add(moments.flips(9, seed=3, stories=(WITH_SLIDER,)))
-        outcome.add(full.full(2, seed=3, stories=(WITH_SLIDER,), every=97))
+        outcome.add(full.full(1, seed=3, stories=(WITH_SLIDER,), every=199))
         outcome.add(kills.kills(4, seed=3, stories=(MOVING,)))
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0 < outcome.counts["stopped in the middle of a write"]
