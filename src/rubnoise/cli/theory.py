@@ -123,7 +123,7 @@ MOMENTS: Final[tuple[Told, ...]] = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Curve:
+class CurveTable:
     """A group that is a curve: its heading, and of each column name, label and unit; the first is the abscissa.
 
     Braces in a label stand for the unit.
@@ -134,23 +134,23 @@ class Curve:
 
 
 CURVES: Final = {
-    "spectrum": Curve(
+    "spectrum": CurveTable(
         heading="spectral density of the area, two-sided",
         columns=(("wavenumber", "k ({})", "rad/um"), ("density", "S ({})", "um^4/(rad/um)")),
     ),
-    "spectral_lines": Curve(
+    "spectral_lines": CurveTable(
         heading="and the first of its lines",
         columns=(("wavenumber", "k ({})", "rad/um"), ("power", "power ({})", "um^4")),
     ),
-    "autocovariance": Curve(
+    "autocovariance": CurveTable(
         heading="autocovariance of the area",
         columns=(("lag", "lag ({})", "um"), ("value", "R ({})", "um^4")),
     ),
-    "third_octaves": Curve(
+    "third_octaves": CurveTable(
         heading="normal velocity in third octaves",
         columns=(("frequency", "f ({})", "Hz"), ("velocity", "rms ({})", "um/s"), ("level", "dB re 50 nm/s", "dB")),
     ),
-    "estimated_spectrum": Curve(
+    "estimated_spectrum": CurveTable(
         heading="what Welch's method shows with {segments} segments of {ticks} ticks; {shown} of {bins} bins",
         columns=(
             ("wavenumber", "k ({})", "rad/um"),
@@ -158,7 +158,7 @@ CURVES: Final = {
             ("standard_error", "std error", "um^4/(rad/um)"),
         ),
     ),
-    "crossings": Curve(
+    "crossings": CurveTable(
         heading="passages of the displacement upwards, whose skewness is {displacement_skewness}",
         columns=(
             ("level", "level ({})", "um"),
@@ -166,7 +166,7 @@ CURVES: Final = {
             ("gaussian_rate", "if Gaussian ({})", "1/s"),
         ),
     ),
-    "from_empty": Curve(
+    "from_empty": CurveTable(
         heading="means after an empty start; over the whole run {run_area_mean} um^2 and {run_count_mean} junctions",
         columns=(
             ("distance", "distance ({})", "um"),
@@ -174,7 +174,7 @@ CURVES: Final = {
             ("count_mean", "junctions", "1"),
         ),
     ),
-    "distribution": Curve(
+    "distribution": CurveTable(
         heading="distribution of the area, which is 0 with probability {atom_at_zero}",
         columns=(("area", "area ({})", "um^2"), ("density", "density ({})", "1/um^2"), ("cdf", "P(A_r <= area)", "1")),
     ),
@@ -259,7 +259,7 @@ def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two
             yield from _curve_lines(group, curve, answer[group])
 
 
-def _curve_lines(group: str, curve: Curve, answer: dict[str, Any]) -> Iterator[str]:
+def _curve_lines(group: str, curve: CurveTable, answer: dict[str, Any]) -> Iterator[str]:
     """Yield a curve as a table, of lines and bins some."""
     columns = {label.format(unit): answer[name] for name, label, unit in curve.columns if name in answer}
     rows = list(zip(*columns.values(), strict=True))
