@@ -313,6 +313,7 @@ def test_the_ledger_is_written_as_a_page_and_as_json(rows: list[FieldClaim], tmp
     assert kept == json.loads(call("claims", "--field", "--json").out)["claims"]
     assert kept[0]["published"] == [0.5, None]
     page = (tmp_path / "field.md").read_text(encoding="utf-8")
+    assert f"| {A_ROW.source.label} | {A_ROW.label} | above 0.5 |" in page
     assert "- Someone 1956\n" in page
     again = call("claims", "--field", "-o", str(tmp_path))
     assert again.code == 2

@@ -22,7 +22,7 @@ from rubnoise.claims.field import FieldClaim, Known, Publication
 from rubnoise.cli import derivation, theory
 from rubnoise.cli import load as load_lines
 from rubnoise.cli.claims import claim_as_json, row_as_json
-from rubnoise.cli.rendering import Told
+from rubnoise.cli.rendering import LineWords
 from rubnoise.cli.surface import contents
 from rubnoise.model import Model
 from rubnoise.scenario import load
@@ -303,7 +303,7 @@ def _unknown(texts: Iterable[str], section: str, prefix: str = "", beside: tuple
     return [name for name in named if name not in beside and not _promised((*(prefix + name).split("."),), section)]
 
 
-def _ways(told: Iterable[Told]) -> list[str]:
+def _ways(told: Iterable[LineWords]) -> list[str]:
     return [way for _, *ways in told for way in ways]
 
 

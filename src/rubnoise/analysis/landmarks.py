@@ -1,5 +1,6 @@
 """The landmarks of a run between two times, and the sticks, slips, flights and impacts that they tell of."""
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -48,12 +49,11 @@ class Landmarks:
         before = self.kind[0] == ends if self.kind.size else self._kind_before() == begins
         return (
             np.concatenate([[self.begin] * bool(before), self.time[at]]),
-            np.concatenate([[self.time[0] if self.kind.size else self.end] * bool(before), self._next(at)]),
+            np.concatenate(
+                [[self.time[0] if self.kind.size else self.end] * bool(before), np.append(self.time, self.end)[at + 1]]
+            ),
             self.time[whole + 1] - self.time[whole],
         )
-
-    def _next(self, at: NDArray[np.intp]) -> Doubles:
-        return np.append(self.time, self.end)[at + 1]
 
     def _kind_before(self) -> int | None:
         if self.first == 0:
@@ -62,15 +62,10 @@ class Landmarks:
 
 
 def first_landmark(rows: Rows, time: float) -> int:
-    """Return the first landmark at or after a time in s, or their number where there is none."""
-    low, high = 0, rows.rows("landmarks")
-    while low < high:
-        middle = (low + high) // 2
-        if rows.column("landmarks", "time", middle, middle + 1)[0] < time:
-            low = middle + 1
-        else:
-            high = middle
-    return low
+    """Return the first landmark at or after a time in s, or their number if there is none."""
+    return bisect_left(
+        range(rows.rows("landmarks")), time, key=lambda row: float(rows.column("landmarks", "time", row, row + 1)[0])
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,7 +19,7 @@ reasons of each row, as [field.json](field.json); [another page](paper.md) has t
 | source | number | published | exact | simulated (95 %) | verdict |
 |---|---|---|---|---|---|"""
 
-_NO_TEST = """
+_FOOT = """
 The last rows are for [any slider under a load](theory.md#exponents-of-size-and-speed). The model lacks damping in the
 contact (Le Bot 2010, 2011), specimens with many modes (Othman 1990), and a drive from both sides (Rice and Moslehy
 1997).
@@ -40,7 +40,7 @@ def page(claims: Sequence[FieldClaim]) -> Iterator[str]:
     yield _HEAD
     yield from map(_row, claims)
     yield from (_under_a_load(*each) for each in _EXPONENTS)
-    yield _NO_TEST
+    yield _FOOT
     cited = {claim.source.label: claim.source for claim in claims if claim.source is not THIS_MODEL}
     yield from (_source(cited[label]) for label in sorted(cited))
     yield "\n</details>"

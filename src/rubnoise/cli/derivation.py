@@ -7,7 +7,7 @@ from typing import Any, Final
 from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.layout import ONE_WAY_ALONE, grouped, line, number, remark, too_short_for_motion
 from rubnoise.cli.load import format_load, load_as_json
-from rubnoise.cli.rendering import Told, lines
+from rubnoise.cli.rendering import LineWords, lines
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
@@ -74,7 +74,7 @@ def missing_resources(scenario: Scenario, file: Path) -> list[str]:
     return []
 
 
-SIZES: Final[tuple[Told, ...]] = (
+SIZES: Final[tuple[LineWords, ...]] = (
     ("mean diameter d_m", "{calibrated_diameter} um (calibration {calibration})"),
     ("mean life L_jm", "{mean_life_distance} um"),
     ("mean birth spacing s_jm", "{mean_birth_spacing} um"),
@@ -85,7 +85,7 @@ SIZES: Final[tuple[Told, ...]] = (
     ("natural frequency", "{slider.natural_frequency} Hz"),
     ("damping ratio", "{slider.damping_ratio}"),
 )
-MOTION: Final[tuple[Told, ...]] = (
+MOTION: Final[tuple[LineWords, ...]] = (
     ("displacement", "mean {displacement_mean}, std {displacement_std} um"),
     ("velocity", "std {velocity_std} um/s"),
     ("one-way validity", "{one_way_validity:.6g} (std of velocity over sliding speed)"),
@@ -93,7 +93,7 @@ MOTION: Final[tuple[Told, ...]] = (
     ("stick number", "{stick_number} (theta; a slow slider sticks above 1)"),
     ("expected change", "{expected_change:change} of std displacement, if two-way", "not known: {change_unknown}"),
 )
-COST: Final[tuple[Told, ...]] = (
+COST: Final[tuple[LineWords, ...]] = (
     ("rows", "{junctions:grouped} junctions, {ticks:grouped} ticks ({counted_by})"),
     ("slider", "{slider_rows_at_most:grouped} rows at most"),
     ("events", "{events:about}"),

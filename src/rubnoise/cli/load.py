@@ -6,7 +6,7 @@ from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.cli.layout import remark
-from rubnoise.cli.rendering import Told, lines
+from rubnoise.cli.rendering import LineWords, lines
 
 if TYPE_CHECKING:
     from rubnoise.theory.exact import Exact
@@ -21,7 +21,7 @@ WORTH_A_SHARE = 1e-4
 """Share of time with a negative load from which it is printed."""
 
 
-LINES: Final[dict[str, tuple[Told, ...]]] = {
+LINES: Final[dict[str, tuple[LineWords, ...]]] = {
     HELD: (("normal motion", "{regime}; the load that it takes varies by {load_variation:percent} (std over mean)"),),
     FREE: (
         ("normal motion", "free to leave the contact (V is {relative_speed} times c omega_c, N is {live})"),
@@ -38,7 +38,7 @@ LINES: Final[dict[str, tuple[Told, ...]]] = {
         ),
     ),
 }
-WEIGHED: Final[tuple[Told, ...]] = (
+WEIGHED: Final[tuple[LineWords, ...]] = (
     ("regime", "{regime} (V is {relative_speed} times c omega_c)"),
     ("contact resonance", "{contact_resonance} Hz, damping ratio {damping_ratio}"),
     ("separation", "std {separation_std} um"),

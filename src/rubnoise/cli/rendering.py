@@ -1,7 +1,7 @@
-"""How an answer, values by name, is told: as JSON without infinities, and as lines whose words name the values.
+"""How an answer, which has its values by name, is printed: as JSON without infinities, and as lines of words.
 
-`std {slider.velocity_std} um/s` has a number to seven digits; what stands after a colon says how else to write a value:
-a name of FORMS, or what Python's format takes.
+Words name values: `std {slider.velocity_std} um/s` prints a number to seven digits. After a colon stands another way to
+write a value: a name of FORMS, or a format of Python.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -14,8 +14,8 @@ from typing import Any, Final
 
 from rubnoise.cli.layout import about, duration, grouped, line, number, size
 
-Told = tuple[str, ...]
-"""A label and the words beside it; where several follow, those count first whose values are all known."""
+LineWords = tuple[str, ...]
+"""A label and the words beside it. Of several words, the first count whose values are all known, and else the last."""
 
 
 def plain(value: Any) -> str:
@@ -50,10 +50,10 @@ def words(text: str, answer: Mapping[str, Any]) -> str:
     return _Words().vformat(text, (), answer)
 
 
-def lines(answer: Mapping[str, Any], told: Iterable[Told]) -> Iterator[str]:
+def lines(answer: Mapping[str, Any], wanted: Iterable[LineWords]) -> Iterator[str]:
     """Yield the lines of an answer; a line with a value that the answer does not have is left out."""
     known = {name: value for name, value in answer.items() if value is not None}
-    for label, *ways, last in told:
+    for label, *ways, last in wanted:
         for way, values in (*((way, known) for way in ways), (last, answer)):
             with suppress(KeyError):
                 yield line(label, words(way, values))

@@ -13,7 +13,7 @@ from rubnoise.cli.layout import ONE_WAY_ALONE, line, printable, remark, sentence
 from rubnoise.cli.load import format_load
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.cli.plot import check_picture, write_picture
-from rubnoise.cli.rendering import Told, lines, plain, words
+from rubnoise.cli.rendering import LineWords, lines, plain, words
 
 
 def command(
@@ -110,7 +110,7 @@ BINS_SHOWN: Final = 8
 GUIDE_SKEWNESS: Final = 0.45
 """Of the displacement: up to there the series for passages was compared with the exact law."""
 
-MOMENTS: Final[tuple[Told, ...]] = (
+MOMENTS: Final[tuple[LineWords, ...]] = (
     ("mean diameter d_m", "{diameter.calibrated} um (calibration {calibration})"),
     ("diameters as drawn", "mean {diameter.mean} um"),
     ("of those found alive", "mean {diameter.length_biased_mean} um"),

@@ -59,7 +59,13 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
 
 
 def past(model: Model, seed: int, begin: float) -> LiveRows:
-    """Return the junctions that were born and had died before s = 0, back to all that live beyond ``begin`` (um)."""
+    """Return the junctions that were born and had died before s = 0, back to all that live beyond ``begin`` (um).
+
+    A slider that runs back further than junctions are carried needs them. They have streams of their own: Poisson
+    births are thinned to lives that ended before the start, which are independent of those alive there; regular births
+    go on backward at their spacing, with the diameters that the start has drawn for them. Gamma and scattered births
+    have one past, of which the start takes those alive. A contact that starts empty has no past.
+    """
     longest = 2.0 * largest_of(model.sizes)
     draw = _regular if isinstance(model.births, RegularBirths) else backward
     birth, diameter = draw(model, seed, begin - longest)

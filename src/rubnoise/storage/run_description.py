@@ -97,6 +97,8 @@ ELSEWHERE: Final = frozenset({"/ attribute source", f"/provenance attribute {HAS
 def check_structure(run: RunFile) -> None:
     """Raise RunFileRefused if anything of a part's structure is missing, too many or other than the program makes it.
 
+    A part found on the disk may be damaged, or made by anybody, in what no row and no hash covers: units, names,
+    meanings, links between columns, a group too many.
     Its ``structure`` is that of before the inspection, so that any later change of it shows.
     """
     _ = run.structure
