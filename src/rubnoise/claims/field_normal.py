@@ -193,7 +193,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
     return [
         FieldClaim(
             id="zouabi2016_slow",
-            label="share apart, 7 mm/s",
+            label="share of time apart, 7 mm/s",
             source=sources.ZOUABI_2016,
             statement="Contact is unbroken at low speed.",
             conditions=zouabi,
@@ -204,7 +204,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
         ),
         FieldClaim(
             id="zouabi2016_fast",
-            label="share apart, 121 mm/s",
+            label="share of time apart, 121 mm/s",
             source=sources.ZOUABI_2016,
             statement="The slider jumps at higher speed.",
             conditions=zouabi,
