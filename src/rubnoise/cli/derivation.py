@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
+from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.layout import ONE_WAY_ALONE, grouped, line, number, remark, too_short_for_motion
 from rubnoise.cli.load import format_load, load_as_json
@@ -14,7 +15,6 @@ from rubnoise.scenario import Scenario
 from rubnoise.simulation.ticks import cells_per_tick
 from rubnoise.storage.forecast import Budget, check_disk_space, counted, expected
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.theory.response import WORTH_A_WARNING, one_way_warning
 
 WORTH_A_NOTE = 0.01
 

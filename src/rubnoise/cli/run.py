@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, line, sentence, size
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
 from rubnoise.regular_file import STANDARD_INPUT
-from rubnoise.theory.response import WORTH_A_WARNING, one_way_warning
 
 if TYPE_CHECKING:
     from rubnoise.api import Run

@@ -6,12 +6,12 @@ from typing import Final
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.landmarks import Flights
+from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.free_motion import free_motion
 from rubnoise.theory.load import load_motion
-from rubnoise.theory.response import WORTH_A_WARNING, one_way_warning
 
 _SMALLEST, _LARGEST = 1e-4, 1e7  # of numbers that are written without a power of ten
 _RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

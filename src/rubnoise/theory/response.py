@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi, sqrt
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -178,16 +177,3 @@ def _moved(drive: Drive, wavenumber: Doubles, force: Doubles) -> Doubles:
     """Return the variances of displacement and velocity that variances of the force at wavenumbers bring."""
     displacement = force * drive.gain(wavenumber)
     return np.array([displacement.sum(), displacement @ np.square(drive.speed * wavenumber)])
-
-
-WORTH_A_WARNING: Final = 0.1
-"""Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
-
-
-def one_way_warning(validity: float) -> str:
-    """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
-    return (
-        f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
-        " which one-way coupling takes for constant; two-way coupling"
-        f' (slider.coupling = "two-way") is needed above {WORTH_A_WARNING:g}'
-    )
