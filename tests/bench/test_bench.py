@@ -1,5 +1,6 @@
 """The benchmark: its judge, what it makes of its numbers, a page and a picture."""
 
+import re
 import shutil
 from dataclasses import replace
 from datetime import date
@@ -188,6 +189,7 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
         in_memory={name: dict.fromkeys(FULL.ticks, timing(0.5)) for name in kept},
         memory={name: dict.fromkeys(FULL.memory, 150.0) for name in whole},
         startup=dict.fromkeys((startup.HELP, startup.RUN, startup.FIRST), startup.Wait(0.1, 0.1)),
+        beside=(startup.Beside(startup.RUN, timing(5.0), "import numba", timing(2.0)),),
     )
 
 
@@ -208,6 +210,7 @@ def test_ratios_are_of_the_same_call() -> None:
     assert "21 November 2026: a processor." in text
     assert "| rubnoise, batch | 2 | 0 % | 1 |" in text
     assert "| naive SimPy, RK4 | 110 | 0 % | 55 |" in text
+    assert re.search(r"\| rubnoise run, 80 junctions \| \S+ \| import numba \| \S+ \| 2.5 \|", text)
 
 
 def test_what_is_not_measured_is_said_to_be_missing() -> None:

@@ -304,3 +304,14 @@ def _starting(found: Results) -> Iterator[str]:
     yield ""
     rows = ((name, f"{wait.wall:.2f}", f"{wait.cpu:.2f}") for name, wait in found.startup.items())
     yield from table(("what", "clock, s", "CPU, s"), rows)
+    yield ""
+    yield "The next table shows CPU times beside those of the least that is needed. Both take turns, and the ratio is"
+    yield "that of their medians. A sweep writes a file for each run; its time includes the start of a process, shared"
+    yield f"by {found.plan.swept} runs."
+    yield ""
+    pairs = ((each.what, _ms(each.ours), each.least, _ms(each.bare), f"{each.ratio:.3g}") for each in found.beside)
+    yield from table(("what", "CPU, ms", "the least", "CPU, ms", "times"), pairs)
+
+
+def _ms(timing: Timing) -> str:
+    return f"{1e3 * timing.each:.3g}"

@@ -14,8 +14,8 @@ class Plan:
 
     ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths``,
     ``memory`` and, of our runs with a slider that pushes back and off the centre line, ``two_way`` and ``off_centre``
-    numbers of junctions. Whole runs need ticks
-    that are fine enough for each tool's slider.
+    numbers of junctions; ``swept`` is the number of short runs in a sweep. Whole runs need ticks that are fine enough
+    for each tool's slider.
     """
 
     quick: bool
@@ -26,6 +26,7 @@ class Plan:
     kernel_ticks: tuple[float, ...]
     lengths: tuple[int, ...]
     memory: tuple[int, ...]
+    swept: int
     two_way: int
     two_way_repeats: int
     off_centre: int
@@ -56,6 +57,7 @@ FULL = Plan(
     kernel_ticks=(3.0, 10.0, 30.0, 220.0, 2200.0),
     lengths=(10_000, 100_000, 1_000_000),
     memory=(100, 100_000, 1_000_000, 10_000_000),
+    swept=500,
     two_way=100_000,
     two_way_repeats=7,
     off_centre=100_000,
@@ -71,6 +73,7 @@ QUICK = Plan(
     kernel_ticks=(3.0, 30.0, 220.0),
     lengths=(1_000, 10_000, 100_000),
     memory=(100_000,),
+    swept=100,
     two_way=20_000,
     two_way_repeats=1,
     off_centre=20_000,

@@ -13,7 +13,7 @@ from bench.off_centre import Contact, OffCentreTimings
 from bench.peers import c_kernel
 from bench.plan import Plan
 from bench.speed import Growth, Timings
-from bench.startup import Wait
+from bench.startup import Beside, Wait
 from bench.two_way import CoupledTimings
 
 Tell = Callable[[str], None]
@@ -39,6 +39,7 @@ class Results:
     in_memory: Growth
     memory: dict[str, dict[int, float]]
     startup: dict[str, Wait]
+    beside: tuple[Beside, ...]
 
     def faults(self) -> Iterator[str]:
         """Yield a sentence for everything that was computed wrong, or was timed and never checked."""
@@ -106,4 +107,5 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
         in_memory=kept,
         memory=memory.measured(runs(engines), plan.memory, folder),
         startup=startup.measured(fastest, folder, repeats=plan.repeats),
+        beside=tuple(startup.beside(fastest, folder, repeats=plan.repeats, swept=plan.swept, junctions=plan.two_way)),
     )

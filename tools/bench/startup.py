@@ -1,25 +1,33 @@
-"""What a user waits for before anything is computed: new processes, the compiled code kept or not."""
+"""What a user waits for before anything is computed, and what is small beside the least that it needs."""
 
 import json
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
+import rubnoise
+from bench import ours
 from bench.case import Case
-from bench.clock import cpu_time
+from bench.checks import Wrong
+from bench.clock import Task, Timing, cpu_time, interleaved
 
 PROGRAM = Path(sys.executable).with_name("rubnoise")
 FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
 JUNCTIONS = 80
 HELP = "rubnoise --help"
 RUN = f"rubnoise run, {JUNCTIONS} junctions"
+THEORY = "rubnoise theory, Weibull sizes"
+REPORT = "rubnoise report, Figure 5"
 IMPORT = "import rubnoise's functions, read a scenario"
 FIRST = "first run after that, beyond a second one"
 COMPILING = "the same with nothing compiled before"
+FEW = 3
+"""Repeats of what takes seconds."""
+
 # Python keeps what it has compiled unless a variable forbids it, and the first of these processes is not counted.
 VARIABLES = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 FRESH = f"""
@@ -53,18 +61,86 @@ class Wait:
 
 def measured(engine: str, folder: Path, repeats: int) -> dict[str, Wait]:
     """Return the best waits of some; the one without any compiled code kept is taken once."""
-    run = [str(PROGRAM), "run", str(FIGURE_5), f"--set=sliding.distance={JUNCTIONS * Case().mean_gap:.4g} um"]
-    run += [f"--set=run.engine={engine}", "--force", "-q", f"--output={folder / 'small.h5'}"]
+    run = _run(engine, folder)
     _called(run)
     fresh = [_fresh(engine, VARIABLES) for _ in range(repeats)]
+    whole, page = str(folder / "whole.h5"), str(folder / "page.html")
+    _called([str(PROGRAM), "run", str(FIGURE_5), "--force", "-q", f"--output={whole}"])
+    theory = [str(PROGRAM), "theory", str(FIGURE_5), "--set=diameter.law=weibull", "--set=diameter.spread=50 %"]
+    report = [str(PROGRAM), "report", whole, "--force", f"--output={page}"]
     nothing_kept = {**VARIABLES, "NUMBA_CACHE_DIR": str(folder / "compiled")}
     return {
         HELP: min(_called([str(PROGRAM), "--help"]) for _ in range(repeats)),
         RUN: min(_called(run) for _ in range(repeats)),
+        THEORY: min(_called(theory) for _ in range(repeats)),
+        REPORT: min(_called(report) for _ in range(min(repeats, FEW))),
         IMPORT: min(imported for imported, _ in fresh),
         FIRST: min(first for _, first in fresh),
         COMPILING: _fresh(engine, nothing_kept)[1],
     }
+
+
+@dataclass(frozen=True)
+class Beside:
+    """CPU times of something of ours and of the least that it needs, taken in turns."""
+
+    what: str
+    ours: Timing
+    least: str
+    bare: Timing
+
+    @property
+    def ratio(self) -> float:
+        """Return how many times as long ours takes."""
+        return self.ours.each / self.bare.each
+
+
+def beside(engine: str, folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterator[Beside]:
+    """Yield what ours takes beside the least that it needs: ``swept`` short runs, a run of many ``junctions``."""
+    short = [ours.scenario(Case(junctions=JUNCTIONS), engine, seed=seed) for seed in range(1, swept + 1)]
+    long, path = ours.scenario(Case(junctions=junctions), engine), folder / "verified.h5"
+
+    def sweep() -> None:
+        with rubnoise.run_sweep(short[0], replicates=swept, jobs=1) as made:
+            if made.count("done") != swept:
+                raise Wrong(f"a sweep: only {made.count('done')} of {swept} runs were made")
+
+    def verify() -> None:
+        with rubnoise.open(path) as made:
+            if not made.verify().passed:
+                raise Wrong("verify: a run that was just made differs")
+
+    check = [str(PROGRAM), "check", str(FIGURE_5)]
+    pairs = (
+        ("rubnoise check", _process(check), "import numpy", _process([sys.executable, "-c", "import numpy"])),
+        (RUN, _process(_run(engine, folder)), "import numba", _process([sys.executable, "-c", "import numba"])),
+        (
+            f"a run of {JUNCTIONS} junctions in a sweep",
+            Task(sweep, swept),
+            "the same in memory",
+            Task(lambda: [rubnoise.simulate(each) for each in short], swept),
+        ),
+        (
+            f"verify a run of {junctions:,} junctions, each".replace(",", " "),
+            Task(verify, junctions),
+            "the run, into a file",
+            Task(lambda: rubnoise.run(long, path, force=True).close(), junctions),
+        ),
+    )
+    for what, task, least, bare in pairs:
+        bare.call()
+        task.call()
+        times = interleaved({least: bare, what: task}, repeats)
+        yield Beside(what, times[what], least, times[least])
+
+
+def _process(command: list[str]) -> Task:
+    return Task(lambda: _called(command), 1.0)
+
+
+def _run(engine: str, folder: Path) -> list[str]:
+    run = [str(PROGRAM), "run", str(FIGURE_5), f"--set=sliding.distance={JUNCTIONS * Case().mean_gap:.4g} um"]
+    return [*run, f"--set=run.engine={engine}", "--force", "-q", f"--output={folder / 'small.h5'}"]
 
 
 def _called(command: list[str]) -> Wait:
