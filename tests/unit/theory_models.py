@@ -83,10 +83,10 @@ class WideLaw:
     relative_spread: float
 
     def draw(self, uniform: Doubles) -> Doubles:
-        raise NotImplementedError
+        raise AssertionError("the theory draws nothing")
 
     def draw_length_biased(self, generator: np.random.Generator, count: int) -> Doubles:
-        raise NotImplementedError
+        raise AssertionError("the theory draws nothing")
 
 
 @dataclass(frozen=True)

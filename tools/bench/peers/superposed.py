@@ -1,13 +1,12 @@
 """superposed-pulses, the package on the index for shot noise, with the junction's life as its pulse; then lsim."""
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 os.environ.setdefault("TQDM_DISABLE", "1")  # its progress bar costs time, and is not the point
 
 import numpy as np
-from superposedpulses.forcing import Forcing, ForcingGenerator
+from superposedpulses.forcing import Forcing
 from superposedpulses.point_model import PointModel
 from superposedpulses.pulse_shape import ShortPulseGenerator
 
@@ -34,8 +33,8 @@ class Lens(ShortPulseGenerator):  # type: ignore[misc]
         return duration + self.tick
 
 
-class Junctions(ForcingGenerator):  # type: ignore[misc]
-    """Poisson births in place of the package's fixed number of arrivals."""
+class Junctions:
+    """Poisson births in place of the package's fixed number of arrivals; all that its model asks a generator for."""
 
     def __init__(self, birth: Doubles, diameter: Doubles) -> None:
         """Hand out these junctions."""
@@ -44,14 +43,6 @@ class Junctions(ForcingGenerator):  # type: ignore[misc]
     def get_forcing(self, times: Doubles, waiting_time: float) -> Forcing:  # noqa: ARG002
         """Return all junctions, whatever the times."""
         return self.forcing
-
-    def set_amplitude_distribution(self, amplitude_distribution_function: Callable[[int], Doubles]) -> None:
-        """Refuse: the amplitudes are given."""
-        raise NotImplementedError("amplitudes are those of the junctions")
-
-    def set_duration_distribution(self, duration_distribution_function: Callable[[int], Doubles]) -> None:
-        """Refuse: the durations are given."""
-        raise NotImplementedError("durations are those of the junctions")
 
 
 def superpose(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
