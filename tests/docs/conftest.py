@@ -1,6 +1,6 @@
 """Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
 
-The daily tests do not evaluate claims again, which is left to tests/verification; --all does.
+Claims are not evaluated again: tests/verification evaluates them once, and lets the command tell what it found.
 """
 
 import os
@@ -13,7 +13,6 @@ import rubnoise
 from rubnoise.claims import catalogue
 from tests.architecture.sources import ROOT
 from tests.cli.test_json_contract import A_CLAIM, A_ROW
-from tests.frozen import Wishes
 
 
 @pytest.fixture(scope="session")
@@ -38,7 +37,6 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("PATH", f"{commands}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.chdir(here)
-    if not Wishes.everything:
-        monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
-        monkeypatch.setattr(catalogue, "evaluate_field", lambda _: (A_ROW,))
+    monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
+    monkeypatch.setattr(catalogue, "evaluate_field", lambda _: (A_ROW,))
     return here

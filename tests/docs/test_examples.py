@@ -249,7 +249,12 @@ def test_its_pictures_are_there_and_small() -> None:
     assert sum(len(content) for name, content in files.items() if name.startswith("gallery/")) < 1_000_000
 
 
-def test_its_pictures_are_what_its_commands_draw(tmp_path: Path) -> None:
+def test_its_pictures_are_what_its_commands_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def called(_folder: Path, command: str) -> None:
+        assert call(*split(command)[1:]).code == 0, command
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tool, "call", called)
     tool.draw(tmp_path, tmp_path / "pictures")
     for path in (tmp_path / "pictures" / "gallery").iterdir():
         with Image.open(path) as new, Image.open(tool.PICTURES / "gallery" / path.name) as old:

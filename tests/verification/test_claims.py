@@ -235,6 +235,14 @@ def test_there_are_enough_rows_and_each_says_where_it_is_from(field_claims: dict
         assert claim.scenario is None or shipped(claim.scenario).is_file()
 
 
+def test_all_rows_are_told(field_claims: dict[str, FieldClaim], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(catalogue, "evaluate_field", lambda _: tuple(field_claims.values()))
+    answer = call("claims", "--field")
+    assert (answer.code, answer.err) == (0, "")
+    heads = [f"{claim.id}: {claim.verdict.value} ({claim.source.known.value})" for claim in field_claims.values()]
+    assert [line for line in answer.out.splitlines() if line in heads] == heads
+
+
 def test_every_row_could_disagree_and_some_do(field_claims: dict[str, FieldClaim]) -> None:
     verdicts = {claim.verdict for claim in field_claims.values()}
     assert verdicts == {FieldVerdict.AGREES, FieldVerdict.DISAGREES}
