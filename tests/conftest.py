@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from tests import frozen, times, warm
+from tests import blas, frozen, times, warm  # noqa: F401  (blas sets what numpy reads, before the others load it)
 from tests.frozen import Wishes
 
 ROOT = Path(__file__).parents[1]

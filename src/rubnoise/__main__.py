@@ -13,6 +13,8 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     # Plug-ins of pydantic, of which we use none, are looked for in all that is installed.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    for library in ("OMP", "OPENBLAS", "MKL"):  # of matrices as small as ours, further threads only burn time waiting
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     from rubnoise.cli.app import main as command_line
 
     if usual:

@@ -227,6 +227,24 @@ with rubnoise.open(sys.argv[1]) as run:
 """
 
 
+THREADS = """
+import atexit, os
+atexit.register(lambda: print(os.environ["OPENBLAS_NUM_THREADS"]))
+from rubnoise.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("asked", ["", "3"])
+def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, asked: str
+) -> None:
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    if asked:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", asked)
+    assert spawn_program(THREADS, "--version").out.splitlines()[-1] == (asked or "1")
+
+
 @pytest.mark.parametrize("numbers", CLOSED, ids=str)
 def test_streams_that_are_closed_keep_nothing_from_being_written_and_read(here: Path, numbers: list[int]) -> None:
     closed = " ".join(map(str, numbers))
