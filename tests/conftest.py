@@ -26,9 +26,7 @@ settings.load_profile("repeatable")
 @pytest.fixture(scope="session", autouse=True)
 def warm_workers() -> Iterator[None]:
     """Fork the processes of sweeps from one that has loaded the program, and compile each kernel once."""
-    from tests.turns import take_turns  # it loads numba, which the process that distributes tests does not need
-
-    take_turns()
+    warm.take_turns()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rubnoise.sweep.pool.subprocess", warm.warm_workers())
         yield

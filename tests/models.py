@@ -32,7 +32,7 @@ from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.two_way import lived
-from tests.oracle.oscillator import Oscillator
+from tests.oracle.sliders import Oscillator
 from tests.oracle.slow_contact import Rows
 
 # Models for the tests, built from a few numbers without a scenario file.

@@ -1,14 +1,17 @@
-"""The command line in processes of their own that need not load it first: copies of one that has (see warm_parent)."""
+"""Processes of the tests: copies of one that has loaded the command line (see warm_parent), and turns at compiling."""
 
 import atexit
+import fcntl
 import json
 import os
 import select
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock
 from types import SimpleNamespace
 from typing import Any
 
@@ -93,3 +96,53 @@ def _channel() -> socket.socket:
 def _end(channel: socket.socket, parent: "subprocess.Popen[bytes]") -> None:
     channel.close()
     parent.wait()
+
+
+# One process at a time compiles kernels; the others wait and load its machine code from the cache.
+WAITING = RLock()
+DEPTH = [0]
+
+
+def take_turns() -> None:
+    """Make this process and its copies wait while another process that takes turns compiles."""
+    from numba.core.dispatcher import Dispatcher  # which the process that distributes tests does not need
+
+    from rubnoise.cli import progress
+
+    plain = Dispatcher.compile
+    # Which test compiles what others then load is a matter of chance; what they print is not.
+    progress._say_compiling = lambda: None
+
+    def compile_in_turn(dispatcher: Any, signature: Any) -> Any:
+        if _kept(dispatcher, signature):
+            return plain(dispatcher, signature)
+        with _turn():
+            return plain(dispatcher, signature)
+
+    Dispatcher.compile = compile_in_turn
+
+
+def _kept(dispatcher: Any, signature: Any) -> bool:
+    """Return whether the machine code is in the cache, or there is no cache."""
+    cache = dispatcher._cache
+    if not hasattr(cache, "_cache_file"):
+        return True
+    dispatcher.targetctx.refresh()
+    return cache._index_key(signature, dispatcher.targetctx.codegen()) in cache._cache_file._load_index()
+
+
+@contextmanager
+def _turn() -> Iterator[None]:
+    """Hold a lock on a source file; a kernel may compile other kernels while it holds it."""
+    from rubnoise import compiling
+
+    with WAITING, Path(compiling.__file__).open("rb") as file:
+        if not DEPTH[0]:
+            fcntl.flock(file, fcntl.LOCK_EX)
+        DEPTH[0] += 1
+        try:
+            yield
+        finally:
+            DEPTH[0] -= 1
+            if not DEPTH[0]:
+                fcntl.flock(file, fcntl.LOCK_UN)  # a copy of this process may still have the file open

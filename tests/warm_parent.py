@@ -24,7 +24,7 @@ from typing import NoReturn
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests import turns, warm
+from tests import warm
 
 MOST_DESCRIPTORS = 16
 CHANNEL, OUT_OF_THE_WAY = 499, 500
@@ -36,7 +36,7 @@ def load() -> None:
     from rubnoise.lesson.page import readings
     from rubnoise.sweep import pool
 
-    turns.take_turns()
+    warm.take_turns()
     pool.subprocess = warm.warm_workers()
     for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise."):
         if not module.name.endswith("__main__"):

@@ -37,11 +37,11 @@ print(*(name for name in __cpu_dispatch__ if __cpu_features__[name]))
 PROBE = """
 import json, math, zlib
 import numpy as np
-from tests.golden import draws, hashes
+from tests.golden import hashes
 x = np.linspace(0.1, 9.0, 100_000)
 libraries = [np.exp(x), np.array([math.exp(value) ** 1.7 for value in x.tolist()])]
 exponentials = zlib.crc32(np.concatenate(libraries).tobytes())
-print(json.dumps({"numpy": np.__version__, "exp": exponentials, "runs": hashes.hashes(), "draws": draws.hashes()}))
+print(json.dumps({"numpy": np.__version__, "exp": exponentials, "runs": hashes.hashes(), "draws": hashes.draws()}))
 """
 """Beside the hashes, the exponentials and powers of numpy and of the C library: what a setting is able to change."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

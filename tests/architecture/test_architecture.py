@@ -17,6 +17,7 @@ import pytest
 import rubnoise
 from rubnoise import api
 from tests.architecture.sources import PACKAGE, ROOT, files, imported_packages, undocumented
+from tests.times import slow
 from tools import package_map
 
 # Imports go down only, as the contract in pyproject.toml says.
@@ -235,3 +236,11 @@ def test_public_names_of_every_file_are_documented() -> None:
 def test_a_missing_docstring_is_found() -> None:
     text = "def a(): 'x'\ndef b(): ...\nclass C:\n    'x'\n    def d(self): ...\n    def _e(self): ...\n"
     assert undocumented(text) == ["b", "C.d"]
+
+
+def test_what_is_listed_as_slow_is_there() -> None:
+    """A case that was renamed would run every day; its parameters are left to `check times`."""
+    for name in slow():
+        path, _, test = name.partition("[")[0].partition("::")
+        assert (ROOT / path).exists(), name
+        assert not test or f"def {test.rpartition('::')[2]}(" in (ROOT / path).read_text(encoding="utf-8"), name

@@ -1,4 +1,8 @@
-"""Files of format version 1 are read as ever, and files of other versions as far as they go."""
+"""Files of format version 1 are read as ever, and files of other versions as far as they go.
+
+After FORMAT_VERSION has been raised, `python -m tests.compatibility.test_versions` from the root writes the files of
+the new version; those of earlier versions stay as they are.
+"""
 
 import hashlib
 import shutil
@@ -11,6 +15,7 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage import provenance
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.schema import FORMAT_VERSION
 
@@ -171,3 +176,16 @@ def test_unknown_groups_datasets_and_attributes_are_ignored(path: Path) -> None:
         assert {name: run.column("junctions", name).tobytes() for name in before} == before
         assert (run.attributes, run.provenance) == (attributes, provenance)
         assert run.damaged() == ()
+
+
+def keep() -> None:
+    """Run both scenarios into files that say nothing of the machine they were made on; refuses to replace one."""
+    provenance.environment = lambda: {"platform": "Linux", "machine": "x86_64", "cpu_count": 1}
+    for name, suffix in {"whole": "", "bare": "_bare"}.items():
+        command = ["rubnoise", "run", f"{name}.toml"]
+        path = HERE / f"format_{FORMAT_VERSION}{suffix}.h5"
+        rubnoise.run(rubnoise.load(HERE / f"{name}.toml"), path, command=command).close()
+
+
+if __name__ == "__main__":
+    keep()

@@ -1,7 +1,7 @@
-"""Hashes of every column of a run of some 10 000 rows: the bits that a stream version stands for.
+"""The bits that a stream version stands for, as hashes: of the draws of every law, of every column of some runs.
 
-`python -m tests.golden.hashes` prints them, in the environment it is called in, or those of the runs that it is given;
-with --write it makes them the golden ones of the present stream version.
+`python -m tests.golden.hashes` prints them in the environment it is called in, or `draws` alone, or the runs that it is
+given; with --write it makes all of them the golden ones of the present stream version.
 """
 
 import json
@@ -11,17 +11,38 @@ from pathlib import Path
 import numpy as np
 import xxhash
 
-from rubnoise.contact.laws import Spread
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Spread, Weibull
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.extent import Engine
-from rubnoise.streams import STREAM_VERSION
+from rubnoise.streams import STREAM_VERSION, Stream, generator
 from tests.models import UNEQUAL, model, recorded
 
 SEED = 20_240_229
 PUSHING_BACK = Slider(mass=0.005, stiffness=300.0, damping=0.05, coupling="two-way")
 GOLDEN = Path(__file__).parent / f"stream_{STREAM_VERSION}.json"
+GOLDEN_DRAWS = GOLDEN.with_name(f"draws_{STREAM_VERSION}.json")
+COUNT = 20_000
+SIZES = (
+    Fixed(value=5.53),
+    Normal(centre=5.53, std=0.2),
+    Normal(centre=1.0, std=3.0),
+    Lognormal(mean=5.53, std=1.1),
+    Lognormal(mean=1.0, std=3.0),
+    Exponential(mean=5.53),
+    Gamma(mean=5.53, std=1.1),
+    Gamma(mean=1.0, std=3.0),
+    Weibull(mean=5.53, std=1.1),
+    Power(exponent=2.5, smallest=2.0, largest=20.0),
+    Power(exponent=1.0, smallest=2.0, largest=20.0),
+)
+STRENGTHS = (
+    Fixed(value=250.0),
+    Normal(centre=250.0, std=100.0),
+    Lognormal(mean=250.0, std=100.0),
+    Weibull(mean=250.0, std=100.0),
+)
 RUNS: dict[str, Model] = {
     "figure 5": model(distance=5_500.0, tick=0.1),
     "figure 5, fine ticks, some lives finer than others": model(
@@ -61,23 +82,33 @@ def hashes(*names: str) -> dict[str, dict[str, str]]:
     return {name: columns_of(RUNS[name]) for name in names or RUNS}
 
 
+def draws() -> dict[str, str]:
+    """Return the xxh3_128 of what each law makes of the same uniforms, little-endian, and of the live sizes' draws."""
+    uniform = generator(SEED, Stream.DIAMETERS).random(COUNT)
+    drawn = {str(law): law.draw(uniform) for law in (*SIZES, *STRENGTHS)}
+    live = {f"live {law}": law.draw_length_biased(generator(SEED, Stream.START_DIAMETERS), COUNT) for law in SIZES}
+    return {name: hash_of(values) for name, values in (drawn | live).items()}
+
+
 def columns_of(run: Model, engine: Engine = "events") -> dict[str, str]:
     groups = recorded(run, SEED, engine=engine).groups
     return {
-        f"{group}/{column}": xxhash.xxh3_128_hexdigest(little_endian(values).tobytes())
+        f"{group}/{column}": hash_of(values)
         for group, columns in groups.items()
         if group != "blocks"  # says how the run was cut, not what happened in it
         for column, values in columns.items()
     }
 
 
-def little_endian(values: np.ndarray) -> np.ndarray:
-    return values.astype(values.dtype.newbyteorder("<"))
+def hash_of(values: np.ndarray) -> str:
+    return xxhash.xxh3_128_hexdigest(values.astype(values.dtype.newbyteorder("<")).tobytes())
 
 
 if __name__ == "__main__":
     chosen = sys.argv[1:]
     if "--write" in chosen:
-        GOLDEN.write_text(json.dumps(hashes(), indent=1) + "\n", encoding="utf-8")
+        for place, made in ((GOLDEN, hashes()), (GOLDEN_DRAWS, draws())):
+            place.write_text(json.dumps(made, indent=1) + "\n", encoding="utf-8")
     else:
-        sys.stdout.write(json.dumps(hashes(*chosen), indent=1) + "\n")
+        made = draws() if chosen == ["draws"] else hashes(*chosen)
+        sys.stdout.write(json.dumps(made, indent=1) + "\n")

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from tests.oracle.dop853_slider import lens_areas
-from tests.oracle.oscillator import Oscillator
+from tests.oracle.sliders import Oscillator, lens_areas
 from tests.oracle.slow_contact import Rows
 
 Doubles = NDArray[np.float64]

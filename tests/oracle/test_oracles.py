@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.oracle import dop853_slider, straight_slider, theta_slider
-from tests.oracle.oscillator import Doubles, Motion, Oscillator
+from tests.oracle import sliders
+from tests.oracle.sliders import Motion, Oscillator, stepped_motion, straight_motion, theta_motion, triangle_areas
 from tests.oracle.slow_contact import (
+    Doubles,
     Rows,
     brackets,
     davies,
@@ -67,16 +68,16 @@ def difference(one: Motion, other: Motion) -> float:
 def test_both_references_give_the_same_motion(name: str) -> None:
     damping, distance = SLIDERS[name]
     rows, places = figure_5_rows(distance), ticks(distance, 2.0)
-    theta = theta_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
-    stepped = dop853_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
+    theta = theta_motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
+    stepped = stepped_motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
     assert difference(theta, stepped) < AGREEMENT
 
 
 def test_both_references_agree_from_rest_and_in_motion_at_a_slow_speed() -> None:
     rows, places = figure_5_rows(12.0), ticks(12.0, 1.0)
     start = (0.0, 500.0)
-    theta = theta_slider.motion(slider(0.05), 50.0, places, rows, start)
-    stepped = dop853_slider.motion(slider(0.05), 50.0, places, rows, start)
+    theta = theta_motion(slider(0.05), 50.0, places, rows, start)
+    stepped = stepped_motion(slider(0.05), 50.0, places, rows, start)
     assert difference(theta, stepped) < AGREEMENT
 
 
@@ -86,9 +87,9 @@ def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
     rows, places = figure_5_rows(distance), ticks(distance, 2.0)
     rows = rows.ending_early(7, rows.birth[7] + 0.4 * rows.diameter[7])
     rows = rows.ending_early(33, rows.birth[33] + 1.3 * rows.diameter[33])
-    straight = straight_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
-    triangles = dop853_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM, dop853_slider.triangle_areas)
-    lenses = dop853_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
+    straight = straight_motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
+    triangles = stepped_motion(slider(damping), SPEED, places, rows, EQUILIBRIUM, triangle_areas)
+    lenses = stepped_motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
     assert difference(straight, triangles) < AGREEMENT
     assert difference(straight, lenses) > 1e-3
 
@@ -96,8 +97,8 @@ def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
 @pytest.mark.parametrize("damping", [0.05, CRITICAL, 20 * CRITICAL])
 def test_the_theta_reference_does_not_depend_on_its_ticks(damping: float) -> None:
     rows = figure_5_rows(40.0)
-    coarse = theta_slider.motion(slider(damping), SPEED, ticks(40.0, 2.0), rows, EQUILIBRIUM)
-    fine = theta_slider.motion(slider(damping), SPEED, ticks(40.0, 0.1), rows, EQUILIBRIUM)
+    coarse = theta_motion(slider(damping), SPEED, ticks(40.0, 2.0), rows, EQUILIBRIUM)
+    fine = theta_motion(slider(damping), SPEED, ticks(40.0, 0.1), rows, EQUILIBRIUM)
     sampled = Motion(displacement=fine.displacement[::20], velocity=fine.velocity[::20])
     assert difference(coarse, sampled) < 1e-13
 
@@ -107,9 +108,9 @@ def test_a_junction_that_ends_early_ends_early_in_both() -> None:
     row = int(np.searchsorted(rows.birth, 5.0))
     for share in (0.4, 1.3):
         changed = rows.ending_early(row, rows.birth[row] + share * rows.diameter[row])
-        theta = theta_slider.motion(slider(0.05), SPEED, places, changed, EQUILIBRIUM)
-        stepped = dop853_slider.motion(slider(0.05), SPEED, places, changed, EQUILIBRIUM)
-        whole = theta_slider.motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
+        theta = theta_motion(slider(0.05), SPEED, places, changed, EQUILIBRIUM)
+        stepped = stepped_motion(slider(0.05), SPEED, places, changed, EQUILIBRIUM)
+        whole = theta_motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
         assert difference(theta, stepped) < AGREEMENT
         assert difference(whole, stepped) > 1e-3
 
@@ -118,22 +119,22 @@ def test_a_death_moved_by_a_hundredth_of_a_life_is_seen() -> None:
     rows, places = figure_5_rows(20.0), ticks(20.0, 1.0)
     row = int(np.searchsorted(rows.birth, 1.0))
     moved = rows.ending_early(row, rows.birth[row] + 1.98 * rows.diameter[row])
-    theta = theta_slider.motion(slider(0.05), SPEED, places, moved, EQUILIBRIUM)
-    stepped = dop853_slider.motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
+    theta = theta_motion(slider(0.05), SPEED, places, moved, EQUILIBRIUM)
+    stepped = stepped_motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
     assert difference(theta, stepped) > 1e4 * AGREEMENT
 
 
 def test_a_forgotten_kink_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     rows, places = figure_5_rows(20.0), ticks(20.0, 1.0)
-    stepped = dop853_slider.motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
-    cut = theta_slider.pieces
+    stepped = stepped_motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
+    cut = sliders.pieces
 
     def without_mid_life(rows: Rows, row: int, places: Doubles) -> Doubles:
         cuts = cut(rows, row, places)
         return cuts[cuts != rows.birth[row] + rows.diameter[row]]
 
-    monkeypatch.setattr(theta_slider, "pieces", without_mid_life)
-    theta = theta_slider.motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
+    monkeypatch.setattr(sliders, "pieces", without_mid_life)
+    theta = theta_motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
     assert difference(theta, stepped) > 1e4 * AGREEMENT
 
 
@@ -146,8 +147,8 @@ def test_free_motion_is_the_textbook_one() -> None:
     rate = math.sqrt(STIFFNESS / MASS - decay**2)
     time = places / SPEED
     expected = 3.0 * np.exp(-decay * time) * (np.cos(rate * time) + decay / rate * np.sin(rate * time))
-    for oracle in (theta_slider, dop853_slider):
-        x = oracle.motion(slider(0.05), SPEED, places, rows, (3.0, 0.0)).displacement
+    for motion in (theta_motion, stepped_motion):
+        x = motion(slider(0.05), SPEED, places, rows, (3.0, 0.0)).displacement
         assert np.abs(x - expected).max() < 1e-11
 
 

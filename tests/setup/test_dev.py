@@ -25,8 +25,6 @@ def sandbox(tmp_path: Path) -> Sandbox:
     return made
 
 
-# What tools/dev.py promises, in a folder whose path has a space, with a pip that needs no network.
-# What tools/dev.py promises, in a folder whose path has a space, with a pip that needs no network.
 def test_arguments_reach_rubnoise_untouched(sandbox: Sandbox) -> None:
     arguments = ["--help", "a b.toml", "--set", "run.seed=2", "", "$HOME", "--"]
     code, output, _ = sandbox.dev("run", *arguments)

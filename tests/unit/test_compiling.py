@@ -63,8 +63,8 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
 
 
 def test_of_two_processes_one_compiles_and_the_other_loads(tmp_path: Path) -> None:
-    """As the workers of the tests do (tests/turns.py); without turns both would compile."""
-    program = f"from tests.turns import take_turns\ntake_turns()\n{PROGRAM}"
+    """As the workers of the tests do (tests/warm.py); without turns both would compile."""
+    program = f"from tests.warm import take_turns\ntake_turns()\n{PROGRAM}"
     variables = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), "NUMBA_CACHE_DIR": str(tmp_path)}
     words = [sys.executable, "-c", program]
     both = [subprocess.Popen(words, env=variables, stdout=subprocess.PIPE, text=True) for _ in range(2)]

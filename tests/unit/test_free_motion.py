@@ -11,7 +11,7 @@ from rubnoise.simulation.free import motion
 from rubnoise.simulation.free.contacts import DRAG
 from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.free.fold import FreeContact, FreeRun, FreeState
-from tests.oracle.free_slider import bounce
+from tests.oracle.sliders import bounce
 
 SPEED = 1.0
 

@@ -13,8 +13,7 @@ from rubnoise.api.record import Record
 from rubnoise.scenario import Scenario
 from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.sampling import standard_errors
-from tests.oracle import theta_slider
-from tests.oracle.oscillator import Oscillator
+from tests.oracle.sliders import Oscillator, theta_motion
 from tests.oracle.slow_contact import Rows, lens_area, traces, triangle_area
 from tests.verification.scores import (
     AREA,
@@ -323,7 +322,7 @@ def test_the_motion_follows_from_the_rows(tick: str, engine: str) -> None:
     record = rubnoise.simulate(given, SEED)
     slider = Oscillator(mass=0.005, stiffness=STIFFNESS, damping=0.05)
     start = (STRENGTH * AREA / STIFFNESS, 0.0)
-    motion = theta_slider.motion(slider, SPEED, record["slider"]["distance"], lives(record), start)
+    motion = theta_motion(slider, SPEED, record["slider"]["distance"], lives(record), start)
     moved = record["slider"]
     assert np.array_equal(moved["time"], moved["distance"] / SPEED)
     assert np.abs(moved["displacement"] - motion.displacement).max() < 1e-9 * np.abs(motion.displacement).max()

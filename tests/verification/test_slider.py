@@ -15,8 +15,8 @@ from rubnoise.simulation.kernels import choice, coarse, triangle
 from rubnoise.simulation.ticks import cells_per_tick, narrow
 from tests.models import FIG5_SLIDER, UNEQUAL, model, recorded
 from tests.models import model as figure_5
-from tests.oracle import dop853_slider, straight_slider, theta_slider
-from tests.oracle.oscillator import Motion, Oscillator
+from tests.oracle import sliders
+from tests.oracle.sliders import Motion, Oscillator, stepped_motion, straight_motion, theta_motion, triangle_areas
 from tests.oracle.slow_contact import Rows
 from tests.verification.scores import seed_of
 from tests.verification.test_observer import ends
@@ -54,13 +54,13 @@ def rows_of(record: MemoryRecord) -> Rows:
     )
 
 
-def reference(run: Model, record: MemoryRecord, oracle: Any = theta_slider, every: int = 1) -> Motion:
+def reference(run: Model, record: MemoryRecord, motion_of: Any = theta_motion, every: int = 1) -> Motion:
     """Return the reference's motion at every n-th tick of a record."""
     assert run.slider is not None
     slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
     ticks = record["slider"]["distance"][::every]
     start = (run.equilibrium_displacement, 0.0)
-    motion: Motion = oracle.motion(slider, run.sliding_speed, ticks, rows_of(record), start)
+    motion: Motion = motion_of(slider, run.sliding_speed, ticks, rows_of(record), start)
     return motion
 
 
@@ -88,7 +88,7 @@ def test_an_adaptive_integrator_agrees(name: str) -> None:
     run = sliding(DAMPING_RATIOS[name], distance=40.0, tick=0.05)
     record = recorded(run, seed_of("dop853"))
     bound = 1e-10 if name == "figure 5" else PROMISED
-    assert difference(record, reference(run, record, dop853_slider, every=40), every=40) < bound
+    assert difference(record, reference(run, record, stepped_motion, every=40), every=40) < bound
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
@@ -160,13 +160,13 @@ def test_a_missing_kink_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """The reference without mid-life in its list of breaks: the smallest form of the fault."""
     run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.1)
     record = recorded(run, seed_of("kink"))
-    cut = theta_slider.pieces
+    cut = sliders.pieces
 
     def without_mid_life(rows: Rows, row: int, ticks: NDArray[np.float64]) -> NDArray[np.float64]:
         cuts = cut(rows, row, ticks)
         return cuts[cuts != rows.birth[row] + rows.diameter[row]]
 
-    monkeypatch.setattr(theta_slider, "pieces", without_mid_life)
+    monkeypatch.setattr(sliders, "pieces", without_mid_life)
     assert difference(record, reference(run, record)) > 1e-7
 
 
@@ -206,12 +206,7 @@ def slider_run(ratio: float = 0.05 / CRITICAL_OF_FIG5, **changes: Any) -> Model:
 
 def straight_reference(run: Model, record: MemoryRecord) -> Motion:
     """Return the reference's motion at every tick of a record."""
-    assert run.slider is not None
-    slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
-    oracle: Any = straight_slider if run.pulse is TRIANGLE else theta_slider
-    start = (run.equilibrium_displacement, 0.0)
-    motion: Motion = oracle.motion(slider, run.sliding_speed, record["slider"]["distance"], rows_of(record), start)
-    return motion
+    return reference(run, record, straight_motion if run.pulse is TRIANGLE else theta_motion)
 
 
 @pytest.mark.parametrize("speed", [1e2, 1e3, 1e5, 1e7])
@@ -258,7 +253,7 @@ def test_an_adaptive_integrator_agrees_with_triangles() -> None:
     slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
     start = (run.equilibrium_displacement, 0.0)
     ticks, rows = record["slider"]["distance"], rows_of(record)
-    stepped = dop853_slider.motion(slider, 1000.0, ticks, rows, start, dop853_slider.triangle_areas)
+    stepped = stepped_motion(slider, 1000.0, ticks, rows, start, triangle_areas)
     assert difference(record, stepped) < PROMISED
 
 
@@ -292,7 +287,7 @@ def test_lenses_in_place_of_triangles_are_seen() -> None:
     run = slider_run(distance=20.0, tick=0.1)
     record = recorded(run, seed_of("which pulse"))
     start, slider = (run.equilibrium_displacement, 0.0), Oscillator(mass=0.005, stiffness=300.0, damping=0.05)
-    lenses = theta_slider.motion(slider, 1000.0, record["slider"]["distance"], rows_of(record), start)
+    lenses = theta_motion(slider, 1000.0, record["slider"]["distance"], rows_of(record), start)
     assert difference(record, lenses) > 1e-3
 
 

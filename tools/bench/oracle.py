@@ -14,8 +14,8 @@ if "tests" not in sys.modules:
 
 import numpy as np
 
-from tests.oracle import coupled_slider, theta_slider
-from tests.oracle.oscillator import Oscillator
+from tests.oracle import coupled_slider
+from tests.oracle.sliders import Oscillator, theta_motion
 from tests.oracle.slow_contact import Rows, traces
 
 
@@ -33,7 +33,7 @@ def area(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
 def displacement(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
     """Return the slider's displacement (um) at the ticks, by exact convolution."""
     slider = Oscillator(mass=MASS, stiffness=STIFFNESS, damping=DAMPING)
-    return theta_slider.motion(slider, SPEED, case.ticks, rows(birth, diameter), (0.0, 0.0)).displacement
+    return theta_motion(slider, SPEED, case.ticks, rows(birth, diameter), (0.0, 0.0)).displacement
 
 
 def coupled_displacement(stretch: Stretch, tolerance: float) -> Doubles:

@@ -1,4 +1,7 @@
-"""The ticks of a run compared with its rows in a window that moves on: distance, live count, area and force."""
+"""The ticks of a run compared with its rows in a window that moves on: distance, live count, area and force.
+
+Like everything in this folder it knows the model, rows and theory, and of the simulation its compiler alone.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
