@@ -33,7 +33,8 @@ from tests.cli.terminal import CONTACT, WITH_SLIDER, call
 from tests.unit.tampering import put, tell
 
 PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
-ROW = re.compile(r"^\| `([A-Za-z_.]+)(\??)` \| ([a-z ]+) \|[^|]*\|[^|]+\|$", re.MULTILINE)
+ROW = re.compile(r"^\| ((?:`[A-Za-z_.]+\??`(?:, )?)+) \| ([a-z ]+) \|[^|]*\|[^|]+\|$", re.MULTILINE)
+NAME = re.compile(r"`([A-Za-z_.]+)(\??)`")
 TYPES: dict[str, Any] = {
     "string": lambda value: isinstance(value, str),
     "boolean": lambda value: isinstance(value, bool),
@@ -41,13 +42,11 @@ TYPES: dict[str, Any] = {
     "number": lambda value: isinstance(value, float | int) and not isinstance(value, bool),
     "number or null": lambda value: value is None or TYPES["number"](value),
     "string or null": lambda value: value is None or TYPES["string"](value),
-    "list of integers": lambda value: isinstance(value, list) and all(TYPES["integer"](item) for item in value),
-    "list of numbers": lambda value: isinstance(value, list) and all(TYPES["number"](item) for item in value),
-    "list of numbers or nulls": lambda value: (
-        isinstance(value, list) and all(TYPES["number or null"](item) for item in value)
-    ),
-    "list of objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
-    "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
+    "integers": lambda value: isinstance(value, list) and all(TYPES["integer"](item) for item in value),
+    "numbers": lambda value: isinstance(value, list) and all(TYPES["number"](item) for item in value),
+    "numbers or nulls": lambda value: isinstance(value, list) and all(TYPES["number or null"](item) for item in value),
+    "objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
+    "strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }
 
 # The command itself takes a minute; what it prints of a claim is what this is made into.
@@ -84,7 +83,7 @@ A_ROW = FieldClaim(
 
 @dataclass(frozen=True)
 class Promise:
-    """One row of a table."""
+    """One field of a table; a row of several names is a promise for each."""
 
     path: tuple[str, ...]
     kind: str
@@ -94,7 +93,11 @@ class Promise:
 def _sections() -> dict[str, list[Promise]]:
     parts = re.split(r"^## (.+)$", PAGE, flags=re.MULTILINE)[1:]
     return {
-        name: [Promise(tuple(field.split(".")), kind, bool(mark)) for field, mark, kind in ROW.findall(text)]
+        name: [
+            Promise(tuple(field.split(".")), kind, bool(mark))
+            for names, kind in ROW.findall(text)
+            for field, mark in NAME.findall(names)
+        ]
         for name, text in zip(parts[::2], parts[1::2], strict=True)
     }
 
@@ -326,7 +329,8 @@ def test_an_answer_is_one_line(here: Path) -> None:
 
 def test_every_row_of_the_page_is_understood() -> None:
     rows = [line for line in PAGE.splitlines() if line.startswith("| `")]
-    assert len(rows) == sum(map(len, SECTIONS.values())) > 50
+    assert all(ROW.fullmatch(line) for line in rows)
+    assert sum(len(NAME.findall(line.split(" | ")[0])) for line in rows) == sum(map(len, SECTIONS.values())) > 50
     assert {each.kind for section in SECTIONS.values() for each in section} <= {*TYPES, *SECTIONS}
 
 
@@ -343,7 +347,7 @@ def test_figures_are_named_on_the_page(answers: list[tuple[str, Any]]) -> None:
         ({"seed": "1"}, "run: seed is no integer: '1'"),
         ({"seed": True}, "run: seed is no integer: True"),
         ({"news": 1}, "run: news is promised nowhere"),
-        ({"warnings": [1]}, "run: warnings is no list of strings: [1]"),
+        ({"warnings": [1]}, "run: warnings is no strings: [1]"),
         ({"summary": {"x": {"observed": 1.0, "expected": None, "standard_error": None}}}, "figure: z is missing"),
         ({"summary": {"x": {"observed": None}}}, "figure: observed is no number: None"),
     ],
