@@ -13,6 +13,7 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import GROUPS
@@ -21,7 +22,7 @@ from rubnoise.theory.coupling import coupling
 from rubnoise.theory.load import load_motion
 from rubnoise.theory.response import response
 from tests.architecture.sources import ROOT
-from tools.studies import detection, free_motion, load, surface_levels, surfaces
+from tools.studies import detection, free_motion, load, surface_levels, surfaces, two_way_reference
 from tools.studies import two_way as tool
 
 # What docs/two-way.md shows as measured is what the tool measures, and its pictures are there.
@@ -30,8 +31,8 @@ LINKED = re.findall(r"\]\((pictures/two-way/[\w-]+\.png)\)", TEXT)
 
 
 def part(name: str) -> list[str]:
-    """Return the lines of a measured part of the page."""
-    found = re.search(rf"<!-- measured: {name} -->\n(.*?)<!-- end -->", TEXT, re.DOTALL)
+    """Return the lines of a measured or generated part of the page."""
+    found = re.search(rf"<!-- (?:measured|generated): {name} -->\n(.*?)<!-- end -->", TEXT, re.DOTALL)
     assert found is not None
     return found[1].removesuffix("\n").split("\n")
 
@@ -42,10 +43,6 @@ def rows(name: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]]
 
 
-def _number(cell: str) -> float:
-    return float(cell.partition(" ± ")[0])
-
-
 def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
     there = {f"pictures/two-way/{path.name}" for path in tool.PICTURES.iterdir()}
     assert set(LINKED) == there
@@ -54,41 +51,49 @@ def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
 
 
 def test_the_tool_finds_its_parts_on_the_page() -> None:
-    assert {name for _, name in tool.PART.findall(TEXT)} == {"figures", "surprise", "chaos", "reference"}
+    assert {name for _, name in tool.PART.findall(TEXT)} == {"figures", "chaos", "reference"}
     assert tool.filled(TEXT, {"reference": tool.reference()}) == TEXT
     assert tool.filled(TEXT, {"reference": ["changed"]}) != TEXT
 
 
+def model_at(speed: float, junctions: float) -> Model:
+    """Return the two-way model of a point of the reference."""
+    changes = [f"sliding.speed={speed} um/s", f"interface.mean_junction_count={junctions}"]
+    return rubnoise.load(tool.TWO_WAY, changes).model()
+
+
 def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
-    points = [point for point in rubnoise.expand(rubnoise.load_sweep(tool.STUDY)) if point.replicate == 0]
-    models = [point.scenario.model() for point in points]
-    models = [model for model in models if model.is_two_way]
-    assert len(models) == len(rows("surprise")) > 5
-    for model, (speed, validity, strength, one_way, two_way, change, law, *_) in zip(
-        models, rows("surprise"), strict=True
-    ):
-        exact, told = response(model), coupling(model)
-        assert float(speed) == pytest.approx(1e-3 * exact.sliding_speed)
+    points = two_way_reference.kept()
+    assert len(rows("reference")) == len(points) > 10
+    for (speed, count, validity, strength, *_), point in zip(rows("reference"), points, strict=True):
+        model = model_at(1e3 * float(speed), float(count))
+        exact = response(model)
         assert float(validity) == pytest.approx(exact.one_way_validity, rel=6e-3)
-        assert float(strength) == pytest.approx(told.strength, rel=6e-3)
-        assert float(one_way) == pytest.approx(exact.displacement_std, rel=6e-4)
-        assert _number(change) == pytest.approx(_number(two_way) / exact.displacement_std, rel=0.1)
-        assert bool(law) == (told.unknown is None)
-        assert not law or float(law) == pytest.approx(told.expected_change, abs=6e-4)
+        assert float(strength) == pytest.approx(coupling(model).strength, rel=6e-3)
+        change = point["displacement_std"][0] / exact.displacement_std
+        assert point["over_one_way"][0] == pytest.approx(change, rel=0.05)
+
+
+def test_the_law_of_weak_coupling_is_what_runs_have_where_coupling_is_weak_alone() -> None:
+    points = two_way_reference.kept()
+    laws = [coupling(model_at(point["speed"], point["junctions"])) for point in points]
+    weak = [law.expected_change for law in laws if law.unknown is None]
+    assert len(weak) == 3
+    for point, law in zip(points, laws, strict=True):
+        value, error = point["over_one_way"]
+        expected = weak[0] if law.unknown else law.expected_change
+        assert (abs(value - expected) < 4.0 * error) == (law.unknown is None)
 
 
 def test_the_vibration_first_rises_and_then_is_clipped() -> None:
     """The page says so in words: it must show in the intervals."""
-    bounds = {
-        float(speed): tuple(_number(change) + side * float(change.split(" ± ")[1]) for side in (-1, 1))
-        for speed, _, _, _, _, change, *_ in rows("surprise")
-    }
-    assert bounds[1.0][1] < 0.35
-    assert bounds[30.0][0] > 1.4
-    assert bounds[30.0][1] < 1.8
-    assert bounds[20.0][0] > 1.0
-    assert bounds[100.0][0] < 1.01
-    assert bounds[100.0][1] > 1.0
+    changes = {point["speed"]: point["over_one_way"] for point in two_way_reference.kept() if point["junctions"] == 20}
+    low, high = ({speed: value + side * error for speed, (value, error) in changes.items()} for side in (-4.0, 4.0))
+    assert high[1e3] < 1.0 / 3.0
+    assert high[1e4] < 1.0
+    assert 1.3 < low[3e4] < high[3e4] < 1.8
+    assert low[1e5] < 1.01
+    assert high[1e5] > 1.0
 
 
 @pytest.fixture(scope="module")
@@ -113,23 +118,6 @@ def test_runs_part_when_the_page_says() -> None:
     # What the page advises: a second at 1 mm/s, a tenth at 10 mm/s.
     assert min(map(float, times["1"])) > 1.0
     assert min(map(float, times["10"])) > 0.1
-
-
-def test_a_sweep_becomes_a_table(tmp_path: Path) -> None:
-    (tmp_path / "s.toml").write_text(
-        f'format = 1\nextends = "{tool.FIG5}"\n[output]\ntick = "2 um"\n[run]\nengine = "batch"\n'
-        '[sliding]\ndistance = "1 mm"\n[sweep]\nkeep = "summary"\nreplicates = 2\n[sweep.grid]\n'
-        'slider.coupling = ["one-way", "two-way"]\nsliding.speed = ["1 mm/s", "100 mm/s"]\n',
-        encoding="utf-8",
-    )
-    with rubnoise.run_sweep(tmp_path / "s.toml", tmp_path / "s", jobs=1) as sweep:
-        points, lines = tool.points_of(sweep), list(tool.surprise(sweep))
-        stuck = sweep.runs["stick_fraction"][:]
-    assert [point.model.sliding_speed for point in points] == [1e3, 1e5]
-    assert points[0].stick_fraction.value == pytest.approx(stuck[stuck > 0.0].mean())
-    assert lines[2].startswith("| 1 | 47.2 |")
-    assert lines[3].endswith("| 0 |")
-    assert "2 runs of each" in "\n".join(lines)
 
 
 # The table of what sliding distance shows what follows from the theory, and is written if wrong runs bear it out.

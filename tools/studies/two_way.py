@@ -11,7 +11,6 @@ import re
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Final
@@ -21,16 +20,11 @@ from small_png import small
 
 import rubnoise
 from rubnoise.analysis.landmarks import StickSlip
-from rubnoise.analysis.replicates import PooledEstimate, pooled
-from rubnoise.api.sweep_result import SweepResult
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import study_picture
-from rubnoise.model import Model
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.theory.coupling import coupling
-from rubnoise.theory.response import response
 from studies import two_way_reference
 
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -52,85 +46,6 @@ PARTING: Final = (1500.0, 5000.0)
 """Sliding distances in um between which the runs of the picture part."""
 
 Report = Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    """One sliding speed of the study: its two-way model, and figures of the two-way runs with their intervals.
-
-    ``change`` is the displacement's standard deviation over that one-way, run by run on the same seeds.
-    """
-
-    model: Model
-    displacement: PooledEstimate
-    change: PooledEstimate
-    stick_fraction: PooledEstimate
-    sticks: PooledEstimate
-
-    def cells(self) -> tuple[str, ...]:
-        """Return a row of the table."""
-        one_way, told = response(self.model), coupling(self.model)
-        expected = f"{told.expected_change:.3f}" if told.unknown is None else ""
-        return (
-            f"{1e-3 * one_way.sliding_speed:g}",
-            f"{one_way.one_way_validity:.3g}",
-            f"{told.strength:.3g}",
-            f"{one_way.displacement_std:.4g}",
-            _with_interval(self.displacement, "{:.1f}"),
-            _with_interval(self.change, "{:.3f}"),
-            expected,
-            _with_interval(self.sticks, "{:.1f}"),
-        )
-
-
-def _with_interval(figure: PooledEstimate, form: str) -> str:
-    return f"{form.format(figure.value)} ± {form.format(figure.reach)}" if figure.value else "0"
-
-
-def points_of(sweep: SweepResult) -> list[Point]:
-    """Return the two-way points of a sweep over both couplings, in its order."""
-    of_point, found = sweep.runs["point"][:], []
-    changes = sweep.ratios("displacement_std", "slider.coupling", "one-way")
-    for number, values in enumerate(sweep.values):
-        if values["slider.coupling"] != "two-way":
-            continue
-        rows = np.flatnonzero(of_point == number)
-        figures = {
-            name: pooled(figure, sweep.runs[figure][:][rows].tolist())
-            for name, figure in (
-                ("displacement", "displacement_std"),
-                ("stick_fraction", "stick_fraction"),
-                ("sticks", "sticks_per_s"),
-            )
-        }
-        found.append(Point(model=sweep.scenario(number).model(), change=changes[number], **figures))
-    return found
-
-
-def surprise(sweep: SweepResult) -> Iterator[str]:
-    """Yield the table of the study."""
-    columns = (
-        "V (mm/s)",
-        "r",
-        "Pi",
-        "std x, one-way (um)",
-        "two-way (um)",
-        "change",
-        "its law",
-        "sticks a second",
-    )
-    yield f"| {' | '.join(columns)} |"
-    yield "|" + len(columns) * "---|"
-    points = points_of(sweep)
-    yield from (f"| {' | '.join(point.cells())} |" for point in points)
-    yield ""
-    yield (
-        f"{points[0].displacement.runs} runs of each, from independent seeds, with intervals of 95 % from their"
-        " scatter. The change is computed run by run, over a one-way run on the same junctions. The columns r, Pi and"
-        " std x, one-way, are exact. The law is of first order, and is given while coupling is weak."
-    )
-    yield ""
-    yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"
 
 
 def figures(one: RunFile, two: RunFile) -> Iterator[str]:
@@ -268,7 +183,6 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]
     tell("the sweep")
     with rubnoise.run_sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
         (PICTURES / "speeds.png").write_bytes(small(study_picture(study_of_sweep(found, "displacement_std"), "png")))
-        parts["surprise"] = list(surprise(found))
     parts["reference"] = reference()
     return parts
 

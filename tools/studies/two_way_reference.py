@@ -8,8 +8,12 @@ from typing import Any, Final
 
 import rubnoise
 from rubnoise.analysis.replicates import PooledEstimate
+from rubnoise.theory.coupling import coupling
+from rubnoise.theory.response import response
 
-FOLDER: Final = Path(__file__).resolve().parents[2] / "tests" / "reference"
+ROOT: Final = Path(__file__).resolve().parents[2]
+STUDY: Final = ROOT / "scenarios" / "studies" / "coupling_reference.toml"
+FOLDER: Final = ROOT / "tests" / "reference"
 KEPT: Final = FOLDER / "coupling.json"
 ANOTHER: Final = FOLDER / "two_way.json"
 """What another program found, with an integrator of its own."""
@@ -84,12 +88,16 @@ def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def table(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the reference as a table, standard errors in the last digits."""
-    heads = ("V (mm/s)", "N_jm", "time (s)", *(words for words, _ in FIGURES.values()), "std x over one-way")
+    """Yield the reference as a table, standard errors in the last digits; r and Pi are exact."""
+    heads = ("V (mm/s)", "N_jm", "r", "Pi", *(words for words, _ in FIGURES.values()), "std x over one-way")
     yield f"| {' | '.join(heads)} |"
     yield "|" + "---|" * len(heads)
+    models = [point.scenario.model() for point in rubnoise.expand(rubnoise.load_sweep(STUDY))]
+    exact = {(model.sliding_speed, model.mean_junction_count): model for model in models if model.is_two_way}
     for point in points:
-        place = (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", f"{point['seconds']:g}")
+        model = exact[point["speed"], point["junctions"]]
+        told = f"{response(model).one_way_validity:.3g}", f"{coupling(model).strength:.3g}"
+        place = (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", *told)
         cells = (*place, *(in_digits(*point[name]) for name in (*FIGURES, RATIO)))
         yield f"| {' | '.join(cells)} |"
 
