@@ -240,7 +240,7 @@ SWEEPS: Final = Room(
 
 PAPER: Final = Room(
     title="The paper's figures",
-    begins="Simulated, with the exact theory. [paper.md](paper.md) explains each of them.",
+    begins="Simulated, with the exact theory. [The paper](paper.md) compares its claims with them.",
     pictures=tuple(
         Shown(
             title=f"Figure {name.removeprefix('fig')}: {figure.title[0].lower()}{figure.title[1:]}",

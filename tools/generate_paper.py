@@ -1,6 +1,6 @@
 """Write docs/paper.md and its pictures: `.venv/bin/python tools/generate_paper.py`, after `tools/dev.py sync`.
 
-The page holds every claim of the paper as `rubnoise claims` settles it, every figure as `rubnoise figures` draws it.
+The page holds every claim of the paper as `rubnoise claims` settles it; the pictures are what `rubnoise figures` draws.
 """
 
 import re
@@ -25,7 +25,7 @@ HEAD = """\
 The paper *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran
 its model once and described the results. Here is each of its explicit and implied claims, in our own words with the
 printed numbers, beside runs from fixed seeds and exact theory. `rubnoise claims` repeats the runs in less than a
-minute.
+minute. The [gallery](gallery.md#the-papers-figures) has its figures.
 
 Each simulated number is the mean of independent runs, or follows from such means, with a 95 % interval from their
 scatter. Two-way coupling has no exact numbers. If simulation and theory disagreed by more than four standard errors,
@@ -35,14 +35,9 @@ the verdict would be *unsettled*, and `tools/generate_paper.py` would not write 
 LIMITS = r"""
 ## What the paper leaves out
 
-Section 4 of the paper states three limits, which rubnoise shares in a run without a table `[load]`:
-
-- **Constant separation.** The normal load appears only in $A_{rm}$. Nothing raises or lowers the slider.
-- **Parallel flats.** All forces lie in the plane of sliding. There is no vibration normal to it, no loss of contact
-  and no impact.
-- **No measured surfaces.** $A_{rm}$ and $N_{jm}$ are inputs. [Surfaces](surfaces.md) derives them.
-
-Two more limits follow from its equations:
+Three limits of its Section 4 hold for a run without a table `[load]`, too: the separation is constant, nothing moves
+normal to the plane of sliding, and $A_{rm}$ and $N_{jm}$ are inputs ([surfaces](surfaces.md) derives them). Its
+equations add two:
 
 - **A slider that does not act back**: see [constant_speed](#constant_speed). `slider.coupling = "two-way"` has not
   this limit.
@@ -61,7 +56,6 @@ TYPESET = {
     "E[d^3]/(E[d] E[d^2])": r"$\mathrm{E}[d^3]/(\mathrm{E}[d]\,\mathrm{E}[d^2])$",
     "1/(sqrt(3) N_jm^2)": r"$1/(\sqrt{3}\,N_{jm}^2)$",
     "4 lam E[d^2]/k^4": r"$4\lambda\,\mathrm{E}[d^2]/k^4$",
-    "4λE[d²]/k⁴": r"$4\lambda\,\mathrm{E}[d^2]/k^4$",
     "1.2298/sqrt(N_jm)": r"$1.2298/\sqrt{N_{jm}}$",
     "1/sqrt(N_jm)": r"$1/\sqrt{N_{jm}}$",
     "1/sqrt(5) = 0.447": r"$1/\sqrt{5} = 0.447$",
@@ -111,12 +105,6 @@ def page(claims: tuple[Claim, ...]) -> Iterator[str]:
     for claim in claims:
         yield from _claim(claim)
     yield LIMITS.rstrip()
-    yield "\n## Figures"
-    for name, figure in FIGURES.items():
-        files = ", ".join(f"`scenarios/paper/{file}`" for file in figure.scenarios)
-        yield f"\n### Figure {name.removeprefix('fig')}: {figure.title}"
-        yield f"\n![{figure.title}](pictures/paper/{name}.png)"
-        yield f"\n{typeset(figure.caption)} From {files}."
 
 
 def typeset(text: str) -> str:
