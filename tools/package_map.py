@@ -87,14 +87,12 @@ def diagram() -> Iterator[str]:
 
 
 def table() -> Iterator[str]:
-    """Yield a row for each room: what is in it, and every room that it imports."""
-    yield "| room | what is in it | imports |"
-    yield "|---|---|---|"
-    drawn = arrows()
+    """Yield a row for each room, with what is in it."""
+    yield "| room | what is in it |"
+    yield "|---|---|"
     for layer in layers():
         for room in layer:
-            imported = ", ".join(_in_order(drawn[room])) or "nothing"
-            yield f"| `{room}` | {_first_sentence(room)} | {imported} |"
+            yield f"| `{room}` | {_first_sentence(room)} |"
 
 
 def _in_order(rooms: set[str]) -> list[str]:
