@@ -43,7 +43,7 @@ ROWS = {
     "table": "one per point of the table",
 }
 NEEDS: dict[Feature | None, str] = {
-    None: "always",
+    None: "",
     "speed": "with `sliding.speed`",
     "strength": "with `[strength]`",
     "slider": "with `[slider]`",
@@ -99,9 +99,10 @@ def _group(group: Group) -> Iterator[str]:
     scale = group.columns[0].name
     yield f"### /{group.name}"
     yield ""
-    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {_present(group)}."
+    present = _present(group)
+    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}." + (f" Present {present}." if present else "")
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
-    yield f"Dimension scale: `{scale}`. Drawn by viewers: `{group.plotted}` against it."
+    yield f"Viewers draw `{group.plotted}` against `{scale}`."
     yield ""
     yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
     yield ""

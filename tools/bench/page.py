@@ -25,13 +25,11 @@ FAIR = """## What is compared, and how
   junctions, trace and motion into an HDF5 file. rubnoise also writes exact theory into it and hashes every column.
 - **Correct first.** All tools get the same junctions. Their whole runs are compared with the slow references of
   `tests/oracle`, which share no code with them. One wrong result ends the benchmark, and no page is written.
-- **Written as a user would write it**, with a file for each tool under `tools/bench/peers`: SimPy as in its tutorial,
-  NumPy with a loop over junctions, numba for two plain loops, superposed-pulses for shot noise, Ciw and salabim for
-  births and deaths, and scipy.signal.lsim, solve_ivp and Runge-Kutta steps for the slider. If a tool has a faster way
+- **Written as a user would write it**, with a file for each tool under `tools/bench/peers`. If a tool has a faster way
   of its own, its file uses it.
 - **CPU time** of the process and its children, warm, on one thread. The tools take turns (A B C A B C), each repeat has
-  its own seed, and the tables show medians. Importing and compiling have a section of their own below.
-- **Slow tools run shorter.** They have no fixed cost that a longer run would spread; rubnoise has one.
+  its own seed, and the tables show medians. ± is half the range of the repeats. Slow tools run shorter: they have no
+  fixed cost that a longer run would spread; rubnoise has one.
 
 """
 
@@ -94,10 +92,8 @@ def _not_compared(found: Results) -> Iterator[str]:
     whole = sorted(found.runs.items(), key=lambda item: item[1].each)
     peer = next(name for name, _ in whole if not name.startswith(OURS))
     peak = max(max(peaks.values()) for name, peaks in found.memory.items() if name.startswith(OURS))
-    yield "The benchmark does not compare other physics, or tools improved beyond what a user would do. Of the other"
-    yield f"tools, {peer} comes closest in a whole run. rubnoise adds a motion that is right to"
+    yield f"Of the other tools, {peer} comes closest in a whole run. rubnoise adds a motion that is right to"
     yield f"{OUR_MOTION_BOUND:.0e} of the largest displacement, and needs at most {peak:.0f} MB in every run below."
-    yield "Its file describes itself, and each junction is a process that you can watch and end."
 
 
 def _small(found: Results, part: str) -> dict[str, Verdict]:
@@ -109,8 +105,7 @@ def _whole(found: Results) -> Iterator[str]:
     head = ("who", "µs a junction", "±", "times the fastest", "junctions", "error of area, motion")
     yield from table(head, _speed_rows(found.runs, errors))
     yield ""
-    yield "The error is the largest at any tick over the largest value, in a short run of the same contact. ± is"
-    yield "half the range of the repeats."
+    yield "The error is the largest at any tick over the largest value, in a short run of the same contact."
 
 
 def _parts(found: Results) -> Iterator[str]:
@@ -131,8 +126,7 @@ def _error(value: float | None) -> str:
 
 
 def _kernel(found: Results) -> Iterator[str]:
-    yield "The table shows ns for each tick of each junction. The square roots alone are a bound for any kernel that"
-    yield "uses one."
+    yield "ns for each tick of each junction. The square roots alone are a bound for any kernel that uses one."
     if "C, the same polynomial" not in found.kernel.timings:
         yield "There is no gcc here, so the C program is missing."
     yield ""
@@ -142,7 +136,7 @@ def _kernel(found: Results) -> Iterator[str]:
     )
     yield from table((f"who ({kernel.OURS} is numba too)", "ns", "±", "error"), rows)
     yield ""
-    yield "The next table compares with plain loops, from coarse ticks to fine ones, in the same unit:"
+    yield "The same, from coarse ticks to fine ones:"
     yield ""
     points = found.kernel_over_ticks
     rows_over_ticks = (
@@ -153,9 +147,9 @@ def _kernel(found: Results) -> Iterator[str]:
 
 
 def _motion(found: Results) -> Iterator[str]:
-    yield "All methods use the same ticks. The error is the largest over the largest displacement, compared with exact"
-    yield "convolution. For rubnoise, the time is that of a run in memory with the slider less one without it, with the"
-    yield "force's integrals. The others get the force at the ticks. solve_ivp with the exact force gets the junctions."
+    yield "All methods use the same ticks. The error is compared with exact convolution. For rubnoise, the time is"
+    yield "that of a run in memory with the slider less one without it, with the force's integrals. The others get"
+    yield "the force at the ticks. solve_ivp with the exact force gets the junctions."
     yield ""
     rows = (
         (
@@ -170,13 +164,13 @@ def _motion(found: Results) -> Iterator[str]:
 
 
 def _two_way(found: Results) -> Iterator[str]:
-    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). For rubnoise, the time"
-    yield "is that of a whole run into a file. The other tools get the junctions and keep displacements in memory."
-    yield "The motion is chaotic, so they compute short stretches of it; their time for a second of sliding is"
-    yield f"scaled from there. All are right to {two_way.BOUND:.0e} of the largest displacement, compared with the"
-    yield f"slow reference at a tolerance of {two_way.REFERENCE_TOLERANCE:.0e}. rubnoise uses its default tolerance,"
-    yield "each other tool the loosest tolerance or longest step that reaches this. solve_ivp (DOP853) starts again"
-    yield "at every birth, mid-life and death."
+    yield "`scenarios/paper/fig5_two_way.toml` at 1 mm/s. For rubnoise, the time is that of a whole run into a"
+    yield "file. The other tools get the junctions and keep displacements in memory. The motion is chaotic, so they"
+    yield "compute short stretches of it; their time for a second of sliding is scaled from there. All are right to"
+    yield f"{two_way.BOUND:.0e} of the largest displacement, compared with the slow reference at a tolerance of"
+    yield f"{two_way.REFERENCE_TOLERANCE:.0e}. rubnoise uses its default tolerance, each other tool the loosest"
+    yield "tolerance or longest step that reaches this. solve_ivp (DOP853) starts again at every birth, mid-life"
+    yield "and death."
     for mean_count, coupled in found.two_way.items():
         yield ""
         yield from table((f"$N_{{jm}}$ = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
@@ -229,12 +223,11 @@ def _off_centre_row(item: tuple[off_centre.Contact, off_centre.OffCentreTimings]
 
 
 def _growth(found: Results) -> Iterator[str]:
-    yield "The tables show µs a junction of whole runs. One number changes, the others are as in Figure 5. With few"
-    yield "ticks in a life, two parts of a rubnoise run take the most time. One is the same for every run: exact"
-    yield "theory, the file's structure, hashes, and waiting for the disk. The growth over length shows it. The"
-    yield f"other is the motion: its cells are then finer than ticks, so that it is right to {OUR_MOTION_BOUND:.0e}."
-    yield "The other tools move from tick to tick and check nothing. With 3 ticks in a life, which have no row, none"
-    yield "of their sliders is right to 1 %."
+    yield "µs a junction of whole runs. One number changes, the others are as in Figure 5. With few ticks in a"
+    yield "life, two parts of a rubnoise run take the most time. One is the same for every run: exact theory, the"
+    yield "file's structure, hashes, and waiting for the disk. The other is the motion: its cells are then finer"
+    yield f"than ticks, so that it is right to {OUR_MOTION_BOUND:.0e}. The other tools move from tick to tick and"
+    yield "check nothing. With 3 ticks in a life, which have no column, none of their sliders is right to 1 %."
     words = {
         "count": "mean number of junctions $N_{jm}$",
         "ticks": "ticks in a mean life",
@@ -251,17 +244,19 @@ def _growth(found: Results) -> Iterator[str]:
 
 
 def _growth_of_errors(found: Results, growth: Growth) -> Iterator[str]:
-    """Yield by number of ticks the error of each tool's motion that was made in those times."""
+    """Yield by number of ticks the error of each tool's motion that was made in those times; equal rows are one."""
     points = sorted({point for timings in growth.values() for point in timings})
     errors = {
         (each.name, each.case.ticks_per_life): each.motion
         for each in found.verdicts
         if each.part == "runs" and each.case.mean_count == SMALL.mean_count and each.case != SMALL
     }
-    yield "The results of these times are not equally exact. This table shows the error of the motion, over its largest"
-    yield "displacement."
+    yield "The errors of the motion in these runs, over its largest displacement:"
     yield ""
-    rows = ((name, *(_error(errors.get((name, point))) for point in points)) for name in growth)
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for name in growth:
+        alike.setdefault(tuple(_error(errors.get((name, point))) for point in points), []).append(name)
+    rows = (("; ".join(names), *cells) for cells, names in alike.items())
     yield from table(("ticks in a mean life", *map(grouped, points)), rows)
 
 
@@ -284,8 +279,8 @@ def _growth_table(what: str, growth: Growth) -> Iterator[str]:
 
 
 def _memory(found: Results) -> Iterator[str]:
-    yield "The table shows the peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), with"
-    yield "20 ticks in a mean life."
+    yield "Peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), with 20 ticks in a mean"
+    yield "life."
     if not found.plan.quick:
         yield "With 100 junctions it is the memory of Python and the libraries."
     yield ""
@@ -298,9 +293,8 @@ def _memory(found: Results) -> Iterator[str]:
 
 
 def _starting(found: Results) -> Iterator[str]:
-    yield f"The table shows the best of some new processes, with the engine `{found.engines[-1]}`. If the clock shows"
-    yield "much more than the CPU, the machine was busy with something else. Compiled code is kept from earlier"
-    yield "runs, except in the last line."
+    yield f"The best of some new processes, with the engine `{found.engines[-1]}`. Compiled code is kept from"
+    yield "earlier runs, except in the last line."
     yield ""
     rows = ((name, f"{wait.wall:.2f}", f"{wait.cpu:.2f}") for name, wait in found.startup.items())
     yield from table(("what", "clock, s", "CPU, s"), rows)

@@ -22,11 +22,11 @@ SOURCE: Final = "rubnoise sweep scenarios/studies/coupling_reference.toml: of ea
 
 FIGURES: Final = {
     "stick_fraction": ("stuck", "stick_fraction"),
-    "displacement_mean": ("mean x (um)", "mean_x"),
-    "displacement_std": ("std x (um)", "std_x"),
-    "velocity_std": ("std x' (um/s)", "std_v"),
-    "sticks_per_s": ("sticks per s", "sticks_per_s"),
-    "slips_longer_than_d_per_s": ("slips > d per s", ""),
+    "displacement_mean": ("mean x", "mean_x"),
+    "displacement_std": ("std x", "std_x"),
+    "velocity_std": ("std x'", "std_v"),
+    "sticks_per_s": ("sticks", "sticks_per_s"),
+    "slips_longer_than_d_per_s": ("slips > d", ""),
 }
 """Figures of the reference, what heads their columns, and what the other program calls them."""
 
@@ -89,7 +89,7 @@ def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def table(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the reference as a table, standard errors in the last digits; r and Pi are exact."""
-    heads = ("V (mm/s)", "N_jm", "r", "Pi", *(words for words, _ in FIGURES.values()), "std x over one-way")
+    heads = ("V", "N_jm", "r", "Pi", *(words for words, _ in FIGURES.values()), "change")
     yield f"| {' | '.join(heads)} |"
     yield "|" + "---|" * len(heads)
     models = [point.scenario.model() for point in rubnoise.expand(rubnoise.load_sweep(STUDY))]
