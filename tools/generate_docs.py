@@ -7,10 +7,11 @@ and `<!-- / -->`; everything else on a page is written by hand.
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import package_map
+from parts import filled, parts_of, table
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 from scipy.stats import t as student
@@ -28,7 +29,6 @@ PAGES = ("data-format.md", "design.md", "scenarios.md")
 KEPT = DOCS.parent / "tests" / "reference" / "coupling.json"
 """What the study of two-way coupling has measured: of each figure value and standard error, with its command."""
 NUMBER = re.compile(r"(?<=<!-- number: )(\w+)( -->).*?(?=<!-- / -->)")
-PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
 ROWS = {
@@ -74,11 +74,8 @@ def read(page: str) -> str:
 def generated(text: str) -> str:
     """Return the text of a page with new generated parts and numbers; a part that another tool makes stays."""
     text = NUMBER.sub(lambda found: found[1] + found[2] + NUMBERS[found[1]](), text)
-    return PART.sub(lambda found: _part(found) if found[1] in PARTS else found[0], text)
-
-
-def _part(found: re.Match[str]) -> str:
-    return found[1] + found[2] + "\n" + "\n".join(PARTS[found[1]]()).rstrip() + "\n\n"
+    made = {name: "\n".join(PARTS[name]()).rstrip() for name in parts_of(text) if name in PARTS}
+    return filled(text, {name: f"\n{part}\n\n" for name, part in made.items()})
 
 
 def time_stuck() -> str:
@@ -104,8 +101,7 @@ def _group(group: Group) -> Iterator[str]:
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
     yield f"Viewers draw `{group.plotted}` against `{scale}`."
     yield ""
-    yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
-    yield ""
+    yield table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
 
 
 def _present(group: Group) -> str:
@@ -147,8 +143,7 @@ def _need(table: FieldInfo) -> str:
 
 def _keys(fields: dict[str, FieldInfo]) -> Iterator[str]:
     rows = ((f"`{key}`", _values(about), _default(about), about.description or "") for key, about in fields.items())
-    yield from _table(("key", "value", "default", "meaning"), rows)
-    yield ""
+    yield table(("key", "value", "default", "meaning"), rows)
 
 
 def _values(about: FieldInfo) -> str:
@@ -179,13 +174,6 @@ def _default(about: FieldInfo) -> str:
     return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
 
 
-def _table(head: Sequence[str], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
-    yield "| " + " | ".join(head) + " |"
-    yield "|" + "---|" * len(head)
-    for row in rows:
-        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |"
-
-
 def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
@@ -199,7 +187,7 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "sweep": sweep,
     "layers": package_map.line,
     "arrows": package_map.diagram,
-    "rooms": package_map.table,
+    "rooms": package_map.rooms,
 }
 
 if __name__ == "__main__":

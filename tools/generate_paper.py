@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from math import isnan
 from pathlib import Path
 
+from parts import table
 from small_png import small
 
 from rubnoise.claims.catalogue import evaluate_claims
@@ -98,10 +99,9 @@ def main() -> int:
 def page(claims: tuple[Claim, ...]) -> Iterator[str]:
     """Yield the lines of the page."""
     yield HEAD
-    yield "| claim | where | verdict |"
-    yield "|---|---|---|"
-    yield from (f"| [{claim.name}](#{claim.name}) | {claim.where} | {claim.verdict.value} |" for claim in claims)
-    yield "\n## Claims"
+    rows = ((f"[{claim.name}](#{claim.name})", claim.where, claim.verdict.value) for claim in claims)
+    yield table(("claim", "where", "verdict"), rows)
+    yield "## Claims"
     for claim in claims:
         yield from _claim(claim)
     yield LIMITS.rstrip()
@@ -115,18 +115,16 @@ def typeset(text: str) -> str:
 def _claim(claim: Claim) -> Iterator[str]:
     yield f"\n### {claim.name}"
     yield f"\n**{claim.where}.** {typeset(claim.says)}\n"
-    yield "| quantity | printed | simulated (95 %) | exact |"
-    yield "|---|---|---|---|"
-    yield from map(_quantity, claim.quantities)
-    yield f"\n**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
+    yield table(("quantity", "printed", "simulated (95 %)", "exact"), map(_quantity, claim.quantities))
+    yield f"**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
 
 
-def _quantity(quantity: ClaimedNumber) -> str:
+def _quantity(quantity: ClaimedNumber) -> tuple[str, ...]:
     name = typeset(f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name)
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.6g}"
     low, high = quantity.simulated.interval
-    return f"| {name} | {printed} | {quantity.simulated.value:.5g} ± {0.5 * (high - low):.2g} | {exact} |"
+    return name, printed, f"{quantity.simulated.value:.5g} ± {0.5 * (high - low):.2g}", exact
 
 
 if __name__ == "__main__":

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
+from parts import table
+
 ROOT: Final = Path(__file__).resolve().parent.parent
 PACKAGE: Final = ROOT / "src" / "rubnoise"
 CONTRACT: Final = ROOT / "pyproject.toml"
@@ -86,13 +88,9 @@ def diagram() -> Iterator[str]:
     yield "```"
 
 
-def table() -> Iterator[str]:
-    """Yield a row for each room, with what is in it."""
-    yield "| room | what is in it |"
-    yield "|---|---|"
-    for layer in layers():
-        for room in layer:
-            yield f"| `{room}` | {_first_sentence(room)} |"
+def rooms() -> Iterator[str]:
+    """Yield a table with a row for each room: what is in it."""
+    yield table(("room", "what is in it"), ((f"`{room}`", _first_sentence(room)) for each in layers() for room in each))
 
 
 def _in_order(rooms: set[str]) -> list[str]:
@@ -102,4 +100,4 @@ def _in_order(rooms: set[str]) -> list[str]:
 def _first_sentence(room: str) -> str:
     story = files(room)[0] if (PACKAGE / f"{room}.py").exists() else PACKAGE / room / "__init__.py"
     text = ast.get_docstring(ast.parse(story.read_text(encoding="utf-8"))) or ""
-    return " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")
+    return " ".join(text.split("\n\n")[0].split())

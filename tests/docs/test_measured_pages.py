@@ -4,7 +4,8 @@ import json
 import re
 import sys
 import tomllib
-from dataclasses import replace
+from dataclasses import asdict, replace
+from importlib import import_module
 from math import hypot, log, sqrt
 from pathlib import Path
 
@@ -22,7 +23,8 @@ from rubnoise.theory.coupling import coupling
 from rubnoise.theory.load import load_motion
 from rubnoise.theory.response import response
 from tests.architecture.sources import ROOT
-from tools.studies import detection, free_motion, load, surface_levels, surfaces, two_way_reference
+from tools.parts import filled, parts_of
+from tools.studies import detection, free_motion, load, surface_levels, two_way_reference
 from tools.studies import two_way as tool
 
 # What docs/two-way.md shows as measured is what the tool measures, and its pictures are there.
@@ -31,10 +33,8 @@ LINKED = re.findall(r"\]\((pictures/two-way/[\w-]+\.png)\)", TEXT)
 
 
 def part(name: str) -> list[str]:
-    """Return the lines of a measured or generated part of the page."""
-    found = re.search(rf"<!-- (?:measured|generated): {name} -->\n(.*?)<!-- end -->", TEXT, re.DOTALL)
-    assert found is not None
-    return found[1].removesuffix("\n").split("\n")
+    """Return the lines of a measured part of the page."""
+    return parts_of(TEXT)[name].removesuffix("\n").split("\n")
 
 
 def rows(name: str) -> list[list[str]]:
@@ -51,9 +51,11 @@ def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
 
 
 def test_the_tool_finds_its_parts_on_the_page() -> None:
-    assert {name for _, name in tool.PART.findall(TEXT)} == {"figures", "chaos", "reference"}
-    assert tool.filled(TEXT, {"reference": tool.reference()}) == TEXT
-    assert tool.filled(TEXT, {"reference": ["changed"]}) != TEXT
+    assert parts_of(TEXT).keys() == {"figures", "chaos", "reference"}
+    assert filled(TEXT, {"reference": tool.reference()}) == TEXT
+    assert filled(TEXT, {"reference": "changed"}) != TEXT
+    with pytest.raises(ValueError, match="no part called refrence"):
+        filled(TEXT, {"refrence": "changed"})
 
 
 def model_at(speed: float, junctions: float) -> Model:
@@ -105,7 +107,7 @@ def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_figure_5_is_told_as_it_is(figure_5: Path, two_way: Path) -> None:
     with open_run(figure_5) as one, open_run(two_way) as two:
-        assert "\n".join(part("figures")) == "\n".join(tool.figures(one, two)), "python tools/studies two_way"
+        assert parts_of(TEXT)["figures"] == tool.figures(one, two), "python tools/studies two_way"
 
 
 def test_runs_part_when_the_page_says() -> None:
@@ -128,9 +130,8 @@ TRIED = re.compile(r"(\d+) of 20|-")
 
 def cells(page: str) -> dict[str, list[str]]:
     """Return the cells of each row of the table by its fault."""
-    found = detection.PART.search(page)
-    assert found is not None
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in found[0].split("\n") if "|" in line]
+    lines = parts_of(page)["detection"].split("\n")
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if "|" in line]
     return {row[0]: row[1:] for row in rows[2:]}
 
 
@@ -263,53 +264,40 @@ def test_what_is_promised_is_the_same_and_the_file_is_not(
 
 # Tables of studies are those of their data, and the data is what theory says.
 def test_tables_of_studies_are_those_of_their_data() -> None:
-    kept = json.loads(surfaces.DATA.read_text("utf-8"))["rows"]
-    tables = (
-        (load, load.table(load.kept())),
-        (surface_levels, surface_levels.table(surface_levels.kept())),
-        (surfaces, surfaces.table([surfaces.Row(**each) for each in kept])),
-    )
-    for study, table in tables:
-        found = study.TABLE.search(study.PAGE.read_text("utf-8"))
-        assert found is not None
-        assert found[0] == table, study.__name__
+    for name in ("family", "free_motion", "load", "surface_levels", "surfaces"):
+        study = import_module(f"tools.studies.{name}").STUDY
+        rows, page = study.kept(), (study.docs / study.page).read_text("utf-8")
+        assert study.faults(rows) == []
+        assert study.tables(rows).items() <= parts_of(page).items(), name
 
 
 def test_exponents_of_speed_and_height_are_theirs_and_belong_together() -> None:
-    rows = load.kept()
-    assert [words for row in rows for words in load.faults(row)] == []
+    rows = load.STUDY.kept()
     assert all(row.speed.error < 0.02 and row.height.error < 0.01 for row in rows)
     for row in rows:
         assert row.height.exact == pytest.approx(0.5 * (1.0 + row.speed.exact), abs=1e-6)
     low, high = (load_motion(model).velocity_std for model in load.contacts(rows[0].begin, rows[0].end)[0])
     assert rows[0].speed.exact == pytest.approx(log(high / low) / log(rows[0].end / rows[0].begin), rel=1e-9)
     wrong = replace(rows[0], height=replace(rows[0].height, found=1.0 - rows[0].speed.found))
-    assert load.faults(wrong) != []  # m + n = 1, as at constant separation
+    assert load.faults([wrong]) != []  # m + n = 1, as at constant separation
 
 
 def test_the_level_hardly_depends_on_the_cutoff() -> None:
     """The page says so: within 1.6 dB, while the number of junctions more than doubles."""
-    cells = surface_levels.kept()
+    cells = surface_levels.STUDY.kept()
     for roughness in surface_levels.ROUGHNESSES:
         own = [cell for cell in cells if cell.roughness == roughness]
         levels, counts = [cell.exact for cell in own], [cell.junction_count for cell in own]
         assert max(levels) - min(levels) < 1.6
         assert max(counts) > 2.0 * min(counts)
-    assert all(abs(cell.found - cell.exact) < surface_levels.ALLOWED * cell.error for cell in cells)
     assert 0.9 < surface_levels.exponent(cells, 16.0) < 1.05
 
 
 # Free motion: docs/load.md shows what docs/free_motion.json holds, once it has been held against what is exact.
-FREE = free_motion.kept()
+FREE = free_motion.STUDY.kept()
 SCALE = free_motion.HEIGHT * sqrt(free_motion.GRAVITY / free_motion.HEIGHT)
 """s_0 omega_c in um/s."""
-
-
-def test_the_tables_of_free_motion_are_those_of_the_data() -> None:
-    page = free_motion.PAGE.read_text(encoding="utf-8")
-    parts = {found[2]: found[0] for found in free_motion.PART.finditer(page)}
-    assert {name: text.partition("\n")[2] for name, text in parts.items()} == free_motion.tables(FREE)
-    assert free_motion.faults(FREE) == []
+FREE_TABLES = ("levels", "height", "slopes", "shocks")
 
 
 def test_a_level_of_free_motion_is_what_its_seeds_give() -> None:
@@ -349,18 +337,21 @@ def test_no_table_is_drawn_where_runs_are_wrong(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    page = tmp_path / "load.md"
-    page.write_text("<!-- study: free levels -->\nas it was\n<!-- end -->\n", encoding="utf-8")
+    page, data = tmp_path / "load.md", tmp_path / "free_motion.json"
+    parts = "".join(f"<!-- study: free {name} -->\nas it was\n<!-- end -->\n" for name in FREE_TABLES)
+    page.write_text(parts, encoding="utf-8")
     levels = tuple(replace(each, **change) if at == 2 else each for at, each in enumerate(FREE[1].levels))
-    monkeypatch.setattr(free_motion, "kept", lambda: [FREE[0], replace(FREE[1], levels=levels), *FREE[2:]])
-    monkeypatch.setattr(free_motion, "PAGE", page)
+    study = replace(free_motion.STUDY, docs=tmp_path)
     monkeypatch.setattr(sys, "argv", ["free_motion", "--table"])
-    assert free_motion.main() == 1
+    rows = [FREE[0], replace(FREE[1], levels=levels), *FREE[2:]]
+    data.write_text(json.dumps({"rows": [asdict(each) for each in rows]}), encoding="utf-8")
+    assert study.main() == 1
     assert said in capsys.readouterr().err
     assert "as it was" in page.read_text(encoding="utf-8")
-    monkeypatch.setattr(free_motion, "kept", lambda: FREE)
-    assert free_motion.main() == 0
+    monkeypatch.setattr(sys, "argv", ["free_motion"])
+    assert replace(study, make=lambda: FREE).main() == 0
     assert "as it was" not in page.read_text(encoding="utf-8")
+    assert study.kept() == FREE
 
 
 def test_a_small_error_in_every_contact_shows_in_all_of_them_together() -> None:

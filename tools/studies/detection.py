@@ -6,7 +6,6 @@ distance and at a quarter of it. Where these do not bear out the table nothing i
 """
 
 import argparse
-import re
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -14,6 +13,8 @@ from functools import lru_cache
 from math import sqrt
 from pathlib import Path
 from typing import Final
+
+from parts import filled, table
 
 from rubnoise.analysis.agreement import Agreement, family_wise_bound
 from rubnoise.analysis.comparing.findings import (
@@ -51,9 +52,12 @@ from tests.verification.scores import Held
 ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / "docs" / "comparing.md"
 FIGURE_5: Final = ROOT / "scenarios" / "paper" / "fig5.toml"
-PART: Final = re.compile(r"(?<=<!-- generated: detection -->\n).*?(?=<!-- end -->)", re.DOTALL)
 HEAD: Final = (
-    "| fault, in the run of Figure 5 | first shown by | from about | outside: runs of that distance | of a quarter |"
+    "fault, in the run of Figure 5",
+    "first shown by",
+    "from about",
+    "outside: runs of that distance",
+    "of a quarter",
 )
 
 FIGURES: Final = 35
@@ -245,21 +249,18 @@ def predicted(fault: Fault) -> tuple[str, str, str]:
     return fault.name, f"`{name}`", distance(length)
 
 
-def rows() -> Iterator[str]:
-    """Yield the table, a line at a time."""
-    yield HEAD
-    yield "|---|---|---|---|---|"
+def rows() -> Iterator[tuple[str, ...]]:
+    """Yield the rows of the table, each when its runs have borne it out."""
     for place, fault in enumerate(FAULTS):
         name, length = first_shown(fault)
-        row = "| " + " | ".join([*predicted(fault), *tried(place, fault, name, length)]) + " |"
-        print(row, file=sys.stderr, flush=True)
+        row = (*predicted(fault), *tried(place, fault, name, length))
+        print(*row, sep=", ", file=sys.stderr, flush=True)
         yield row
 
 
 def main() -> int:
     """Try every row, and write the page."""
     argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0]).parse_args()
-    text = PAGE.read_text(encoding="utf-8")
-    table = "\n" + "\n".join(rows()) + "\n\n"
-    PAGE.write_text(PART.sub(lambda _: table, text), encoding="utf-8")
+    parts = {"detection": f"\n{table(HEAD, rows())}\n"}
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
     return 0

@@ -1,25 +1,18 @@
-"""Write the table of births in docs/family.md: `.venv/bin/python tools/studies family`, or with --table from its data.
+"""How far the area of equal lenses spreads, by theory and in runs.
 
-Runs from regular births (Rabinowicz) over gamma gaps to births at random (the paper) and in clusters: how far the area
-of equal lenses spreads, by theory and in runs of each. The data are docs/family.json; a run that theory does not accept
-ends the study.
+From regular births (Rabinowicz) over gamma gaps to births at random (the paper) and in clusters.
 """
 
-import argparse
-import json
-import re
-import sys
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+from parts import table
 
 import rubnoise
+from studies.study import Study
 
-DOCS: Final = Path(__file__).resolve().parents[2] / "docs"
-PAGE, DATA = DOCS / "family.md", DOCS / "family.json"
-TABLE: Final = re.compile(r"(?<=<!-- study: births -->\n).*?(?=<!-- end -->)", re.DOTALL)
 RUNS: Final = 40
 DISTANCE: Final = 2000.0
 ALLOWED: Final = 4.0
@@ -72,12 +65,6 @@ def measured(births: str, tables: dict[str, Any]) -> Row:
     return Row(births=births, exact=exact.std / exact.mean, found=found / exact.mean, error=error * slope / exact.mean)
 
 
-def table(rows: list[Row]) -> str:
-    """Return the rows as a table of Markdown."""
-    head = "| births | std over mean, exact | in runs |\n|---|---|---|\n"
-    return head + "".join(f"| {row.births} | {_shown(row.exact)} | {_told(row)} |\n" for row in rows)
-
-
 def _shown(value: float) -> str:
     return f"{value:.4f}" if value > 1e-6 else "0"
 
@@ -86,17 +73,29 @@ def _told(row: Row) -> str:
     return f"{row.found:.4f} ± {row.error:.4f}" if row.error else _shown(row.found)
 
 
-def main() -> int:
-    """Make the study and write its data and table, or only the table from the data with --table."""
-    parser = argparse.ArgumentParser(prog="studies family", description=__doc__)
-    parser.add_argument("--table", action="store_true", help="write the table from the data")
-    if not parser.parse_args().table:
-        rows = [measured(births, tables) for births, tables in BIRTHS.items()]
-        if wrong := [row for row in rows if abs(row.found - row.exact) > ALLOWED * row.error + 1e-6]:
-            print(*wrong, sep="\n", file=sys.stderr)
-            return 1
-        facts = {"runs": RUNS, "distance": DISTANCE, "rows": [asdict(row) for row in rows]}
-        DATA.write_text(json.dumps(facts, indent=1) + "\n", "utf-8")
-    kept = [Row(**row) for row in json.loads(DATA.read_text("utf-8"))["rows"]]
-    PAGE.write_text(TABLE.sub(lambda _: table(kept), PAGE.read_text("utf-8")), "utf-8")
-    return 0
+def made() -> Iterator[Row]:
+    """Yield a row for each law of births."""
+    return (measured(births, tables) for births, tables in BIRTHS.items())
+
+
+def faults(rows: Sequence[Row]) -> list[str]:
+    """Return the rows that theory does not accept."""
+    return [str(row) for row in rows if abs(row.found - row.exact) > ALLOWED * row.error + 1e-6]
+
+
+def tables(rows: Sequence[Row]) -> dict[str, str]:
+    """Return the table of the page."""
+    cells = ((row.births, _shown(row.exact), _told(row)) for row in rows)
+    return {"births": table(("births", "std over mean, exact", "in runs"), cells)}
+
+
+STUDY: Final = Study(
+    about=__doc__,
+    page="family.md",
+    data="family.json",
+    row=Row,
+    facts={"runs": RUNS, "distance": DISTANCE},
+    make=made,
+    faults=faults,
+    tables=tables,
+)

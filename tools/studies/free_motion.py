@@ -1,25 +1,20 @@
-"""Measure a slider that may leave its contact over speed, height and contacts: `python tools/studies free_motion`.
+"""A slider that may leave its contact, over speed, height and contacts.
 
-Writes docs/free_motion.json and the tables of docs/load.md. The slider bears its own weight on summits with c = 50 um;
-at a height scale of 5 um that is V = 70 mm/s times v = V/(c omega_c). n is the slope of the normal velocity over the
-speed at that height, m over the height at a fixed speed, from runs of their own: no seed serves twice. With a
-restitution m = (1 + n)/2 is exact between the same two v. If it is off by more than four standard errors in a step of
-speed or over all contacts together, or the mean load is, or the level still drifts, no table is drawn, and the exit
-code is 1. --table draws the tables from the data.
+The slider bears its own weight on summits with c = 50 um; at a height scale of 5 um that is V = 70 mm/s times
+v = V/(c omega_c). n is the slope of the normal velocity over the speed at that height, m over the height at a fixed
+speed, from runs of their own: no seed serves twice. With a restitution m = (1 + n)/2 is exact between the same two v.
+No table is drawn if it is off by more than four standard errors in a step of speed or over all contacts together, or
+the mean load is, or the level still drifts.
 """
 
-import argparse
-import json
-import re
-import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import count
 from math import hypot, log, pi, sqrt
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from parts import table
 from scipy.special import stdtr
 
 from rubnoise.analysis.agreement import normal_deviate
@@ -29,12 +24,8 @@ from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.load import level as decibels
+from studies.study import Study
 from tests.models import bouncing
-
-ROOT: Final = Path(__file__).resolve().parents[2]
-DATA: Final = ROOT / "docs" / "free_motion.json"
-PAGE: Final = ROOT / "docs" / "load.md"
-PART: Final = re.compile(r"(<!-- study: free (\w+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 DIAMETER: Final = 50.0
 HEIGHT: Final = 5.0
@@ -256,15 +247,15 @@ def tables(contacts: Sequence[Contact]) -> dict[str, str]:
     first, last = STEPS[0], STEPS[-1] + 1
     whole = f"{SPEEDS[first]:g} to {SPEEDS[last]:g}"
     return {
-        "levels": _table(
+        "free levels": table(
             ("N", "loss", *speeds),
             (_row(each, (_decibels(level) for level in each.levels)) for each in contacts),
         ),
-        "height": _table(
+        "free height": table(
             ("N", "loss", *places),
             (_row(each, (_decibels(level) for pair in each.heights for level in pair)) for each in contacts),
         ),
-        "slopes": _table(
+        "free slopes": table(
             ("N", "loss", *(f"n; m, v = {span}" for span in spans), f"n; m, {whole}", f"m - (1 + n)/2, {whole}"),
             (
                 _row(
@@ -278,7 +269,7 @@ def tables(contacts: Sequence[Contact]) -> dict[str, str]:
                 for each in contacts
             ),
         ),
-        "shocks": _table(
+        "free shocks": table(
             ("N", "loss", "apart, %", "shocks per 1/omega_c", "peaks below W, 10 W, 100 W, %, at v = 3", "at v = 10"),
             (
                 _row(
@@ -294,11 +285,6 @@ def tables(contacts: Sequence[Contact]) -> dict[str, str]:
             ),
         ),
     }
-
-
-def _table(head: Sequence[str], rows: Iterator[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines).replace("| --- ", "|---").replace("--- |", "---|")
 
 
 def _row(each: Contact, cells: Iterator[str] | Sequence[str]) -> Sequence[str]:
@@ -319,45 +305,21 @@ def _peaks(level: Level) -> str:
     return "" if level.peaks is None else ", ".join(f"{100.0 * share:.0f}" for share in level.peaks)
 
 
-def kept() -> list[Contact]:
-    """Return the contacts of the data."""
-    found = json.loads(DATA.read_text("utf-8"))["contacts"]
-
-    def one(each: dict[str, Any]) -> Level:
-        return Level(**{**each, "peaks": None if each["peaks"] is None else tuple(each["peaks"])})
-
-    return [
-        Contact(
-            **{
-                **each,
-                "levels": tuple(map(one, each["levels"])),
-                "heights": tuple((one(low), one(high)) for low, high in each["heights"]),
-            }
-        )
-        for each in found
-    ]
+def made() -> Iterator[Contact]:
+    """Yield what is found of each contact, and print it, since all of them take long."""
+    for number in range(len(CONTACTS)):
+        found = measured(number)
+        print("\n".join(tables([found]).values()), flush=True)
+        yield found
 
 
-def main() -> int:
-    """Make the study and write its data and tables, or only the tables from the data with --table."""
-    parser = argparse.ArgumentParser(
-        prog="studies free_motion", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--table", action="store_true", help="draw the tables from the data")
-    if not parser.parse_args().table:
-        contacts = []
-        for number in range(len(CONTACTS)):
-            contacts.append(measured(number))
-            print("\n".join(tables(contacts[-1:]).values()), flush=True)
-        facts = {"command": "python tools/studies free_motion", "seed": SEED, "runs": RUNS}
-        facts |= {"diameter": DIAMETER, "height": HEIGHT, "discarded": DISCARDED}
-        DATA.write_text(
-            json.dumps({**facts, "contacts": [asdict(each) for each in contacts]}, indent=1) + "\n", "utf-8"
-        )
-    contacts = kept()
-    if wrong := faults(contacts):
-        print(*wrong, sep="\n", file=sys.stderr)
-        return 1
-    drawn = tables(contacts)
-    PAGE.write_text(PART.sub(lambda found: found[1] + drawn[found[2]], PAGE.read_text("utf-8")), "utf-8")
-    return 0
+STUDY: Final = Study(
+    about=__doc__,
+    page="load.md",
+    data="free_motion.json",
+    row=Contact,
+    facts={"seed": SEED, "runs": RUNS, "diameter": DIAMETER, "height": HEIGHT, "discarded": DISCARDED},
+    make=made,
+    faults=faults,
+    tables=tables,
+)

@@ -28,17 +28,20 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # PYTHONSAFEPATH and -P leave it out
 
 import numpy as np
+from parts import filled
+from parts import table as markdown
 
 from rubnoise.api.inferring import found_scenario, infer
-from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.inference.inference import InferenceResult, infer_signal
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model, Slider
-from rubnoise.record.sink import Columns
 from rubnoise.scenario import build
-from rubnoise.simulation.run import simulate
 from studies.right_traces import Contact, trace
+from tests.inference.traces import contact as contact_of
+from tests.models import recorded
 
 PER_LIFE = 64
 DIAMETER = 5.5
@@ -136,50 +139,22 @@ def cells() -> list[Cell]:
     return found + outside()
 
 
-class Column:
-    """Keeps one column of a run."""
-
-    def __init__(self, group: str, name: str) -> None:
-        """Name the column."""
-        self.group, self.name, self.parts = group, name, [np.empty(0)]
-
-    def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep the rows of the column (see Sink)."""
-        del first_row
-        if group == self.group:
-            self.parts.append(np.array(columns[self.name]))
-
-
-def model(law: str, count: float, lives: int, births: type[Any] = PoissonBirths) -> Model:
+def model(law: str, count: float, lives: int) -> Model:
     """Return a contact of mean diameter 5.5 um, 64 ticks a mean life."""
-    sizes = LAWS[law].make(DIAMETER, POPULATIONS[law] * DIAMETER, {})
-    spacing: BirthLaw = births(mean_spacing=2.0 * sizes.mean / count)
-    tick = 2.0 * sizes.mean / PER_LIFE
-    return Model(
-        mean_real_contact_area=count * DIAMETER**2 / 3.0,
-        mean_junction_count=float(count),
-        calibration="exact",
-        calibrated_diameter=DIAMETER,
-        sizes=sizes,
-        births=spacing,
-        strengths=LAWS["fixed"].make(250.0, 0.0, {}),
-        sliding_speed=1000.0,
-        distance=tick * (lives * PER_LIFE - 1),
-        start="stationary",
-        slider=None,
-        tick=tick,
-        tick_count=lives * PER_LIFE - 1,
-    )
+    return contact_of(law, POPULATIONS[law], count, lives, mean=DIAMETER)
+
+
+def force_of(contact: Model, seed: int) -> Doubles:
+    """Return the friction force of a run in uN."""
+    return np.array(recorded(contact, seed, engine="batch")["trace"]["friction_force"])
 
 
 def right(cell: Cell, seed: int) -> Signal:
     """Return a trace of the model, with white noise."""
     contact = model(cell.law, cell.count, cell.lives)
-    kept = Column("trace", "friction_force")
     # Cells of one seed share no junctions, so that they can be pooled.
     own = crc32(f"{cell.name} {seed}".encode())
-    simulate(contact, own, kept, engine="batch")
-    values = np.concatenate(kept.parts)
+    values = force_of(contact, own)
     spread = values.std()
     values += cell.noise * spread * np.random.default_rng([own, 1]).standard_normal(values.size)
     if cell.drift:
@@ -198,13 +173,9 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     if kind == "stick-slip":
         slider = Slider(mass=0.005, stiffness=300.0, damping=0.05, coupling="two-way")
         contact = replace(contact, slider=slider)
-        kept = Column("slider", "displacement")
-        simulate(contact, seed, kept, engine="batch")
-        values = 300.0 * np.concatenate(kept.parts)[:n]
+        values = 300.0 * recorded(contact, seed, engine="batch")["slider"]["displacement"][:n]
     elif kind == "regular":
-        kept = Column("trace", "friction_force")
-        simulate(model("normal", 20, cell.lives, RegularBirths), seed, kept, engine="batch")
-        values = np.concatenate(kept.parts)
+        values = force_of(replace(contact, births=RegularBirths(mean_spacing=contact.mean_birth_spacing)), seed)
     elif kind == "lorentzian":
         a = np.exp(-4.0 / life)
         values = 50.0 + 10.0 * lfilter([np.sqrt(1.0 - a * a)], [1.0, -a], rng.standard_normal(n + 1000))[1000:]
@@ -221,11 +192,10 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
 def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     """Return a run of the scenario that was found in a trace, and the numbers found."""
     found = infer_signal(signal, zero="known", tests=False)
-    contact = build(tomllib.loads(found_scenario(found, speed=1000.0))).model()
-    kept = Column("trace", "friction_force")
-    simulate(contact, seed + 1_000_000, kept, engine="batch")
+    contact = build(tomllib.loads(found_scenario(found, speed="1 mm/s"))).model()
+    force = force_of(contact, seed + 1_000_000)
     values = {name: each.value for name, each in found.estimates.items()}
-    return Signal(values=np.concatenate(kept.parts), tick=contact.tick, unit="uN", scale=1.0), values
+    return Signal(values=force, tick=contact.tick, unit="uN", scale=1.0), values
 
 
 def read_outside(cell: Cell, seed: int) -> InferenceResult:
@@ -383,19 +353,11 @@ def document(folder: Path) -> None:
     if seen := seen_outside(found):
         DATA.write_text(json.dumps(seen, indent=1) + "\n", encoding="utf-8")
     tables = {"coverage": _coverage(found), "others": _others(found), "wrong": _wrong(found)}
-    # What was not made again stays as it is.
-    tables = {name: lines for name, lines in tables.items() if len(lines) > _HEADS[name]}
     if DATA.exists():
         data = json.loads(DATA.read_text(encoding="utf-8"))
         tables |= {"outside": outside_table(data), "bandwidth": bandwidth_table(data)}
-    for name, lines in tables.items():
-        begin, end = f"<!-- study: {name} -->\n", "<!-- end -->"
-        before, _, rest = text.partition(begin)
-        text = before + begin + "\n".join(lines) + "\n" + end + rest.partition(end)[2]
-    PAGE.write_text(text, encoding="utf-8")
-
-
-_HEADS = {"coverage": 5, "others": 2, "wrong": 2}
+    # What was not made again stays as it is.
+    PAGE.write_text(filled(text, {name: part for name, part in tables.items() if part}), encoding="utf-8")
 
 
 def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
@@ -429,10 +391,9 @@ def _held(case: dict[str, Any], name: str) -> str:
     return "" if each is None else f"{each['held']} of {each['of']}, {100.0 * each['median_error']:.1f} %"
 
 
-def outside_table(data: dict[str, Any]) -> list[str]:
+def outside_table(data: dict[str, Any]) -> str:
     """Return the table of traces made outside the package."""
-    heads = ["trace", "law", "option", "N", "diameter", "strength", "flagged or refused"]
-    lines = [_row(*heads), "|---" * len(heads) + "|"]
+    rows = []
     for cell in outside():
         case = data.get(cell.name.removeprefix("outside "))
         if case is None or cell.name.split()[2:3] == ["cycles"]:
@@ -441,38 +402,31 @@ def outside_table(data: dict[str, Any]) -> list[str]:
         shown = [_held(case, name) for name in ("junction_count", "diameter", "shear_strength")]
         name = cell.name.removeprefix("outside ").removesuffix(", not said")
         stops = f"{case['flagged_or_refused']} of {case['tested']}"
-        lines.append(_row(name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
-    return lines
+        rows.append((name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
+    return markdown(("trace", "law", "option", "N", "diameter", "strength", "flagged or refused"), rows)
 
 
 _SAID = {"bandwidth": "F", "strength_spread": '"50 %"', "strokes": '"5 %"'}
 
 
-def bandwidth_table(data: dict[str, Any]) -> list[str]:
+def bandwidth_table(data: dict[str, Any]) -> str:
     """Return the table of one pole at some cycles a life, with and without its corner given."""
-    lines = ["| cycles a life | N without | strength without | N with | strength with |", "|---|---|---|---|---|"]
+    rows = []
     for cycles in CYCLES:
         pair = [data[name] for which in ("without", "with") if (name := f"{cycles} cycles {which}") in data]
         if len(pair) == len(("without", "with")):
             shown = [_held(case, name) for case in pair for name in ("junction_count", "shear_strength")]
-            lines.append(_row(str(cycles), *shown))
-    return lines
+            rows.append((str(cycles), *shown))
+    return markdown(("cycles a life", "N without", "strength without", "N with", "strength with"), rows)
 
 
-def _cell_scores(rows: list[dict[str, Any]]) -> str:
-    shown = []
-    for name in QUANTITIES:
-        score = scores(rows, name)
-        shown.append("" if score is None else f"{100 * score[0] / score[1]:.1f} %, {100 * score[2]:.1f} %")
-    return " | ".join(shown)
+def _cell_scores(rows: list[dict[str, Any]]) -> list[str]:
+    found = [scores(rows, name) for name in QUANTITIES]
+    return ["" if each is None else f"{100 * each[0] / each[1]:.1f} %, {100 * each[2]:.1f} %" for each in found]
 
 
-def _row(*cells_of_row: str) -> str:
-    return f"| {' | '.join(cells_of_row)} |".replace("|  |", "| |").replace("|  |", "| |")
-
-
-def _coverage(found: dict[str, list[dict[str, Any]]]) -> list[str]:
-    lines = ["| law, spread | junctions | traces | N | diameter | spread | strength |", "|---|---|---|---|---|---|---|"]
+def _coverage(found: dict[str, list[dict[str, Any]]]) -> str:
+    lines: list[tuple[str, ...]] = []
     whole: list[dict[str, Any]] = []
     for cell in cells():
         rows = found.get(cell.name, [])
@@ -480,18 +434,20 @@ def _coverage(found: dict[str, list[dict[str, Any]]]) -> list[str]:
             continue
         whole += rows
         label = LABELS.get(cell.law, cell.law) if cell.count == COUNTS[0] else ""
-        lines.append(_row(label, str(cell.count), str(len(rows)), _cell_scores(rows)))
-    return [*lines, _row("all", "", str(len(whole)), _cell_scores(whole)), "", _flagged("right", whole)]
+        lines.append((label, str(cell.count), str(len(rows)), *_cell_scores(rows)))
+    lines.append(("all", "", str(len(whole)), *_cell_scores(whole)))
+    head = ("law, spread", "junctions", "traces", "N", "diameter", "spread", "strength")
+    return f"{markdown(head, lines)}\n{_flagged('right', whole)}\n" if whole else ""
 
 
-def _others(found: dict[str, list[dict[str, Any]]]) -> list[str]:
-    heads = ["trace", "law", "traces", "N", "diameter", "spread", "strength", "flagged or refused"]
-    lines = [_row(*heads), "|---" * len(heads) + "|"]
-    for cell in cells():
-        rows = found.get(cell.name, [])
-        if cell.kind in OTHERS and rows:
-            lines.append(_row(OTHERS[cell.kind], cell.law, str(len(rows)), _cell_scores(rows), str(stopped(rows))))
-    return lines
+def _others(found: dict[str, list[dict[str, Any]]]) -> str:
+    lines = [
+        (OTHERS[cell.kind], cell.law, str(len(rows)), *_cell_scores(rows), str(stopped(rows)))
+        for cell in cells()
+        if cell.kind in OTHERS and (rows := found.get(cell.name, []))
+    ]
+    head = ("trace", "law", "traces", "N", "diameter", "spread", "strength", "flagged or refused")
+    return markdown(head, lines) if lines else ""
 
 
 def _flagged(kind: str, rows: list[dict[str, Any]]) -> str:
@@ -499,13 +455,13 @@ def _flagged(kind: str, rows: list[dict[str, Any]]) -> str:
     return f"Of these {len(rows)} {kind} traces, {stopped(rows)} were flagged or refused, which is {share:.1f} %."
 
 
-def _wrong(found: dict[str, list[dict[str, Any]]]) -> list[str]:
-    lines = ["| trace of | zero unknown | zero known |", "|---|---|---|"]
+def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
+    lines = []
     for law, words in WRONG.items():
         both = [found.get(f"wrong {law} (zero {zero})", []) for zero in reversed(ZEROS)]
         if any(both):
-            lines.append(_row(words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
-    return lines
+            lines.append((words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
+    return markdown(("trace of", "zero unknown", "zero known"), lines) if lines else ""
 
 
 def main() -> int:

@@ -1,30 +1,24 @@
-"""Measure exponents of speed and of height under a load that weighs: `python tools/studies load`.
+"""Exponents of speed and of height under a load that weighs.
 
-Writes docs/load.json and the table of docs/load.md. n is the slope of the normal velocity over the speed at a fixed
-height, m over the height at a fixed speed, each from two runs; no run serves twice. Where a slope is further from
-theory, or m from (1 + n)/2, than four standard errors, nothing is written, and the exit code is 1.
+n is the slope of the normal velocity over the speed at a fixed height, m over the height at a fixed speed, each from
+two runs; no run serves twice. A slope has to be within four standard errors of theory, and m of (1 + n)/2.
 """
 
-import argparse
-import json
-import re
-import sys
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot, log, sqrt
-from pathlib import Path
 from typing import Final
+
+from parts import table
 
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.load import load_errors, load_motion
+from studies.study import Study
 from tests.models import loaded
 
-ROOT: Final = Path(__file__).resolve().parents[2]
-DATA: Final = ROOT / "docs" / "load.json"
-PAGE: Final = ROOT / "docs" / "load.md"
-TABLE: Final = re.compile(r"(?<=<!-- study: load -->\n).*?(?=<!-- end -->)", re.DOTALL)
 RATIO: Final = 0.3
 HEIGHT: Final = 0.5
 """Damping ratio, and the height scale in um at which the speed changes."""
@@ -98,54 +92,51 @@ def row(begin: float, end: float, seed: int) -> Row:
     return Row(begin=begin, end=end, speed=slope(speeds, step, seed), height=slope(heights, 2.0 * step, seed + 2))
 
 
-def faults(each: Row) -> list[str]:
+def made() -> Iterator[Row]:
+    """Yield a row for each step of the speed."""
+    return (row(begin, end, SEED + 4 * n) for n, (begin, end) in enumerate(pairwise(SPEEDS)))
+
+
+def faults(rows: Sequence[Row]) -> list[str]:
     """Return what runs and theory, or runs and the identity, disagree in."""
-    miss, error = each.miss
-    scores = {
-        "n": (each.speed.found - each.speed.exact) / each.speed.error,
-        "m": (each.height.found - each.height.exact) / each.height.error,
-        "m - (1 + n)/2": miss / error,
-    }
-    return [
-        f"{name} from {each.begin:g} to {each.end:g}: z = {z:.2f}" for name, z in scores.items() if abs(z) > ALLOWED
-    ]
-
-
-def table(rows: list[Row]) -> str:
-    """Return the rows as a table of Markdown."""
-    head = "| V/(c omega_c) | n, runs | n, theory | m, runs | m, theory | m - (1 + n)/2, runs |\n"
-    return (
-        head
-        + "|---" * 6
-        + "|\n"
-        + "".join(
-            f"| {each.begin:g} to {each.end:g} | {_told(each.speed)} | {_told(each.height)}"
-            f" | {each.miss[0]:+.3f} ± {each.miss[1]:.3f} |\n"
-            for each in rows
+    scores = [
+        (name, each, z)
+        for each in rows
+        for name, z in (
+            ("n", (each.speed.found - each.speed.exact) / each.speed.error),
+            ("m", (each.height.found - each.height.exact) / each.height.error),
+            ("m - (1 + n)/2", each.miss[0] / each.miss[1]),
         )
+    ]
+    return [f"{name} from {each.begin:g} to {each.end:g}: z = {z:.2f}" for name, each, z in scores if abs(z) > ALLOWED]
+
+
+def tables(rows: Sequence[Row]) -> dict[str, str]:
+    """Return the table of the page."""
+    head = ("V/(c omega_c)", "n, runs", "n, theory", "m, runs", "m, theory", "m - (1 + n)/2, runs")
+    cells = (
+        (
+            f"{each.begin:g} to {each.end:g}",
+            *_told(each.speed),
+            *_told(each.height),
+            f"{each.miss[0]:+.3f} ± {each.miss[1]:.3f}",
+        )
+        for each in rows
     )
+    return {"load": table(head, cells)}
 
 
-def _told(each: Slope) -> str:
-    return f"{each.found:.3f} ± {each.error:.3f} | {each.exact:.3f}"
+def _told(each: Slope) -> tuple[str, str]:
+    return f"{each.found:.3f} ± {each.error:.3f}", f"{each.exact:.3f}"
 
 
-def main() -> int:
-    """Make the study and write its data and table, or only the table from the data with --table."""
-    parser = argparse.ArgumentParser(prog="studies load", description=__doc__)
-    parser.add_argument("--table", action="store_true", help="draw the table from the data")
-    if not parser.parse_args().table:
-        rows = [row(begin, end, SEED + 4 * n) for n, (begin, end) in enumerate(pairwise(SPEEDS))]
-        if wrong := [words for each in rows for words in faults(each)]:
-            print(*wrong, sep="\n", file=sys.stderr)
-            return 1
-        facts = {"damping_ratio": RATIO, "junctions": 20, "seed": SEED}
-        DATA.write_text(json.dumps({**facts, "rows": [asdict(each) for each in rows]}, indent=1) + "\n", "utf-8")
-    PAGE.write_text(TABLE.sub(lambda _: table(kept()), PAGE.read_text("utf-8")), "utf-8")
-    return 0
-
-
-def kept() -> list[Row]:
-    """Return the rows of the data."""
-    rows = json.loads(DATA.read_text("utf-8"))["rows"]
-    return [Row(**{**each, **{name: Slope(**each[name]) for name in ("speed", "height")}}) for each in rows]
+STUDY: Final = Study(
+    about=__doc__,
+    page="load.md",
+    data="load.json",
+    row=Row,
+    facts={"damping_ratio": RATIO, "junctions": 20, "seed": SEED},
+    make=made,
+    faults=faults,
+    tables=tables,
+)

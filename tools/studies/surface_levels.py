@@ -1,29 +1,24 @@
-"""Level of the noise over roughness and cut-off of two surfaces: `python tools/studies surface_levels`.
+"""Level of the noise over roughness and cut-off of two surfaces.
 
-Writes docs/surface_levels.json and its table in docs/surfaces.md. Synthetic surfaces go the whole way: spectra, theory
-of the contact, scenario with the slider's mass, a run of it. Where a run is further from the scenario's theory than
-four standard errors, nothing is written, and the exit code is 1.
+Synthetic surfaces go the whole way: spectra, theory of the contact, scenario with the slider's mass, a run of it, which
+has to be within four standard errors of the scenario's theory.
 """
 
-import argparse
-import json
-import re
-import sys
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
 from math import log, log10
-from pathlib import Path
 from typing import Final
+
+from parts import table
 
 import rubnoise
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import loads
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.load import level, load_errors, load_motion
+from studies.study import Study
 
-ROOT: Final = Path(__file__).resolve().parents[2]
-DATA: Final = ROOT / "docs" / "surface_levels.json"
-PAGE: Final = ROOT / "docs" / "surfaces.md"
-TABLE: Final = re.compile(r"(?<=<!-- study: surface levels -->\n).*?(?=<!-- end -->)", re.DOTALL)
 POINTS: Final = 1024
 HURST: Final = 0.8
 ROLLOFF: Final = 128.0
@@ -84,43 +79,45 @@ def measured(roughness: float, cutoff: float, seed: int) -> Cell:
     )
 
 
-def table(cells: list[Cell]) -> str:
-    """Return the cells as a table of Markdown, a row for each roughness."""
-    head = "| rms height of each | " + " | ".join(f"cut-off {cutoff:g} µm" for cutoff in CUTOFFS) + " |\n"
-    rows = (
-        f"| {roughness:g} µm | " + " | ".join(_told(each) for each in cells if each.roughness == roughness) + " |\n"
-        for roughness in ROUGHNESSES
-    )
-    counts = " | ".join(f"{each.junction_count:.3g} junctions" for each in cells if each.roughness == ROUGHNESSES[0])
-    return head + "|---" * (1 + len(CUTOFFS)) + f"|\n| | {counts} |\n" + "".join(rows)
+def made() -> Iterator[Cell]:
+    """Yield a cell for each roughness and cut-off."""
+    return (measured(*place, SEED + n) for n, place in enumerate(product(ROUGHNESSES, CUTOFFS)))
+
+
+def faults(cells: Sequence[Cell]) -> list[str]:
+    """Return the cells in which the run is not what the scenario's theory says."""
+    return [str(each) for each in cells if abs(each.found - each.exact) > ALLOWED * each.error]
+
+
+def tables(cells: Sequence[Cell]) -> dict[str, str]:
+    """Return the table of the page, a row for each roughness."""
+
+    def row(roughness: float) -> list[Cell]:
+        return [each for each in cells if each.roughness == roughness]
+
+    counts = ("", *(f"{each.junction_count:.3g} junctions" for each in row(ROUGHNESSES[0])))
+    told = ((f"{roughness:g} µm", *map(_told, row(roughness))) for roughness in ROUGHNESSES)
+    head = ("rms height of each", *(f"cut-off {cutoff:g} µm" for cutoff in CUTOFFS))
+    return {"surface levels": table(head, (counts, *told))}
 
 
 def _told(each: Cell) -> str:
     return f"{each.exact:.1f} dB, run {each.found:.1f} ± {each.error:.1f}"
 
 
-def exponent(cells: list[Cell], cutoff: float) -> float:
+def exponent(cells: Sequence[Cell], cutoff: float) -> float:
     """Return d ln level / d ln roughness by theory at a cut-off, over all roughnesses."""
     own = [each for each in cells if each.cutoff == cutoff]
     return (own[-1].exact - own[0].exact) / (20.0 * log10(own[-1].roughness / own[0].roughness))
 
 
-def kept() -> list[Cell]:
-    """Return the cells of the data."""
-    return [Cell(**each) for each in json.loads(DATA.read_text("utf-8"))["cells"]]
-
-
-def main() -> int:
-    """Make the study and write its data and table, or only the table from the data with --table."""
-    parser = argparse.ArgumentParser(prog="studies surface_levels", description=__doc__)
-    parser.add_argument("--table", action="store_true", help="draw the table from the data")
-    if not parser.parse_args().table:
-        places = [(roughness, cutoff) for roughness in ROUGHNESSES for cutoff in CUTOFFS]
-        cells = [measured(*place, SEED + n) for n, place in enumerate(places)]
-        if wrong := [each for each in cells if abs(each.found - each.exact) > ALLOWED * each.error]:
-            print(*wrong, sep="\n", file=sys.stderr)
-            return 1
-        facts = {"points": POINTS, "hurst": HURST, "rolloff": ROLLOFF, "load": LOAD, "speed": SPEED, "seed": SEED}
-        DATA.write_text(json.dumps({**facts, "cells": [asdict(each) for each in cells]}, indent=1) + "\n", "utf-8")
-    PAGE.write_text(TABLE.sub(lambda _: table(kept()), PAGE.read_text("utf-8")), "utf-8")
-    return 0
+STUDY: Final = Study(
+    about=__doc__,
+    page="surfaces.md",
+    data="surface_levels.json",
+    row=Cell,
+    facts={"points": POINTS, "hurst": HURST, "rolloff": ROLLOFF, "load": LOAD, "speed": SPEED, "seed": SEED},
+    make=made,
+    faults=faults,
+    tables=tables,
+)

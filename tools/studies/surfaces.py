@@ -1,31 +1,25 @@
-"""Slide pairs of surfaces by brute force beside their exact theory: `python tools/studies surfaces [--pairs 24]`.
+"""Pairs of surfaces that are slid by brute force, beside their exact theory.
 
-Writes docs/surfaces.json and the table of docs/surfaces.md. Where a mean of the pairs is further from theory than four
-standard errors and what is known of merging lives, nothing is written, and the exit code is 1.
+A mean of the pairs has to be within four standard errors of theory, and what is known of merging lives.
 """
 
-import argparse
-import json
-import re
-import sys
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import pi, sqrt
-from pathlib import Path
 from typing import Final
 
 import numpy as np
+from parts import table
 
 from rubnoise.arrays import Doubles
 from rubnoise.surface.gaussian import GaussianContact
 from rubnoise.surface.waves import Waves
+from studies.study import Study
 from tests.oracle.sliding_surfaces import patch_counts, slid
 
-ROOT: Final = Path(__file__).resolve().parents[2]
-DATA: Final = ROOT / "docs" / "surfaces.json"
-PAGE: Final = ROOT / "docs" / "surfaces.md"
-TABLE: Final = re.compile(r"(?<=<!-- study: surfaces -->\n).*?(?=<!-- end -->)", re.DOTALL)
 POINTS, HURST, ROLLOFF, CUTOFF = 512, 0.8, 128.0, 16.0
 SHARES: Final = (0.03, 0.01, 0.003)
+PAIRS: Final = 24
 SEED: Final = 20_261
 MERGED: Final = {0.03: 0.25, 0.01: 0.1, 0.003: 0.1}
 """How far births may be from Euler's count, since lives merge and have holes."""
@@ -85,57 +79,61 @@ def measured(contact: GaussianContact, pairs: int) -> Row:
     return Row(share=contact.share, exact=exact, found=found)
 
 
-def faults(row: Row) -> list[str]:
+def faults(rows: Sequence[Row]) -> list[str]:
     """Return what theory and brute force disagree in."""
+    return [words for row in rows for words in _faults(row)]
+
+
+def _faults(row: Row) -> Iterator[str]:
     allowed = {"area": 0.0, "count": 0.05, "birth_rate": MERGED[row.share], "variance": 0.0}
-    return [
-        f"{name} at {100.0 * row.share:g} %: {row.found[name][0]:.6g} for {row.exact[name]:.6g}"
-        for name, share in allowed.items()
-        if abs(row.found[name][0] - row.exact[name]) > 4.0 * row.found[name][1] + share * row.exact[name]
-    ]
+    for name, share in allowed.items():
+        exact, (found, error) = row.exact[name], row.found[name]
+        if abs(found - exact) > 4.0 * error + share * exact:
+            yield f"{name} at {100.0 * row.share:g} %: {found:.6g} for {exact:.6g}"
 
 
-def table(rows: list[Row]) -> str:
-    """Return the rows as a table of Markdown."""
+def tables(rows: Sequence[Row]) -> dict[str, str]:
+    """Return the table of the page."""
     head = (
-        "| area | N_jm, slid | births per 100 points, slid | std/mean times sqrt(N_jm): long, short, slid |"
-        " frozen share | correlation length, scenario's |\n|---|---|---|---|---|---|\n"
+        "area",
+        "N_jm, slid",
+        "births per 100 points, slid",
+        "std/mean times sqrt(N_jm): long, short, slid",
+        "frozen share",
+        "correlation length, scenario's",
     )
-    return head + "".join(map(_line, rows))
+    return {"surfaces": table(head, map(_cells, rows))}
 
 
-def _line(row: Row) -> str:
+def _cells(row: Row) -> tuple[str, ...]:
     exact, found = row.exact, row.found
     spread = sqrt(exact["count"]) / exact["area"]
     middle = sqrt(found["variance"][0]) * spread
     error = 0.5 * middle * found["variance"][1] / found["variance"][0]
     births = [100.0 * each for each in (exact["birth_rate"], *found["birth_rate"])]
     return (
-        f"| {100.0 * row.share:g} % | {exact['count']:.3g}, {found['count'][0]:.3g} ± {found['count'][1]:.1g}"
-        f" | {births[0]:.3g}, {births[1]:.3g} ± {births[2]:.1g}"
-        f" | {exact['long']:.3f}, {exact['short']:.3f}, {middle:.2f} ± {error:.1g}"
-        f" | {100.0 * exact['frozen']:.3g} % | {exact['length']:.3g}, {exact['scenario_length']:.3g} points |\n"
+        f"{100.0 * row.share:g} %",
+        f"{exact['count']:.3g}, {found['count'][0]:.3g} ± {found['count'][1]:.1g}",
+        f"{births[0]:.3g}, {births[1]:.3g} ± {births[2]:.1g}",
+        f"{exact['long']:.3f}, {exact['short']:.3f}, {middle:.2f} ± {error:.1g}",
+        f"{100.0 * exact['frozen']:.3g} %",
+        f"{exact['length']:.3g}, {exact['scenario_length']:.3g} points",
     )
 
 
-def main() -> int:
-    """Make the study and write its data and table, or only the table from the data with --table."""
-    parser = argparse.ArgumentParser(prog="studies surfaces", description=__doc__)
-    parser.add_argument("--pairs", type=int, default=24)
-    parser.add_argument("--table", action="store_true", help="draw the table from the data")
-    asked = parser.parse_args()
-    if not asked.table:
-        waves = Waves(power(), (1.0, 1.0))
-        contacts = [GaussianContact(waves, waves, share, float(POINTS**2), 1e9) for share in SHARES]
-        rows = [measured(contact, asked.pairs) for contact in contacts]
-        if wrong := [words for row in rows for words in faults(row)]:
-            print(*wrong, sep="\n", file=sys.stderr)
-            return 1
-        surfaces = {"points": POINTS, "hurst": HURST, "rolloff": ROLLOFF, "cutoff": CUTOFF}
-        facts = {"pairs": asked.pairs, "seed": SEED, **surfaces}
-        DATA.write_text(json.dumps({**facts, "rows": [asdict(row) for row in rows]}, indent=1) + "\n", encoding="utf-8")
-    kept = json.loads(DATA.read_text(encoding="utf-8"))
-    text = PAGE.read_text(encoding="utf-8")
-    rows = [Row(**each) for each in kept["rows"]]
-    PAGE.write_text(TABLE.sub(lambda _: table(rows), text), encoding="utf-8")
-    return 0
+def made() -> Iterator[Row]:
+    """Yield a row for each share of the area."""
+    waves = Waves(power(), (1.0, 1.0))
+    return (measured(GaussianContact(waves, waves, share, float(POINTS**2), 1e9), PAIRS) for share in SHARES)
+
+
+STUDY: Final = Study(
+    about=__doc__,
+    page="surfaces.md",
+    data="surfaces.json",
+    row=Row,
+    facts={"pairs": PAIRS, "seed": SEED, "points": POINTS, "hurst": HURST, "rolloff": ROLLOFF, "cutoff": CUTOFF},
+    make=made,
+    faults=faults,
+    tables=tables,
+)

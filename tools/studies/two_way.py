@@ -7,15 +7,15 @@ taken from there and written, unless another program disagrees with them.
 """
 
 import argparse
-import re
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
 from typing import Final
 
 import numpy as np
+from parts import filled, table
 from small_png import small
 
 import rubnoise
@@ -33,7 +33,6 @@ PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
 FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
 STUDY: Final = SCENARIOS / "studies" / "rise.toml"
-PART: Final = re.compile(r"(<!-- (?:measured|generated): ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
 """How far the pairs of runs slide, by sliding speed in mm/s."""
@@ -48,20 +47,25 @@ PARTING: Final = (1500.0, 5000.0)
 Report = Callable[[str], None]
 
 
-def figures(one: RunFile, two: RunFile) -> Iterator[str]:
-    """Yield Figure 5 both ways: what was measured, and its pictures."""
-    motion = two.column("slider", "time", two.rows("slider") - 1)
+def figures(one: RunFile, two: RunFile) -> str:
+    """Return Figure 5 both ways: what was measured, and its pictures."""
     found = StickSlip.of(two, 0.0, inf)
     longer = int((found.slip_lengths > Stretch.of(two).model.calibrated_diameter).sum())
-    yield "| of the run with seed 1 | one-way | two-way |"
-    yield "|---|---|---|"
-    for name, unit in (("displacement_mean", "um"), ("displacement_std", "um"), ("velocity_std", "um/s")):
-        yield f"| `{name}` ({unit}) | {_number(one, name)} | {_number(two, name)} |"
-    yield f"| sticks, slips, reversals | none | {_counts(two)} |"
-    yield f"| slips longer than a mean diameter | | {longer} of {found.slip_lengths.size} |"
-    yield f"| duration (s) | {one.column('slider', 'time', one.rows('slider') - 1)[0]:.4g} | {motion[0]:.4g} |"
-    for name, says in CAPTIONS.items():
-        yield f"\n![{says.partition('. ')[0].rstrip('.')}](pictures/two-way/{name}.png)\n\n{says}"
+    ends = (run.column("slider", "time", run.rows("slider") - 1)[0] for run in (one, two))
+    rows = [
+        (f"`{name}` ({unit})", *(f"{float(run.summary[name]):.4g}" for run in (one, two)))
+        for name, unit in (("displacement_mean", "um"), ("displacement_std", "um"), ("velocity_std", "um/s"))
+    ]
+    rows += [
+        ("sticks, slips, reversals", "none", _counts(two)),
+        ("slips longer than a mean diameter", "", f"{longer} of {found.slip_lengths.size}"),
+        ("duration (s)", *(f"{end:.4g}" for end in ends)),
+    ]
+    shown = (
+        f"\n![{says.partition('. ')[0].rstrip('.')}](pictures/two-way/{name}.png)\n\n{says}\n"
+        for name, says in CAPTIONS.items()
+    )
+    return table(("of the run with seed 1", "one-way", "two-way"), rows) + "".join(shown)
 
 
 CAPTIONS: Final = {
@@ -85,25 +89,20 @@ CAPTIONS: Final = {
 }
 
 
-def _number(run: RunFile, name: str) -> str:
-    return f"{float(run.summary[name]):.4g}"
-
-
 def _counts(run: RunFile) -> str:
     kinds = np.bincount(run.column("landmarks", "kind"), minlength=4)
     return ", ".join(str(count) for count in kinds[:3].tolist())
 
 
-def chaos() -> Iterator[str]:
-    """Yield when runs part that differ in their tolerance alone."""
-    yield f"| V (mm/s) | apart by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))} | in runs of (s) |"
-    yield "|---|---|---|"
+def chaos() -> str:
+    """Return when runs part that differ in their tolerance alone."""
+    head = ("V (mm/s)", f"apart by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))}", "in runs of (s)")
+    rows = []
     for speed, distance in CHAOS.items():
         found = [parted(speed, distance, seed) for seed in SEEDS]
         times = ", ".join("never" if time is None else f"{time:.3g}" for time, _ in found)
-        yield f"| {speed} | {times} | {min(duration for _, duration in found):.3g} |"
-    yield ""
-    yield "![Two runs whose tolerances differ, where they part](pictures/two-way/chaos.png)"
+        rows.append((str(speed), times, f"{min(duration for _, duration in found):.3g}"))
+    return f"{table(head, rows)}\n![Two runs whose tolerances differ, where they part](pictures/two-way/chaos.png)\n"
 
 
 def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
@@ -134,11 +133,7 @@ def main() -> int:
     PICTURES.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         parts = made(Path(folder), wishes.sweep, lambda text: print(text, file=sys.stderr))
-    text = PAGE.read_text(encoding="utf-8")
-    if missing := set(parts) ^ {name for _, name in PART.findall(text)}:
-        print(f"two_way: {', '.join(sorted(missing))}: on the page or here alone", file=sys.stderr)
-        return 1
-    PAGE.write_text(filled(text, parts), encoding="utf-8")
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
     return 0
 
 
@@ -153,20 +148,13 @@ def take_reference(folder: Path) -> int:
     return 0
 
 
-def reference() -> list[str]:
+def reference() -> str:
     """Return the table of the reference values."""
-    return ["", *two_way_reference.table(two_way_reference.kept()), ""]
+    return f"\n{two_way_reference.shown(two_way_reference.kept())}\n"
 
 
-def filled(text: str, parts: dict[str, list[str]]) -> str:
-    """Return a page with its generated parts replaced."""
-    return PART.sub(
-        lambda found: "\n".join([found[1].rstrip("\n"), *parts[found[2]], ""]) if found[2] in parts else found[0], text
-    )
-
-
-def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]:
-    """Make the pictures, and return the lines of every part by its name."""
+def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, str]:
+    """Make the pictures, and return every part by its name."""
     tell("Figure 5")
     runs = {"one-way": (FIG5, []), "two-way": (TWO_WAY, []), "finer": (TWO_WAY, ["slider.tolerance=1e-10"])}
     for name, (path, changes) in runs.items():
@@ -177,9 +165,9 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]
         open_run(folder / "finer.h5") as finer,
     ):
         draw(one, two, finer)
-        parts = {"figures": list(figures(one, two))}
+        parts = {"figures": figures(one, two)}
     tell("chaos")
-    parts["chaos"] = list(chaos())
+    parts["chaos"] = chaos()
     tell("the sweep")
     with rubnoise.run_sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
         (PICTURES / "speeds.png").write_bytes(small(study_picture(study_of_sweep(found, "displacement_std"), "png")))

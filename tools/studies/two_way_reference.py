@@ -6,6 +6,8 @@ from math import floor, hypot, log10
 from pathlib import Path
 from typing import Any, Final
 
+from parts import table
+
 import rubnoise
 from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.theory.coupling import coupling
@@ -87,19 +89,19 @@ def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
                         yield f"{name} at {where}: {value:g} and {other[theirs]:g}, joint standard error {joint:.2g}"
 
 
-def table(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the reference as a table, standard errors in the last digits; r and Pi are exact."""
+def shown(points: Sequence[Mapping[str, Any]]) -> str:
+    """Return the reference as a table, standard errors in the last digits; r and Pi are exact."""
     heads = ("V", "N_jm", "r", "Pi", *(words for words, _ in FIGURES.values()), "change")
-    yield f"| {' | '.join(heads)} |"
-    yield "|" + "---|" * len(heads)
     models = [point.scenario.model() for point in rubnoise.expand(rubnoise.load_sweep(STUDY))]
     exact = {(model.sliding_speed, model.mean_junction_count): model for model in models if model.is_two_way}
-    for point in points:
+
+    def cells(point: Mapping[str, Any]) -> tuple[str, ...]:
         model = exact[point["speed"], point["junctions"]]
         told = f"{response(model).one_way_validity:.3g}", f"{coupling(model).strength:.3g}"
-        place = (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", *told)
-        cells = (*place, *(in_digits(*point[name]) for name in (*FIGURES, RATIO)))
-        yield f"| {' | '.join(cells)} |"
+        figures = (in_digits(*point[name]) for name in (*FIGURES, RATIO))
+        return (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", *told, *figures)
+
+    return table(heads, map(cells, points))
 
 
 def in_digits(value: float, error: float) -> str:
