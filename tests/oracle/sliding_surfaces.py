@@ -1,24 +1,21 @@
-"""Two surfaces slid over each other by brute force: every point at every step, labelled in (x, y, s) at once.
+"""Two surfaces slid over each other by brute force: every point at every step, joined in (x, y, s) at once.
 
 A junction is a component of contact in (x, y, s), so nothing has to be decided where patches merge or part. It
 shares no code with rubnoise.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 # In one step patches are joined at corners; from one step to the next where they overlap, or do so after a move by a
-# point.
-NEIGHBOURS = np.zeros((3, 3, 3), dtype=bool)
-NEIGHBOURS[1] = True
-NEIGHBOURS[::2, :, 1] = True
+# point. Each neighbour stands here for one side: (step, x, y).
+IN_ONE_STEP = ((0, 0, 1), (0, 1, -1), (0, 1, 0), (0, 1, 1))
+TO_THE_NEXT = ((1, -1, 0), (1, 0, 0), (1, 1, 0))
 
 Heights = NDArray[np.float64]
 
@@ -57,41 +54,73 @@ def heights_at(track: Heights, slider: Heights, step: int) -> Heights:
 
 def slid(track: Heights, slider: Heights, gap: Any, steps: int) -> Slid:
     """Slide by whole points over periodic maps at one gap, or at the gap of each step."""
-    gaps = np.broadcast_to(gap, steps)
-    contact = np.stack([heights_at(track, slider, s) > gaps[s] for s in range(steps)])
-    labels, count = ndimage.label(contact, NEIGHBOURS)
-    here, there = [], []
-    for axis in (1, 2):  # the map repeats itself: patches go on over its edges
-        first, last = labels.take(0, axis), labels.take(-1, axis)
-        for shift in (-1, 0, 1):
-            moved = np.roll(last, shift, axis=1)
-            both = (first > 0) & (moved > 0)
-            here.append(first[both])
-            there.append(moved[both])
-    pairs = (np.concatenate(here), np.concatenate(there))
-    graph = coo_array((np.ones(pairs[0].size), pairs), shape=(count + 1, count + 1))
-    _, component = connected_components(graph, directed=False)
-    junction = component[labels[contact]]
-    _, junction = np.unique(junction, return_inverse=True)
-    step = np.nonzero(contact)[0]
-    number = int(junction.max(initial=-1)) + 1
-    areas = np.bincount(junction * steps + step, minlength=number * steps).reshape(number, steps)
+    contact = touching(track, slider, gap, range(steps))
+    count, junction = joined(contact, IN_ONE_STEP + TO_THE_NEXT)
+    step = np.flatnonzero(contact) // track.size
+    areas = np.bincount(junction * steps + step, minlength=count * steps).reshape(count, steps)
     return Slid(areas, (areas[:, 0] > 0) | (areas[:, -1] > 0))
 
 
 def patch_counts(track: Heights, slider: Heights, gap: float, steps: Iterable[int]) -> NDArray[np.int64]:
     """Patches at each of some steps, joined at corners and over the edges of periodic maps."""
-    counts = []
-    for step in steps:
-        contact = heights_at(track, slider, step) > gap
-        labels, count = ndimage.label(contact, np.ones((3, 3)))
-        pairs = [
-            (labels[0][:, None], np.stack([np.roll(labels[-1], k) for k in (-1, 0, 1)], 1)),
-            (labels[:, 0][:, None], np.stack([np.roll(labels[:, -1], k) for k in (-1, 0, 1)], 1)),
-        ]
-        a = np.concatenate([np.broadcast_to(x, y.shape).ravel() for x, y in pairs])
-        b = np.concatenate([y.ravel() for _, y in pairs])
-        both = (a > 0) & (b > 0)
-        graph = coo_array((np.ones(both.sum()), (a[both], b[both])), shape=(count + 1, count + 1))
-        counts.append(connected_components(graph, directed=False)[0] - 1)
-    return np.array(counts)
+    return np.array([joined(touching(track, slider, gap, [step]), IN_ONE_STEP)[0] for step in steps])
+
+
+def areas_at(track: Heights, slider: Heights, gap: float, steps: Sequence[int]) -> NDArray[np.int64]:
+    """Points in contact at each of some steps."""
+    return np.array([np.count_nonzero(each) for each in touching(track, slider, gap, steps)])
+
+
+def touching(track: Heights, slider: Heights, gap: Any, steps: Sequence[int]) -> NDArray[np.bool_]:
+    """Where `heights_at` exceeds the gap, at each of some steps."""
+    points, twice = track.shape[0], np.concatenate([track, track])
+    found = np.empty((len(steps), *track.shape), dtype=np.bool_)
+    for place, (step, each) in enumerate(zip(steps, np.broadcast_to(gap, len(steps)), strict=True)):
+        np.greater(twice[step % points :][:points] + slider, each, out=found[place])
+    return found
+
+
+@njit()
+def joined(contact: NDArray[np.bool_], neighbours: tuple[tuple[int, int, int], ...]) -> tuple[int, NDArray[np.int64]]:
+    """Return how many components there are, and in which each point in contact is, in their order.
+
+    Maps repeat themselves, steps do not. Of two components that meet the one with the first point takes in the other.
+    """
+    steps, wide, long = contact.shape
+    first = np.arange(contact.sum())
+    number = np.empty((2, wide, long), dtype=np.int64)
+    told = _numbered(contact[0], number[0], 0)
+    for step in range(steps):
+        if step + 1 < steps:
+            told = _numbered(contact[step + 1], number[(step + 1) % 2], told)
+        for x, y in zip(*np.nonzero(contact[step])):  # noqa: B905  (numba has no strict one)
+            for on, right, up in neighbours:
+                beside = (x + right) % wide, (y + up) % long
+                if step + on < steps and contact[step + on][beside]:
+                    one, other = _first(first, number[step % 2, x, y]), _first(first, number[(step + on) % 2][beside])
+                    first[max(one, other)] = min(one, other)
+    count = 0
+    for point in range(first.size):  # what it belongs to stands before it, and has its component already
+        alone = first[point] == point
+        first[point] = count if alone else first[first[point]]
+        count += alone
+    return count, first
+
+
+@njit()
+def _numbered(contact: NDArray[np.bool_], number: NDArray[np.int64], told: int) -> int:
+    """Number the points in contact, and return how many have been told by then."""
+    for place, touches in np.ndenumerate(contact):
+        if touches:
+            number[place] = told
+            told += 1
+    return told
+
+
+@njit()
+def _first(first: NDArray[np.int64], point: int) -> int:
+    """Return the first point of a component, and shorten the way to it."""
+    while first[point] != point:
+        first[point] = first[first[point]]
+        point = first[point]
+    return point
