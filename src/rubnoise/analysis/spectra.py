@@ -1,6 +1,7 @@
 """Welch's estimate of a spectral density, in the house's convention, how far it may well be off, and its bands."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf, pi, sqrt
 
 import numpy as np
@@ -9,11 +10,10 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.off_centre import offset_probabilities, pass_energies
 from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.transform import energy_of
 
 FEWEST_SEGMENTS = 30
 """Segments from which a spectrum has standard errors of its own, from the differences between them."""
@@ -169,10 +169,10 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     """
     shared = shared_variance(seen.ticks, seen.segments)
     power, births = float(seen.wavenumber[1]) / pi, model.birth_rate * length
-    found = []
-    for part in bands_of(seen.density.size, count):
+    bands, found = bands_of(seen.density.size, count), []
+    probabilities, band_energies = _energies(model, seen.wavenumber, bands)
+    for part, energies in zip(bands, band_energies, strict=True):
         variance = _gaussian_variance(expected[part], shared) / seen.segments
-        probabilities, energies = _energies(model, seen.wavenumber[part])
         variance += _shot_variance(probabilities, energies) / births
         level = power * float(expected[part].sum())
         found.append(
@@ -218,17 +218,27 @@ def _shot_skewness(probabilities: Doubles, energies: Doubles) -> float:
     return float(probabilities @ energies**3) / float(probabilities @ np.square(energies)) ** 1.5
 
 
-def _energies(model: Model, wavenumber: Doubles) -> tuple[Doubles, Doubles]:
-    """Return probabilities of lives of some sizes, and the sum of |A^(k)|^2 of each but for a factor.
+def _energies(
+    model: Model, wavenumber: Doubles, bands: Sequence[NDArray[np.int64]]
+) -> tuple[Doubles, Sequence[Doubles]]:
+    """Return probabilities of lives of some sizes; for each band the sum of |A^(k)|^2 of each size but for a factor.
 
-    The energy of one junction is the spectrum of a contact of its size alone. Off the centre line it depends on the
-    offset, too, the more the shorter the wave: of many bins some are taken for all then.
+    Off the centre line the energy depends on the offset, too, the more the shorter the wave: of many bins some are
+    taken for all then.
     """
     if model.pulse.offset == "none":
         diameters, probabilities = size_rule(model.sizes, _SIZES)
-        alike = [replace(model, sizes=Fixed(value=d)) for d in diameters.tolist()]
-        return probabilities, np.stack([spectral_density(each, wavenumber) for each in alike]).sum(axis=1)
+        if not bands:
+            return probabilities, ()
+        # Bands follow each other without a gap.
+        starts, inside = [int(part[0] - bands[0][0]) for part in bands], wavenumber[bands[0][0] : bands[-1][-1] + 1]
+        square = energy_of(model.pulse).square
+        sums = [np.add.reduceat(square(inside * d), starts) * d**6 for d in diameters.tolist()]
+        return probabilities, list(np.stack(sums, axis=1))
     diameters, probabilities = size_rule(model.sizes, _SIZES_OFF_CENTRE)
-    some = wavenumber[:: -(-wavenumber.size // _MOST_OF_A_BAND)]
-    energies = [pass_energies(model.pulse, some * d).sum(axis=1) * d**6 for d in diameters.tolist()]
-    return np.multiply.outer(probabilities, offset_probabilities()).ravel(), np.concatenate(energies)
+    energies = []
+    for part in bands:
+        some = wavenumber[part[:: -(-part.size // _MOST_OF_A_BAND)]]
+        sums = [pass_energies(model.pulse, some * d).sum(axis=1) * d**6 for d in diameters.tolist()]
+        energies.append(np.concatenate(sums))
+    return np.multiply.outer(probabilities, offset_probabilities()).ravel(), energies
