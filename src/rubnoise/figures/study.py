@@ -20,7 +20,7 @@ from rubnoise.figures.axis_labels import ALL, shown_unit
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import NUMBER, Quantity
 
-CURVE: Final = 61
+CURVE: Final = 31
 """Points of an exact curve, from the lowest value of a key to the highest, besides those of the sweep."""
 
 WIDE: Final = 30.0
