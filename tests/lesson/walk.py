@@ -9,7 +9,7 @@ from typing import Any
 # A page in a browser: opened from a file, watched for anything that it asks of others or that goes wrong on it.
 CALM = {"reduced_motion": "reduce"}
 """A visitor who wants nothing to move: the page does not begin to play by itself."""
-UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 100);"
+UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 400);"
 """Draw ten frames per second. Where a test only reads text, sixty take more time than everything else."""
 
 UNFOLD = "document.getElementById('more-controls').open = true"
