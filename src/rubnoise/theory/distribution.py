@@ -28,6 +28,7 @@ _LOOSER = 1e-8  # where a live area is likeliest at its peak: nearer to it, the 
 _NARROWEST = 1e-9
 
 
+@lru_cache(maxsize=32)
 def pair_area(live: LiveArea) -> tuple[Piecewise, Piecewise]:
     """Return distribution function and density of the sum of two independent live areas, as functions of t = a^(1/3).
 

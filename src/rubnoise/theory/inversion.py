@@ -4,6 +4,7 @@ Exponential bounds say how far both tails reach; sums over points that lie anywh
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import exp, expm1, pi, sqrt
 from typing import Any
 
@@ -75,7 +76,7 @@ def point_transform(places: Doubles, weights: Doubles, count: int) -> Complexes:
     for part in slices(0, places.size, _POINTS_AT_ONCE):
         _smear(grid, grid.size * (places[part] - np.floor(places[part])), weights[part])
     sums: Complexes = np.conj(np.fft.rfft(grid)[:count])
-    return sums / _kernel_transform(np.arange(count) / grid.size)
+    return sums / _kernel_transform(count)
 
 
 def _smear(grid: Doubles, positions: Doubles, weights: Doubles) -> None:
@@ -92,10 +93,12 @@ def _kernel(offset: Doubles) -> Doubles:
     return np.exp(_SHAPE * (root - 1.0))
 
 
-def _kernel_transform(frequency: Doubles) -> Doubles:
-    """Return the sum over the grid of the window times exp(2 pi i f x), which is its integral, for f up to 1/4."""
+@lru_cache(maxsize=8)
+def _kernel_transform(count: int) -> Doubles:
+    """Return the sum over the grid of the window times exp(2 pi i f x), which is its integral, for so many f to 1/4."""
     offsets, weights = panels([0.0, 1.0], _NODES)
-    return _WIDTH * np.cos(np.multiply.outer(np.pi * _WIDTH * frequency, offsets)) @ (weights * _kernel(offsets))
+    phases = np.multiply.outer(np.pi * _WIDTH * (np.arange(count) / (4 * count)), offsets)
+    return _WIDTH * np.cos(phases) @ (weights * _kernel(offsets))
 
 
 NOTHING = 39.0
@@ -195,12 +198,18 @@ def _window(exponent: Complexes, rates: Complexes, above_two_of: float | None, s
     if above_two_of is not None:
         transform -= exp(-above_two_of) * _up_to_two(exponent + above_two_of)
         mass -= exp(-above_two_of) * _up_to_two(above_two_of)
-    transform *= 0.5 * complementary_error((np.arange(count) / count - _TAPER_CENTRE) / (sqrt(2.0) * _TAPER_WIDTH))
+    transform *= _taper(count)
     damping = -period * float(rates[0].real)
     # Each earlier period adds the whole mass to the distribution function, damped.
     cdf = _series(-transform / rates, damping) / period - mass / expm1(damping)
     density = _series(transform, damping) / period
     return Window(start=start, reach=reach, step=period / (4 * count), density=density, cdf=cdf)
+
+
+@lru_cache(maxsize=8)
+def _taper(count: int) -> Doubles:
+    """Return by how much each of so many frequencies is kept."""
+    return 0.5 * complementary_error((np.arange(count) / count - _TAPER_CENTRE) / (sqrt(2.0) * _TAPER_WIDTH))
 
 
 def _up_to_two(y: Any) -> Any:

@@ -4,10 +4,10 @@ Read it from above: smooth functions kept as polynomials, how long a pulse of un
 the law for junctions of all sizes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any
+from functools import cache, lru_cache
+from typing import Any, cast
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -164,7 +164,7 @@ _PANELS_TO_ZERO = 20
 _RADIANS, _RULE_NODES = 32.0, 24
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiveArea:
     """The law of the area a of one live junction, in t = a^(1/3), where both pulses are smooth at birth.
 
@@ -238,6 +238,11 @@ def live_area(sizes: Law, pulse: Pulse) -> LiveArea:
     G'(a) = E[g(a/d^2) / d] / m_1 over diameters whose peak is above a, g the density of the area of a live junction of
     unit diameter. Source: length-biased sampling (Cox 1962, Renewal Theory, section 5.4), for the pulse of Eq. (2).
     """
+    return _live_area(cast("Hashable", sizes), cast("Hashable", pulse))
+
+
+@lru_cache(maxsize=32)
+def _live_area(sizes: Any, pulse: Any) -> LiveArea:
     if parts_of(sizes) and has_single_values(sizes):
         raise Refused("the distribution of area is not known for several single diameters (diameter.law)")
     cuts, edges = _cuts_and_edges(sizes)
