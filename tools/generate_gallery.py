@@ -42,15 +42,11 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Room:
-    """A part of the page: its title, how it begins, the commands that come before, and its pictures.
-
-    Those of ``elsewhere`` take longer, and are needed only for pictures that other tools keep.
-    """
+    """A part of the page: its title, how it begins, the commands that come before, and its pictures."""
 
     title: str
     begins: str
     before: tuple[str, ...] = ()
-    elsewhere: tuple[str, ...] = ()
     pictures: tuple[Shown, ...]
 
 
@@ -127,11 +123,7 @@ CONTACT: Final = Room(
 
 SLIDER: Final = Room(
     title="The slider",
-    begins="The same run, and one in which the slider pushes back, on the same junctions.",
-    elsewhere=(
-        "rubnoise run scenarios/paper/fig5.toml -o one-way.h5",
-        "rubnoise run scenarios/paper/fig5_two_way.toml -o two-way.h5",
-    ),
+    begins="The same run. [Two-way coupling](two-way.md#figure-5-both-ways) has pictures of a slider that pushes back.",
     pictures=(
         of_run("Force and vibration", "slider", "The force, the displacement, and its spectrum with a line at 39 Hz."),
         of_run("Phase plane", "phase", "Where the slider is how often, with the ellipse of the exact spreads."),
@@ -143,36 +135,6 @@ SLIDER: Final = Room(
         ),
         of_run("Spectrum of the velocity", "psd --of velocity", "In Hz, with the ratio.", name="psd_velocity"),
         of_run("Spectrum of the force", "psd --of force", "In Hz, with the ratio.", name="psd_force"),
-        Shown(
-            title="Both couplings",
-            command="rubnoise plot one-way.h5 slider --with two-way.h5 -o motion.png",
-            says="The slider that pushes back sticks (shaded) and slips.",
-            kept="two-way/motion.png",
-        ),
-        Shown(
-            title="Both couplings in the phase plane",
-            command="rubnoise plot one-way.h5 phase --with two-way.h5 -o phase.png",
-            says="A stick is a line at the speed of the drive.",
-            kept="two-way/phase.png",
-        ),
-        Shown(
-            title="Slips and sticks",
-            command="rubnoise plot two-way.h5 landmarks -o landmarks.png",
-            says="How far the slider slips, and how long it sticks.",
-            kept="two-way/landmarks.png",
-        ),
-        Shown(
-            title="Both couplings over frequency",
-            command="rubnoise plot one-way.h5 psd --of velocity --with two-way.h5 -o spectrum.png",
-            says="Pushing back takes the line at the natural frequency away.",
-            kept="two-way/spectrum.png",
-        ),
-        Shown(
-            title="Two runs part",
-            command="python tools/studies two_way",
-            says="Two runs whose tolerances differ, where they part: a two-way slider at 1 mm/s is chaotic.",
-            kept="two-way/chaos.png",
-        ),
     ),
 )
 
@@ -221,19 +183,12 @@ SWEEPS: Final = Room(
     title="Sweeps",
     begins="A quantity of many runs, with 95 % intervals and the exact curve.",
     before=("rubnoise sweep scenarios/paper/fig7.toml -o spread --set 'sliding.distance=\"1 mm\"'",),
-    elsewhere=("rubnoise sweep scenarios/studies/rise.toml -o rise",),
     pictures=(
         of_run(
             "Spread of the area",
             "real_contact_area_std",
             "The spread grows with the mean area, and falls with the number of junctions.",
             run="spread",
-        ),
-        Shown(
-            title="Vibration at each speed",
-            command="rubnoise plot rise displacement_std -o speeds.png",
-            says="Pushing back first raises the vibration, then limits it.",
-            kept="two-way/speeds.png",
         ),
     ),
 )
@@ -252,26 +207,7 @@ PAPER: Final = Room(
     ),
 )
 
-TOOLS: Final = Room(
-    title="From tools",
-    begins="These tools are in the repository.",
-    pictures=(
-        Shown(
-            title="A run at a glance",
-            command="python tools/make_pictures.py",
-            says="The README's picture: junctions and their sum, one life, the force and the vibration.",
-            kept="fig5.png",
-        ),
-        Shown(
-            title="Speed",
-            command="python3 tools/dev.py bench",
-            says="CPU time for each junction, beside other programs ([performance.md](performance.md)).",
-            kept="performance.png",
-        ),
-    ),
-)
-
-ROOMS: Final = (CONTACT, SLIDER, LOAD, SWEEPS, PAPER, TOOLS)
+ROOMS: Final = (CONTACT, SLIDER, LOAD, SWEEPS, PAPER)
 
 
 def page() -> Iterator[str]:
@@ -282,8 +218,8 @@ def page() -> Iterator[str]:
     yield "simulated, orange is exact theory. `tools/generate_gallery.py` wrote this page."
     for room in ROOMS:
         yield from ("", f"## {room.title}", "", room.begins)
-        if room.before or room.elsewhere:
-            yield from ("", "```text", *room.before, *room.elsewhere, "```")
+        if room.before:
+            yield from ("", "```text", *room.before, "```")
         for shown in room.pictures:
             yield from ("", f"### {shown.title}", "", f"![{shown.title}](pictures/{shown.kept})", "", shown.says)
             yield from ("", "```text", shown.command, "```")

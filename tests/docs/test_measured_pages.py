@@ -297,7 +297,7 @@ def test_the_level_hardly_depends_on_the_cutoff() -> None:
 FREE = free_motion.STUDY.kept()
 SCALE = free_motion.HEIGHT * sqrt(free_motion.GRAVITY / free_motion.HEIGHT)
 """s_0 omega_c in um/s."""
-FREE_TABLES = ("levels", "height", "slopes", "shocks")
+FREE_TABLES = ("levels", "slopes", "shocks")
 
 
 def test_a_level_of_free_motion_is_what_its_seeds_give() -> None:

@@ -242,7 +242,6 @@ def deviate(value: float, error: float) -> float:
 def tables(contacts: Sequence[Contact]) -> dict[str, str]:
     """Return the tables of the page by name."""
     speeds = [f"{each.speed:.0f} mm/s" for each in contacts[0].levels]
-    places = [f"{each.speed:.0f} mm/s, {each.height:.3g} µm" for pair in contacts[0].heights for each in pair]
     spans = [f"{SPEEDS[step]:g} to {SPEEDS[step + 1]:g}" for step in STEPS]
     first, last = STEPS[0], STEPS[-1] + 1
     whole = f"{SPEEDS[first]:g} to {SPEEDS[last]:g}"
@@ -250,10 +249,6 @@ def tables(contacts: Sequence[Contact]) -> dict[str, str]:
         "free levels": table(
             ("N", "loss", *speeds),
             (_row(each, (_decibels(level) for level in each.levels)) for each in contacts),
-        ),
-        "free height": table(
-            ("N", "loss", *places),
-            (_row(each, (_decibels(level) for pair in each.heights for level in pair)) for each in contacts),
         ),
         "free slopes": table(
             ("N", "loss", *(f"n; m, v = {span}" for span in spans), f"n; m, {whole}", f"m - (1 + n)/2, {whole}"),
