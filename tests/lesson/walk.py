@@ -10,7 +10,7 @@ from typing import Any
 CALM = {"reduced_motion": "reduce"}
 """A visitor who wants nothing to move: the page does not begin to play by itself."""
 UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 400);"
-"""Draw ten frames per second. Where a test only reads text, sixty take more time than everything else."""
+"""Draw two or three frames per second. Where a test only reads text, sixty take more time than everything else."""
 
 UNFOLD = "document.getElementById('more-controls').open = true"
 """Show the controls that the open lesson does not need."""
