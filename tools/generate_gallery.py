@@ -1,13 +1,15 @@
 """Write docs/gallery.md and its pictures: `.venv/bin/python tools/generate_gallery.py`, after `tools/dev.py sync`.
 
 Every command of the page that makes a run or a new picture is called in a new folder, and the picture is kept small.
-With --check nothing is drawn: the tool says whether the page is what it would write.
+tools/gallery.toml says what is on the page. With --check nothing is drawn: the tool says whether the page is what it
+would write.
 """
 
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -22,6 +24,7 @@ from rubnoise.figures.paper import FIGURES
 ROOT: Final = Path(__file__).resolve().parent.parent
 PAGE: Final = ROOT / "docs" / "gallery.md"
 PICTURES: Final = ROOT / "docs" / "pictures"
+ROOMS_FILE: Final = Path(__file__).with_name("gallery.toml")
 FRAME: Final = 10
 """The frame of the film that the page shows."""
 
@@ -50,164 +53,44 @@ class Room:
     pictures: tuple[Shown, ...]
 
 
-def of_run(title: str, options: str, says: str, *, name: str = "", run: str = "fig5.h5") -> Shown:
-    """Return a picture of `rubnoise plot`, which is called after the run and what is drawn."""
-    word = name or options.partition(" ")[0]
-    command = f"rubnoise plot {run} {options} -o {word}.png"
-    return Shown(title=title, command=command, says=says, kept=f"gallery/{word}.png", made=f"{word}.png")
+def shown(picture: Mapping[str, str]) -> Shown:
+    """Return a picture as tools/gallery.toml has it; that of `rubnoise plot` is called after what is drawn."""
+    if "plot" not in picture:
+        return Shown(**picture)
+    name = picture.get("name", picture["plot"].split()[1])
+    return Shown(
+        title=picture["title"],
+        command=f"rubnoise plot {picture['plot']} -o {name}.png",
+        says=picture["says"],
+        kept=f"gallery/{name}.png",
+        made=f"{name}.png",
+    )
 
 
-CONTACT: Final = Room(
-    title="The contact",
-    begins="A run of the paper's Figure 5: twenty junctions on average, 20 mm of sliding at 1 mm/s.",
-    before=("rubnoise run scenarios/paper/fig5.toml",),
-    pictures=(
-        of_run("Real contact area", "trace", "The area fluctuates about its exact mean. The band is its exact spread."),
-        of_run(
-            "Junctions and their sum",
-            "lives",
-            "Each junction is born (ring), grows, shrinks and dies (cross). All of them add up to the area. One life is"
-            " black, above and below.",
-        ),
-        of_run(
-            "Life-lines",
-            "lifelines",
-            "A bar for each life. The line cuts as many bars as junctions are alive there.",
-        ),
-        of_run("At a glance", "overview", "Junctions and their sum, one life, and the motion that they excite."),
-        of_run("Sizes", "sizes", "Diameters of all junctions beside the law that they are drawn from."),
-        of_run("Lengths of lives", "life_distances", "How far junctions slide from birth to death, beside the law."),
-        of_run("Gaps", "gaps", "Distances from birth to birth: at random, they fall off exponentially."),
-        of_run("Spectrogram", "spectrogram", "Spectra of short segments side by side: along a run nothing changes."),
-        of_run("From above", "contact", "The junctions alive at one sliding distance, each in a place of its own."),
-        of_run(
-            "Live junctions",
-            "count",
-            "The number of live junctions follows Poisson's law.",
-        ),
-        Shown(
-            title="One life",
-            command="rubnoise junction fig5.h5 60 --plot junction.png",
-            says="The area of junction 60, among its neighbours above, and as a part of the whole below.",
-            kept="gallery/junction.png",
-            made="junction.png",
-        ),
-        of_run("Distribution", "histogram", "How often each area occurs, on a linear and on a logarithmic axis."),
-        of_run(
-            "Autocovariance",
-            "acf",
-            "Correlation ends after a life, 2d. At each lag, 95 % of runs like this one lie in the band.",
-        ),
-        of_run(
-            "Spectrum of the area",
-            "psd",
-            "The estimate follows what theory expects of it. Their ratio, below, stays within its errors over eight"
-            " powers of ten.",
-        ),
-        Shown(
-            title="What is exact",
-            command="rubnoise theory scenarios/paper/fig5.toml --plot theory.png",
-            says="Distribution, autocovariance and spectra, without a run.",
-            kept="gallery/theory.png",
-            made="theory.png",
-        ),
-        Shown(
-            title="A film",
-            command="rubnoise animate fig5.h5 -o film.gif --to 33 --seconds 2 --fps 10",
-            says="One frame of it. Pairs of circles slide over each other; where they overlap is contact.",
-            kept="gallery/film.png",
-            made="film.gif",
-        ),
-    ),
-)
-
-SLIDER: Final = Room(
-    title="The slider",
-    begins="The same run. [Two-way coupling](two-way.md#figure-5-both-ways) has pictures of a slider that pushes back.",
-    pictures=(
-        of_run("Force and vibration", "slider", "The force, the displacement, and its spectrum with a line at 39 Hz."),
-        of_run("Phase plane", "phase", "Where the slider is how often, with the ellipse of the exact spreads."),
-        of_run(
-            "Spectrum of the displacement",
-            "psd --of displacement",
-            "In Hz, with the ratio to what is expected.",
-            name="psd_displacement",
-        ),
-        of_run("Spectrum of the velocity", "psd --of velocity", "In Hz, with the ratio.", name="psd_velocity"),
-        of_run("Spectrum of the force", "psd --of force", "In Hz, with the ratio.", name="psd_force"),
-    ),
-)
-
-LOAD: Final = Room(
-    title="A load that weighs",
-    begins="A light slider that leaves the surface and falls back on it. Of most of this there is no theory.",
-    before=("rubnoise run scenarios/load/bouncing.toml -o bouncing.h5",),
-    pictures=(
-        of_run(
-            "Flights and impacts",
-            "load",
-            "Load, separation and normal velocity. Flights are shaded, and rings mark impacts. The mean load is exact.",
-            run="bouncing.h5",
-        ),
-        of_run(
-            "Impact speeds and flight times",
-            "landmarks",
-            "How fast overlaps grow at impacts, and how long the slider was off the surface.",
-            run="bouncing.h5",
-        ),
-        of_run(
-            "Distribution of the load",
-            "histogram --of load",
-            "How often each load occurs. The share of the time off the surface is in the title.",
-            name="histogram_load",
-            run="bouncing.h5",
-        ),
-        of_run(
-            "Spectrum of the normal velocity",
-            "psd --of normal-velocity",
-            "In Hz. Hops make most of it, far below the contact resonance.",
-            name="psd_normal-velocity",
-            run="bouncing.h5",
-        ),
-        of_run(
-            "Spectrum of the load",
-            "psd --of load",
-            "In Hz. Impacts are short, so that the load has more at high frequencies.",
-            name="psd_load",
-            run="bouncing.h5",
-        ),
-    ),
-)
-
-SWEEPS: Final = Room(
-    title="Sweeps",
-    begins="A quantity of many runs, with 95 % intervals and the exact curve.",
-    before=("rubnoise sweep scenarios/paper/fig7.toml -o spread --set 'sliding.distance=\"1 mm\"'",),
-    pictures=(
-        of_run(
-            "Spread of the area",
-            "real_contact_area_std",
-            "The spread grows with the mean area, and falls with the number of junctions.",
-            run="spread",
-        ),
-    ),
-)
-
-PAPER: Final = Room(
-    title="The paper's figures",
-    begins="Simulated, with the exact theory. [The paper](paper.md) compares its claims with them.",
-    pictures=tuple(
-        Shown(
+def of_the_paper() -> Iterator[Shown]:
+    """Yield the figures of the paper."""
+    for name, figure in FIGURES.items():
+        yield Shown(
             title=f"Figure {name.removeprefix('fig')}: {figure.title[0].lower()}{figure.title[1:]}",
             command=f"rubnoise figures {name} -o figures --format png",
             says=figure.caption,
             kept=f"paper/{name}.png",
         )
-        for name, figure in FIGURES.items()
-    ),
-)
 
-ROOMS: Final = (CONTACT, SLIDER, LOAD, SWEEPS, PAPER)
+
+def rooms() -> Iterator[Room]:
+    """Yield the parts of the page."""
+    for room in tomllib.loads(ROOMS_FILE.read_text(encoding="utf-8"))["room"]:
+        pictures = of_the_paper() if room.get("paper") else map(shown, room["picture"])
+        yield Room(
+            title=room["title"],
+            begins=room["begins"],
+            before=tuple(room.get("before", ())),
+            pictures=tuple(pictures),
+        )
+
+
+ROOMS: Final = tuple(rooms())
 
 
 def page() -> Iterator[str]:
@@ -220,9 +103,9 @@ def page() -> Iterator[str]:
         yield from ("", f"## {room.title}", "", room.begins)
         if room.before:
             yield from ("", "```text", *room.before, "```")
-        for shown in room.pictures:
-            yield from ("", f"### {shown.title}", "", f"![{shown.title}](pictures/{shown.kept})", "", shown.says)
-            yield from ("", "```text", shown.command, "```")
+        for each in room.pictures:
+            yield from ("", f"### {each.title}", "", f"![{each.title}](pictures/{each.kept})", "", each.says)
+            yield from ("", "```text", each.command, "```")
 
 
 def draw(folder: Path, pictures: Path) -> None:
@@ -231,12 +114,12 @@ def draw(folder: Path, pictures: Path) -> None:
     for room in ROOMS:
         for command in room.before:
             call(folder, command)
-        for shown in room.pictures:
-            if shown.made:
-                call(folder, shown.command)
-                place = pictures / shown.kept
+        for each in room.pictures:
+            if each.made:
+                call(folder, each.command)
+                place = pictures / each.kept
                 place.parent.mkdir(parents=True, exist_ok=True)
-                place.write_bytes(kept(folder / shown.made))
+                place.write_bytes(kept(folder / each.made))
 
 
 def call(folder: Path, command: str) -> None:

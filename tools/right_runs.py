@@ -1,13 +1,14 @@
 """Right runs under `rubnoise compare`, by hand: `python tools/right_runs.py --runs 40 --kind sparse`.
 
 Every run here is one of the program's own, so nothing is wrong with it, and `compare` promises to say so of 999 runs in
-1000. This makes so many runs of each case, of many kinds of contact, and counts those that `compare` calls outside.
-Exit code 1 when there are more than chance explains.
+1000. This makes so many runs of each case of tools/right_runs.toml, of many kinds of contact, and counts those that
+`compare` calls outside. Exit code 1 when there are more than chance explains.
 """
 
 import argparse
 import re
 import sys
+import tomllib
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -28,136 +29,11 @@ from rubnoise.simulation.run import simulate  # noqa: E402
 
 Cases = dict[str, tuple[str, ...]]
 
-CONTACT: Final = """
-format = 1
-[interface]
-mean_real_contact_area = "200 um^2"
-mean_junction_count = 20
-calibration = "paper"
-[diameter]
-law = "normal"
-spread = "0.2 um"
-[sliding]
-distance = "5 mm"
-[output]
-tick = "0.2 um"
-"""
-SLIDER: Final = (
-    'strength.mean="250 MPa"',
-    'sliding.speed="1 mm/s"',
-    'sliding.distance="20 mm"',
-    'slider.mass="5 g"',
-    'slider.stiffness="300 N/m"',
-    'slider.damping="0.05 N*s/m"',
-)
-SPARSE: Final[Cases] = {
-    f"{count:g} over {distance}": (
-        f"interface.mean_junction_count={count}",
-        f'sliding.distance="{distance}"',
-        'output.tick="10 um"',
-    )
-    for count, distance in (
-        (0.05, "6 m"),
-        (0.05, "12 m"),
-        (0.1, "2 m"),
-        (0.1, "5 m"),
-        (0.2, "600 mm"),
-        (0.2, "2 m"),
-        (0.5, "200 mm"),
-        (0.5, "1 m"),
-        (1, "100 mm"),
-        (1, "500 mm"),
-    )
-}
-
-
-def _sizes(law: str, spread: str, *more: str) -> tuple[str, ...]:
-    exact = ('interface.calibration="exact"', f'diameter.law="{law}"')
-    return (*exact, *([f'diameter.spread="{spread}"'] if spread else []), *more)
-
-
-DENSE: Final[Cases] = {
-    "as in the paper": (),
-    "one size": ('diameter.law="fixed"', "diameter.spread="),
-    "exact": ('interface.calibration="exact"',),
-    "matched, 30 %": ('interface.calibration="matched"', 'diameter.spread="30 %"'),
-    "long": ('sliding.distance="100 mm"', 'output.tick="1 um"'),
-    "fine ticks": ('sliding.distance="1 mm"', 'output.tick="0.01 um"'),
-    "wide ticks": ('sliding.distance="20 mm"', 'output.tick="4 um"'),
-    "few": ("interface.mean_junction_count=3", 'sliding.distance="20 mm"', 'output.tick="0.5 um"'),
-    "many": ("interface.mean_junction_count=300", 'sliding.distance="2 mm"', 'output.tick="0.05 um"'),
-    "large": ('interface.mean_real_contact_area="1 mm^2"', 'sliding.distance="1 m"', 'output.tick="20 um"'),
-}
-SIZES: Final[Cases] = {
-    "normal 20 %": _sizes("normal", "20 %"),
-    "normal 100 %": _sizes("normal", "100 %", 'sliding.distance="20 mm"'),
-    "lognormal 30 %": _sizes("lognormal", "30 %", 'sliding.distance="20 mm"'),
-    "lognormal 70 %": _sizes("lognormal", "70 %", 'sliding.distance="50 mm"', 'output.tick="0.5 um"'),
-    "exponential": _sizes("exponential", "", 'sliding.distance="50 mm"', 'output.tick="0.5 um"'),
-    "gamma 50 %": _sizes("gamma", "50 %", 'sliding.distance="50 mm"', 'output.tick="0.5 um"'),
-    "few, lognormal 50 %": _sizes(
-        "lognormal", "50 %", "interface.mean_junction_count=2", 'sliding.distance="100 mm"', 'output.tick="1 um"'
-    ),
-    "0.2, lognormal 50 %": _sizes(
-        "lognormal", "50 %", "interface.mean_junction_count=0.2", 'sliding.distance="1 m"', 'output.tick="5 um"'
-    ),
-}
-STRENGTHS: Final[Cases] = {
-    f"strengths {law} {spread}": ('strength.mean="250 MPa"', f'strength.law="{law}"', f'strength.spread="{spread}"')
-    for law, spread in (("normal", "20 %"), ("lognormal", "40 %"), ("weibull", "60 %"))
-}
-BIRTHS: Final[Cases] = {
-    "regular births": ('birth.law="regular"',),
-    "regular births, 20 %": ('birth.law="regular"', 'diameter.spread="20 %"', 'interface.calibration="exact"'),
-    "regular births, empty start": ('birth.law="regular"', 'sliding.start="empty"'),
-    "regular births, sparse": (
-        'birth.law="regular"', "interface.mean_junction_count=0.3", 'sliding.distance="400 mm"', 'output.tick="5 um"',
-    ),
-}  # fmt: skip
-PULSES: Final[Cases] = {
-    "triangles": ('pulse.shape="triangle"', 'interface.calibration="exact"'),
-    "triangles of one size": (
-        'pulse.shape="triangle"', 'interface.calibration="exact"', 'diameter.law="fixed"', "diameter.spread=",
-    ),
-    "triangles, sparse": (
-        'pulse.shape="triangle"', 'interface.calibration="exact"', "interface.mean_junction_count=0.2",
-        'sliding.distance="1 m"', 'output.tick="5 um"',
-    ),
-    "triangles, regular births": (
-        'pulse.shape="triangle"', 'interface.calibration="exact"', 'diameter.spread="20 %"', 'birth.law="regular"',
-    ),
-}  # fmt: skip
-STARTS: Final[Cases] = {
-    "empty start": ('sliding.start="empty"',),
-    "empty start, exponential": _sizes(
-        "exponential", "", 'sliding.distance="50 mm"', 'output.tick="0.5 um"', 'sliding.start="empty"'
-    ),
-    "empty start, sparse": (
-        'sliding.start="empty"', "interface.mean_junction_count=0.1", 'sliding.distance="2 m"', 'output.tick="10 um"',
-    ),
-}  # fmt: skip
-SLIDERS: Final[Cases] = {
-    "slider": SLIDER,
-    "slider from rest": (*SLIDER, 'slider.start="rest"'),
-    "slider, over-damped": (*SLIDER, 'slider.damping="5 N*s/m"'),
-    "slider, stiff": (*SLIDER, 'slider.stiffness="30000 N/m"', 'slider.damping="0.5 N*s/m"'),
-    "slider, fast": (*SLIDER, 'sliding.speed="10 mm/s"', 'sliding.distance="200 mm"', 'output.tick="1 um"'),
-    "slider, slow": (*SLIDER, 'sliding.speed="0.1 mm/s"', 'sliding.distance="5 mm"'),
-    "slider, strengths lognormal 40 %": (*SLIDER, 'strength.law="lognormal"', 'strength.spread="40 %"'),
-    "slider, sparse": (
-        *SLIDER, "interface.mean_junction_count=0.5", 'sliding.distance="400 mm"', 'output.tick="5 um"',
-        'sliding.speed="20 mm/s"',
-    ),
-}  # fmt: skip
+_CASES: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+CONTACT: Final[str] = _CASES["contact"]
 KINDS: Final[dict[str, Cases]] = {
-    "sparse": SPARSE,
-    "dense": DENSE,
-    "sizes": SIZES,
-    "strengths": STRENGTHS,
-    "births": BIRTHS,
-    "pulses": PULSES,
-    "starts": STARTS,
-    "sliders": SLIDERS,
+    kind: {name: (*(_CASES["slider"] if kind == "sliders" else ()), *changes) for name, changes in cases.items()}
+    for kind, cases in _CASES["kinds"].items()
 }
 CHANCE: Final = 1e-3
 """How improbable a number of alarms may be before the promise is called broken."""

@@ -1,9 +1,9 @@
 """Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
-With --two-way the runs are those with a slider, and it pushes back: its rows and landmarks grow beside the part.
-With --off-centre the junctions of the runs miss each other's centre line.
-With --family the runs have other births, lives and sizes, one after another.
-With --growing the rows of /slider are not counted beforehand: they grow beside the part, to the same bits.
+Other runs, one kind at a time: --two-way, whose rows and landmarks grow beside the part; --off-centre, whose junctions
+miss each other's centre line; --family, with other births, lives and sizes, one after another; --under-load; --free,
+whose slider may leave its contact; --growing, whose rows of /slider are not counted beforehand and grow beside the
+part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
 
@@ -31,13 +31,11 @@ from survival.stories import (  # noqa: E402
     SMALL,
     Outcome,
     Story,
-    free,
     growing,
-    of_family,
-    off_centre,
-    two_way,
-    under_load,
+    of_kind,
 )
+
+KINDS = ("two-way", "off-centre", "family", "under-load", "free", "growing")
 
 Torture = Callable[..., Outcome]
 TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {
@@ -63,36 +61,15 @@ def main() -> int:
     parser.add_argument("--count", type=int, help="how often; as often as docs/survival.md tells by default")
     parser.add_argument("--jobs", type=int, default=1, help="processes (1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of every choice (1)")
-    parser.add_argument("--two-way", action="store_true", help="torture runs with two-way coupling")
-    parser.add_argument("--off-centre", action="store_true", help="torture runs with pulse.offset = uniform")
-    parser.add_argument("--family", action="store_true", help="torture runs of other births, lives and sizes")
-    parser.add_argument("--under-load", action="store_true", help="torture runs under a load that weighs")
-    parser.add_argument("--free", action="store_true", help="torture runs whose slider may leave its contact")
-    parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
+    kinds = parser.add_mutually_exclusive_group()
+    for kind in KINDS:
+        kinds.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind, help="runs of this kind")
     asked = parser.parse_args()
     torture, usual, stories = TORTURES[asked.what]
-    if asked.two_way and not stories:
-        parser.error(f"--two-way is not for {asked.what}, which has runs of its own")
-    if asked.two_way and asked.growing:
-        parser.error("rows of a two-way slider always grow: leave out --growing")
-    if asked.off_centre and (asked.two_way or asked.growing or not stories):
-        parser.error("--off-centre is for runs with one-way coupling, and of a torture without runs of its own")
-    if asked.under_load and (asked.two_way or asked.off_centre or not stories):
-        parser.error("--under-load is for runs with one-way coupling, and of a torture without runs of its own")
-    if asked.family and (asked.two_way or asked.off_centre or asked.under_load or not stories):
-        parser.error("--family is for runs with one-way coupling, and of a torture without runs of its own")
-    alone = asked.two_way or asked.off_centre or asked.growing or asked.under_load or asked.family
-    if asked.free and (alone or not stories):
-        parser.error("--free goes with no other kind of run, and not with a torture that has runs of its own")
-    asking = (
-        (asked.two_way, two_way),
-        (asked.off_centre, off_centre),
-        (asked.under_load, under_load),
-        (asked.family, of_family),
-        (asked.free, free),
-    )
-    chosen = next((kind(stories) for wanted, kind in asking if wanted), stories)
-    task = _Task(torture, chosen, grown=asked.growing)
+    if asked.kind and not stories:
+        parser.error(f"--{asked.kind} is not for {asked.what}, which has runs of its own")
+    grown = asked.kind == "growing"
+    task = _Task(torture, of_kind(asked.kind, stories) if asked.kind and not grown else stories, grown=grown)
     began = time.monotonic()
     outcome = _shared(task, asked.count or usual, asked.jobs, asked.seed)
     print(outcome.told())

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from survival import cost, full, kills, moments
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story, free, growing, of_family, off_centre, two_way, under_load
+from survival.stories import SHORT, SMALL, Story, growing, of_kind
 
 from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
@@ -158,17 +158,17 @@ def test_rows_that_grow_beside_a_part_are_no_more_easily_lost() -> None:
 
 
 def test_a_slider_that_pushes_back_is_no_more_easily_lost() -> None:
-    small, moving = two_way((WITH_SLIDER, MOVING))
+    small, moving = of_kind("two-way", (WITH_SLIDER, MOVING))
     outcome = kills.kills(4, seed=3, stories=(moving,))
     outcome.add(moments.power(8, seed=3, stories=(small,)))
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0
     assert {"landmarks/kind", "slider/phase"} <= moving.expected.keys()
-    assert two_way((BARE,)) == ()
+    assert of_kind("two-way", (BARE,)) == ()
 
 
 def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
-    (moving,) = off_centre((MOVING,))
+    (moving,) = of_kind("off-centre", (MOVING,))
     outcome = kills.kills(4, seed=3, stories=(moving,))
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0
@@ -176,7 +176,7 @@ def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
 
 
 def test_a_slider_that_leaves_its_contact_is_no_more_easily_lost() -> None:
-    small, moving = free((SMALL[0], replace(MOVING, distance="4 mm")))
+    small, moving = of_kind("free", (SMALL[0], replace(MOVING, distance="4 mm")))
     outcome = kills.kills(4, seed=3, stories=(moving,))
     outcome.add(moments.power(8, seed=3, stories=(small,)))
     assert outcome.findings == []
@@ -185,7 +185,7 @@ def test_a_slider_that_leaves_its_contact_is_no_more_easily_lost() -> None:
 
 
 def test_runs_of_other_births_lives_and_sizes_are_no_more_easily_lost() -> None:
-    stories = of_family((MOVING,))
+    stories = of_kind("family", (MOVING,))
     assert len({story.expected["junctions/birth_distance"] for story in stories}) == len(stories)
     outcome = kills.kills(len(stories), seed=3, stories=stories)
     assert outcome.findings == []
@@ -193,7 +193,7 @@ def test_runs_of_other_births_lives_and_sizes_are_no_more_easily_lost() -> None:
 
 
 def test_runs_under_a_load_are_no_more_easily_lost() -> None:
-    small, moving = under_load((WITH_SLIDER, MOVING))
+    small, moving = of_kind("under-load", (WITH_SLIDER, MOVING))
     outcome = kills.kills(4, seed=3, stories=(moving,))
     outcome.add(moments.power(8, seed=3, stories=(small,)))
     assert outcome.findings == []

@@ -179,6 +179,7 @@ def test_sparse_contact_that_is_cut_off_early_is_rejected_by_the_share_without_i
 
 
 # Right runs are called outside as rarely as is promised; `python tools/right_runs.py` makes some thousands of them.
+FEW_AT_ONCE = right_runs.KINDS["sparse"]
 EVERY = {f"{kind}, {name}": changes for kind, cases in right_runs.KINDS.items() for name, changes in cases.items()}
 
 
@@ -190,20 +191,20 @@ def test_every_case_is_a_contact(case: str) -> None:
 
 def test_cases_differ() -> None:
     assert len({repr(right_runs.model_of(changes)) for changes in EVERY.values()}) == len(EVERY) >= 50
-    counts = {right_runs.model_of(changes).mean_junction_count for changes in right_runs.SPARSE.values()}
+    counts = {right_runs.model_of(changes).mean_junction_count for changes in FEW_AT_ONCE.values()}
     assert counts == {0.05, 0.1, 0.2, 0.5, 1.0}
 
 
 def test_runs_of_a_case_are_counted() -> None:
-    changes = right_runs.SPARSE["0.2 over 600 mm"]
+    changes = FEW_AT_ONCE["0.2 over 600 mm"]
     count = right_runs.counted(changes, range(seed_of("right"), seed_of("right") + 3))
     assert (count.runs, count.alarms) == (3, {})
     assert count.scores["spectrum"] > count.scores["birth_count"] == 3
 
 
 def test_a_wrong_run_is_an_alarm(monkeypatch: pytest.MonkeyPatch) -> None:
-    spoil(monkeypatch, lambda model: right_runs.model_of([*right_runs.SPARSE["1 over 100 mm"], OTHER]))
-    count = right_runs.counted(right_runs.SPARSE["1 over 100 mm"], [1, 2])
+    spoil(monkeypatch, lambda model: right_runs.model_of([*FEW_AT_ONCE["1 over 100 mm"], OTHER]))
+    count = right_runs.counted(FEW_AT_ONCE["1 over 100 mm"], [1, 2])
     assert set(count.alarms) == {1, 2}
     assert "birth_count" in count.alarms[1]
     assert count.far["birth_count"] == 2
@@ -232,7 +233,7 @@ def test_what_is_promised_is_a_thousandth() -> None:
 def test_too_many_alarms_are_an_exit_code(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *, wrong: bool, code: int
 ) -> None:
-    short = right_runs.SPARSE["1 over 100 mm"]
+    short = FEW_AT_ONCE["1 over 100 mm"]
     monkeypatch.setattr(right_runs, "KINDS", {"sparse": {"one": short}, "dense": {"other": ()}})
     monkeypatch.setattr(sys, "argv", ["right_runs.py", "--runs", "2", "--kind", "sparse"])
     if wrong:

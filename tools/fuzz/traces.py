@@ -1,6 +1,7 @@
 """Measured traces that are damaged, hostile or of the wrong kind: each is made of its number alone."""
 
 import struct
+import tomllib
 import zlib
 from collections.abc import Callable
 from io import BytesIO
@@ -18,107 +19,16 @@ Made = tuple[str, list[str]]
 
 SPEED: Final = ["--speed", "1 mm/s"]
 ROWS: Final = 3000
-ODD: Final = (
-    *(
-        "",
-        "nan",
-        "inf",
-        "-1e999",
-        "1e300",
-        "1_000",
-        '"5"',
-        "'5'",
-        "x",
-        "0x1F",
-        "1e",
-        "--5",
-        "5 N",
-        "1,5",
-        "1;5",
-        "\t",
-        "#",
-        "\u0663",
-    ),
-    *(
-        "\u221212",
-        "5" * 400,
-        "x" * 140_000,
-        "=1+1",
-        "1+2j",
-        "None",
-        "\u00a05",
-        "\x0b",
-        "\ufeff",
-        "(",
-        "NaN(1)",
-        "1e-400",
-    ),
-)
-HEADS: Final = (
-    *(
-        "time (s),force (mN)",
-        "time (s);force (mN)",
-        "time,force",
-        "t/s,F/N",
-        "time (s),force (parsec)",
-        "time (s),force (V)",
-    ),
-    *(
-        "time_s,force_N",
-        "force (mN)",
-        "time (s),time (s)",
-        "time (s),force (mN),load (N)",
-        "a,b",
-        "",
-        "1,2",
-        '"time (s)","force (mN)"',
-    ),
-    *(
-        "time (min),force (kN)",
-        "distance (um),force (uN)",
-        "distance (mm),area (um^2)",
-        "time (s),force ()",
-        "time (s),force (1e9 N)",
-    ),
-    *(
-        "time (s)\nforce (mN)",
-        "s,N",
-        "X_Value\tForce",
-        "time (s),force (mN),",
-        "((((((,))))))",
-        "_,_",
-        "/,/",
-        "time [s,force [N]",
-    ),
-)
-UNITS: Final = (
-    *(
-        "0 mN",
-        "1e999 mN",
-        "nan mN",
-        "-1 mN",
-        "parsec",
-        "1.2.3 mN",
-        "mN mN",
-        "V",
-        "5",
-        "",
-        "N^99",
-        "1e-300 N",
-        "1e300 N",
-        "um^2",
-    ),
-    *("N" * 300, "\u00b5N", "%", "N/m", "1/0 N"),
-)
+_WORDS: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+ODD: Final = (*_WORDS["odd"], "5" * 400, "x" * 140_000)
+HEADS: Final = tuple(_WORDS["heads"])
+UNITS: Final = (*_WORDS["units"], "N" * 300)
+PREAMBLES: Final = (*_WORDS["preambles"], "x" * 2_000_000 + "\n")
+PATHS: Final = (*_WORDS["paths"], "x" * 5000)
 OPTIONS: Final = (
-    *(["--rate", each] for each in ("0 Hz", "1e9 MHz", "-5 Hz", "20000", "nan Hz", "1 Hz", "20 kHz", "1 s")),
-    *(["--mask", each] for each in ("50 Hz", "1 MHz", "50", ",", "50 Hz,100 Hz", "nan Hz")),
-    *(["--strength", each] for each in ("1e300 MPa", "0 MPa", "250 MPa", "-1 MPa", "250", "1e-300 MPa")),
-    *(["--bootstrap", each] for each in ("999999999999", "-1", "x")),
-    *(["--column", each] for each in ("2", "99", "0", "-1", "force", "x" * 3000, "\u0662")),
-    *(["--speed", each] for each in ("0 m/s", "1e300 m/s", "5", "1 m", "inf m/s", "1e-300 m/s")),
-    ["--drift"],
-    ["--zero", "known"],
+    *([f"--{name}", value] for name, values in _WORDS["options"].items() for value in values),
+    *([f"--{name}"] for name, values in _WORDS["options"].items() if not values),
+    ["--column", "x" * 3000],
 )
 
 
@@ -167,19 +77,13 @@ def table(random: Random, folder: Path) -> Made:
             "",
         )
         rows[at] = random.choice(changed)
-    preamble = random.choice(
-        (
-            "",
-            "",
-            "# x\n",
-            "1000\n",
-            "Maier;Huber\n",
-            "\n\n",
-            "a text\nof lines\n",
-            "x" * random.choice((10, 2_000_000)) + "\n",
-        )
+    text = (
+        random.choice(PREAMBLES)
+        + head
+        + "\n"
+        + random.choice(("", "", "s,mN\n", "s;N\n", "err,err\n"))
+        + "\n".join(rows)
     )
-    text = preamble + head + "\n" + random.choice(("", "", "s,mN\n", "s;N\n", "err,err\n")) + "\n".join(rows)
     content = text.replace("\n", random.choice(("\n", "\n", "\r\n", "\r"))).encode(
         random.choice(("utf-8",) * 5 + ("utf-16", "utf-8-sig")), "replace"
     )
@@ -246,22 +150,7 @@ def dataset(random: Random, folder: Path) -> Made:
 
 def odd_path(random: Random, _folder: Path) -> Made:
     """Name what is no file."""
-    names = (
-        "/dev/zero",
-        "/dev/full",
-        ".",
-        "/proc/self/mem",
-        "/proc/self/environ",
-        "x" * 5000,
-        "absent.csv",
-        "absent.h5:/a",
-        "",
-        " ",
-        "\n",
-        "a/b/c",
-        "/",
-    )
-    return _with(random, random.choice(names))
+    return _with(random, random.choice(PATHS))
 
 
 KINDS: Final = (table, table, table, table, sound, matlab, dataset, odd_path)

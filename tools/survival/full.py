@@ -38,7 +38,7 @@ TMPFS_BYTES = 20 * 1024**2
 FILLING = (
     Story(name="filled", distance="40 mm", tick="0.5 um"),
     Story(name="filled, compressed", distance="20 mm", tick="0.5 um", compression="gzip"),
-    Story(name="filled, two-way", coupling="two-way", distance="40 mm", tick="0.5 um"),
+    Story(name="filled, two-way", kind="two-way", distance="40 mm", tick="0.5 um"),
 )
 """Of 9 MB, of 5 MB beside which the compressed copy has to find its place, and one whose rows grow while it runs."""
 

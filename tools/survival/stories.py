@@ -65,11 +65,27 @@ FAMILY: Final[Mapping[str, Mapping[str, Any]]] = {
     "measured sizes": {"diameter": {"law": "empirical", "values": [3.1, 4.4, 5.0, 8.2], "sampled": "alive"}},
 }
 """Members of the family of models, by the tables of a scenario that make one."""
-BOUNCING: Final = {
-    "interface": {"load": "0.05 N", "hardness": "1 GPa", "mean_junction_count": 0.5},
-    "strength": {"mean": "250 MPa"},
-    "load": {"height_scale": "5 um", "mass": "5 g", "motion": "free", "restitution": 0.7},
+KINDS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "two-way": {"slider": {"coupling": "two-way"}},
+    "off-centre": {"pulse": {"offset": "uniform"}},
+    "under-load": {
+        "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
+        "load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05},
+    },
+    "free": {
+        "interface": {
+            "mean_real_contact_area": None,
+            "load": "0.05 N",
+            "hardness": "1 GPa",
+            "mean_junction_count": 0.5,
+        },
+        "strength": {"mean": "250 MPa"},
+        "sliding": {"speed": "1 m/s"},
+        "load": {"height_scale": "5 um", "mass": "5 g", "motion": "free", "restitution": 0.7},
+    },
+    **FAMILY,
 }
+"""Kinds of runs, by the keys of a scenario that make one; None: without that key."""
 ORIGIN: Final = ("scenario_toml", "seed", "stream_version", "propagator_constants")
 """Attributes of /provenance that do not depend on when and where a run was made."""
 
@@ -81,11 +97,7 @@ class Story:
     name: str
     engine: str = "events"
     slider: bool = True
-    coupling: str = "one-way"
-    free: bool = False
-    offset: str = "none"
-    weighs: bool = False
-    member: str = ""
+    kind: str = ""
     compression: str = "none"
     distance: str = "2400 um"
     tick: str = "2 um"
@@ -102,16 +114,11 @@ class Story:
             "output": {"tick": self.tick, "compression": self.compression},
             "run": {"engine": self.engine, "seed": self.seed},
         }
-        if self.weighs:
-            sections["interface"] = {"load": "0.2 N", "hardness": "1 GPa", "mean_junction_count": 20}
-            sections["load"] = {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05}
-        if self.offset != "none":
-            sections["pulse"] = {"offset": self.offset}
-        sections |= FAMILY.get(self.member, {})
-        if self.free:
-            sections |= BOUNCING | {"sliding": {"distance": self.distance, "speed": "1 m/s"}}
         if self.slider:
-            sections |= SLIDER | {"slider": SLIDER["slider"] | {"coupling": self.coupling}}
+            sections |= SLIDER
+        for table, keys in KINDS.get(self.kind, {}).items():
+            merged = {**sections.get(table, {}), **keys}
+            sections[table] = {key: value for key, value in merged.items() if value is not None}
         return sections
 
     @property
@@ -162,40 +169,19 @@ SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
 """Runs that take a quarter of that."""
 
 
-def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
-    """Return those of the runs that have a slider, with one that pushes back."""
-    return tuple(replace(story, name=f"{story.name}, two-way", coupling="two-way") for story in stories if story.slider)
+def of_kind(kind: str, stories: Sequence[Story]) -> tuple[Story, ...]:
+    """Return the runs of another kind: of the family with each member in turn, two-way those alone with a slider."""
+    if kind == "family":
+        return tuple(each for story in stories for member in FAMILY for each in of_kind(member, [story]))
+    found = [story for story in stories if story.slider or kind != "two-way"]
+    if kind == "free":  # has fewer junctions
+        found = [replace(story, distance=_ten_times(story.distance), tick=_ten_times(story.tick)) for story in found]
+    return tuple(replace(story, name=f"{story.name}, {kind}", kind=kind) for story in found)
 
 
-def off_centre(stories: Sequence[Story]) -> tuple[Story, ...]:
-    """Return the runs with junctions that miss each other's centre line, with a slider or without one."""
-    return tuple(replace(story, name=f"{story.name}, off-centre", offset="uniform") for story in stories)
-
-
-def of_family(stories: Sequence[Story]) -> tuple[Story, ...]:
-    """Return the runs with other births, lives and sizes, each with all of them in turn."""
-    return tuple(
-        replace(story, name=f"{story.name}, {member}", member=member) for story in stories for member in FAMILY
-    )
-
-
-def under_load(stories: Sequence[Story]) -> tuple[Story, ...]:
-    """Return the runs under a load that weighs, with a slider or without one."""
-    return tuple(replace(story, name=f"{story.name}, under a load", weighs=True) for story in stories)
-
-
-def free(stories: Sequence[Story]) -> tuple[Story, ...]:
-    """Return the runs with a slider that may leave its contact, on more of its way: there are fewer junctions."""
-    return tuple(
-        replace(
-            story,
-            name=f"{story.name}, free",
-            free=True,
-            distance=f"{story.distance.partition(' ')[0]}0 {story.distance.partition(' ')[2]}",
-            tick=f"{story.tick.partition(' ')[0]}0 um" if story.tick != "0.5 um" else "5 um",
-        )
-        for story in stories
-    )
+def _ten_times(length: str) -> str:
+    number, unit = length.split()
+    return f"{10.0 * float(number):g} {unit}"
 
 
 @contextmanager
