@@ -187,7 +187,6 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "sweep": sweep,
     "layers": package_map.line,
     "arrows": package_map.diagram,
-    "rooms": package_map.rooms,
 }
 
 if __name__ == "__main__":

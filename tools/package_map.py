@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from parts import table
-
 ROOT: Final = Path(__file__).resolve().parent.parent
 PACKAGE: Final = ROOT / "src" / "rubnoise"
 CONTRACT: Final = ROOT / "pyproject.toml"
@@ -88,16 +86,5 @@ def diagram() -> Iterator[str]:
     yield "```"
 
 
-def rooms() -> Iterator[str]:
-    """Yield a table with a row for each room: what is in it."""
-    yield table(("room", "what is in it"), ((f"`{room}`", _first_sentence(room)) for each in layers() for room in each))
-
-
 def _in_order(rooms: set[str]) -> list[str]:
     return [room for layer in layers() for room in layer if room in rooms]
-
-
-def _first_sentence(room: str) -> str:
-    story = files(room)[0] if (PACKAGE / f"{room}.py").exists() else PACKAGE / room / "__init__.py"
-    text = ast.get_docstring(ast.parse(story.read_text(encoding="utf-8"))) or ""
-    return " ".join(text.split("\n\n")[0].split())

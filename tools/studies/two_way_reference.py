@@ -24,13 +24,13 @@ SOURCE: Final = "rubnoise sweep scenarios/studies/coupling_reference.toml: of ea
 
 FIGURES: Final = {
     "stick_fraction": ("stuck", "stick_fraction"),
-    "displacement_mean": ("mean x", "mean_x"),
+    "displacement_mean": ("", "mean_x"),
     "displacement_std": ("std x", "std_x"),
     "velocity_std": ("std x'", "std_v"),
     "sticks_per_s": ("sticks", "sticks_per_s"),
-    "slips_longer_than_d_per_s": ("slips > d", ""),
+    "slips_longer_than_d_per_s": ("", ""),
 }
-"""Figures of the reference, what heads their columns, and what the other program calls them."""
+"""Figures of the reference, what heads their columns on the page if they have one, and the other program's names."""
 
 RATIO: Final = "over_one_way"
 """The standard deviation of the displacement over that of one-way coupling on the same junctions."""
@@ -91,14 +91,15 @@ def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def shown(points: Sequence[Mapping[str, Any]]) -> str:
     """Return the reference as a table, standard errors in the last digits; r and Pi are exact."""
-    heads = ("V", "N_jm", "r", "Pi", *(words for words, _ in FIGURES.values()), "change")
+    columns = {name: words for name, (words, _) in FIGURES.items() if words} | {RATIO: "change"}
+    heads = ("V", "N_jm", "r", "Pi", *columns.values())
     models = [point.scenario.model() for point in rubnoise.expand(rubnoise.load_sweep(STUDY))]
     exact = {(model.sliding_speed, model.mean_junction_count): model for model in models if model.is_two_way}
 
     def cells(point: Mapping[str, Any]) -> tuple[str, ...]:
         model = exact[point["speed"], point["junctions"]]
         told = f"{response(model).one_way_validity:.3g}", f"{coupling(model).strength:.3g}"
-        figures = (in_digits(*point[name]) for name in (*FIGURES, RATIO))
+        figures = (in_digits(*point[name]) for name in columns)
         return (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", *told, *figures)
 
     return table(heads, map(cells, points))
