@@ -50,7 +50,7 @@ _WITHIN: Final[dict[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper"
 
 
 def compiled(function: Any) -> Any:
-    """Compile a function at its first call, and keep the machine code for later processes where a folder allows it.
+    """Compile a function at its first call, and keep the machine code for later processes if a folder allows it.
 
     No fastmath: sums keep their order and products their rounding, since the bits are part of the result.
     """
@@ -76,7 +76,7 @@ def compiled_within(function: Any) -> Any:
 def compiled_into(function: Any) -> Any:
     """Compile a function that makes no arrays as lines of its only caller, whose locals it shares.
 
-    A function is optimized once more with each that calls it; where long ones call each other, that adds up.
+    A function is optimized once more with each that calls it; if long ones call each other, that adds up.
     """
     return njit(inline="always", error_model=_DIVISION, **_BARE)(function)
 
@@ -102,11 +102,11 @@ def _kept(function: Any, **how: Any) -> Any:
 
 
 BEFORE_COMPILING: Final[set[Callable[[], object]]] = set()
-"""What is called before a kernel is compiled; where its code is kept, nothing is."""
+"""What is called before a kernel is compiled; if its code is kept, nothing is."""
 
 
 def _kept_code(cache: Any, signature: Any, context: Any) -> Any:
-    """Return code that is kept, None where there is none and all is compiled anew.
+    """Return code that is kept, None if there is none and all is compiled anew.
 
     numba's own way begins with loading whatever it can compile, a third of a second that kept code does without.
     """
@@ -126,7 +126,7 @@ class CodeNotKept(UserWarning):
 
 
 def _keep(save: Callable[[Any, Any], None], folder: str, signature: Any, code: Any) -> None:
-    """Keep code for later processes; where the disk fails, the process goes on with it and says so once."""
+    """Keep code for later processes; if the disk fails, the process goes on with it and says so once."""
     try:
         save(signature, code)
     except OSError as problem:
@@ -171,7 +171,7 @@ class _KeptFile(IndexDataCacheFile):
         self._write(str(Path(self._cache_path) / name), data)
 
     def _read(self, path: str) -> Any:
-        """Return what was written; raises OSError, which numba takes for code that is gone, where it is not that."""
+        """Return what was written; raises OSError, which numba takes for code that is gone, if it is not that."""
         content = Path(path).read_bytes()
         if content[:SEAL_BYTES] != self._seal(content[SEAL_BYTES:]):
             raise OSError(f"{path}: damaged")
@@ -218,7 +218,7 @@ def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:
 
 
 fused: Any = intrinsic(_fused)
-"""factor * other + term, rounded once: one instruction where there is one, else a slow function with the same bits.
+"""factor * other + term, rounded once: one instruction if there is one, else a slow function with the same bits.
 
 Only to be called by what is compiled. The compiler is never left to choose where to fuse.
 """

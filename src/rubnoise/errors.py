@@ -90,7 +90,7 @@ class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
     """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it.
 
-    ``kept`` is the part file from which it can go on, or None where nothing was kept.
+    ``kept`` is the part file from which it can go on, or None if nothing was kept.
     """
 
     def __init__(self, signal_number: int) -> None:

@@ -89,8 +89,8 @@ class FreeSeparation:
 class Model:
     """Everything a run or the theory needs to know, and nothing else.
 
-    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), sliding distance and tick (um);
-    hardness H (MPa) where A_rm is that of a load. A load that weighs moves the separation, of first order or free: then
+    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None if no times are wanted), sliding distance and tick (um);
+    hardness H (MPa) if A_rm is that of a load. A load that weighs moves the separation, of first order or free: then
     everything that is asked of the model as such is at constant separation.
     Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
     """
@@ -125,7 +125,7 @@ class Model:
 
     @property
     def mean_life_distance(self) -> float:
-        """L_jm in um: 2 d_m (paper Eq. 13), or (pi/2) d_m where passes miss the centre line."""
+        """L_jm in um: 2 d_m (paper Eq. 13), or (pi/2) d_m if passes miss the centre line."""
         return self.pulse.mean_life * self.calibrated_diameter
 
     @property
@@ -145,7 +145,7 @@ class Model:
 
     @property
     def slider_rows(self) -> int | None:
-        """Rows of /slider: one at every tick, none without a slider; None where only the run itself shows it."""
+        """Rows of /slider: one at every tick, none without a slider; None if only the run itself shows it."""
         if self.is_two_way:
             return None
         return 0 if self.slider is None else self.tick_count + 1

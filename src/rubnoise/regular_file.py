@@ -38,7 +38,7 @@ class NotRegular(OSError):  # noqa: N818  (says what the path is)
 
 
 def open_regular(path: str | os.PathLike[str]) -> int:
-    """Return a descriptor of a regular file, for reading; raises NotRegular, or OSError where it cannot be opened."""
+    """Return a descriptor of a regular file, for reading; raises NotRegular, or OSError if it cannot be opened."""
     if os.fspath(path) == STANDARD_INPUT:
         return os.open(_standard_input().name, _READING)
     try:
@@ -61,7 +61,7 @@ def open_stream(path: str | os.PathLike[str]) -> BinaryIO:
 
 
 def read_at_most(path: str | os.PathLike[str], count: int) -> bytes:
-    """Return the first ``count`` bytes of a regular file, fewer where it ends; raises as `open_regular` does.
+    """Return the first ``count`` bytes of a regular file, fewer if it ends; raises as `open_regular` does.
 
     Some files of the system, such as /proc/kmsg, call themselves regular and have no end: such a read is refused, too.
     """
@@ -87,7 +87,7 @@ def size_of(path: str | os.PathLike[str]) -> int:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a path is a folder; False where it may not be looked at, which opening it then says."""
+    """Whether a path is a folder; False if it may not be looked at, which opening it then says."""
     try:
         return path.is_dir()
     except OSError:

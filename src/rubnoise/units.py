@@ -34,7 +34,7 @@ _BARE_POWER = re.compile(r"(?<=[A-Za-z\u00b5\u03bc])(-?[0-9])")
 
 
 class QuantityError(ValueError):
-    """A text that is no quantity of the wanted kind; ``hint`` is advice or the right form, where there is one."""
+    """A text that is no quantity of the wanted kind; ``hint`` is advice or the right form, if there is one."""
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
@@ -132,12 +132,12 @@ class Quantity(float):
         return self.exact, self.kind, self.written
 
     def as_text(self) -> str:
-        """Return a text that reads back to the same exact value, in the working unit where it has finite decimals."""
+        """Return a text that reads back to the same exact value, in the working unit if it has finite decimals."""
         return in_working_unit(self.exact, self.kind) if _decimals(self.exact) is not None else self.written
 
 
 def in_working_unit(exact: Fraction, kind: Kind) -> str:
-    """Return ``exact`` as text in the kind's working unit: in full where its decimals end, else rounded once."""
+    """Return ``exact`` as text in the kind's working unit: in full if its decimals end, else rounded once."""
     number = exact / USUAL_UNITS[kind.unit].size
     decimals = _decimals(number)
     if decimals is None:
@@ -153,7 +153,7 @@ def _decimals(value: Fraction) -> int | None:
 def read_quantity(text: str, *kinds: Kind) -> Quantity:
     """Return the quantity that ``text`` (`NUMBER UNIT`) writes, converted exactly and rounded once.
 
-    Raises QuantityError where the text is no such thing or its unit is of none of the ``kinds``.
+    Raises QuantityError if the text is no such thing or its unit is of none of the ``kinds``.
     """
     number, unit_text = _split(text.strip(" "), kinds[0])
     unit = _read_unit(unit_text, number)

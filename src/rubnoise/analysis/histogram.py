@@ -17,7 +17,7 @@ class Histogram:
     """A density over bins: ``edges`` in the unit of the quantity, density and standard error in one over it.
 
     The density is the mean over its bin; what lies outside of the edges counts in none, so that it adds up to less than
-    1 where the edges do not hold all. ``outside`` is that part.
+    1 if the edges do not hold all. ``outside`` is that part.
     """
 
     edges: Doubles
@@ -35,7 +35,7 @@ def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Hi
     """Return the density of a record of equal ticks (um) over bins: their edges, or how many over its range.
 
     The error of a bin is that of batch means: how much the share of the bin differs from one stretch of the record to
-    the next. Raises RecordTooShort, carrying the Histogram without errors, where the record has too few stretches, and
+    the next. Raises RecordTooShort, carrying the Histogram without errors, if the record has too few stretches, and
     ValueError for edges that do not rise.
     """
     bounds = _edges(values, edges)

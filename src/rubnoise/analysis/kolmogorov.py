@@ -39,7 +39,7 @@ def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0)
 def distance_tail(distance: float, count: int) -> float:
     """Return P(D >= distance) for values of a continuous law: up to 1000 by the bound of both one-sided exact tails.
 
-    That bound is the probability itself where it is small; beyond 1000 values it is Kolmogorov's limit.
+    That bound is the probability itself if it is small; beyond 1000 values it is Kolmogorov's limit.
     """
     from scipy.special import kolmogorov, smirnov
 

@@ -27,7 +27,7 @@ class Life:
 
     Its peak is where its area was largest while it lived and the record ran: at mid-life, unless its life was ended
     before, or mid-life lies outside of the record, 0 to ``record_end``, of which alone it is known who was alive.
-    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and where the slider
+    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and if the slider
     never came by, forces without a strength. ``slides_evenly``: whether distance is a multiple of time.
     """
 
@@ -49,7 +49,7 @@ class Life:
 
     @property
     def half_life(self) -> float:
-        """Sliding in um from birth to mid-life: d, or sqrt(d^2 - b^2) where it misses the centre line by b."""
+        """Sliding in um from birth to mid-life: d, or sqrt(d^2 - b^2) if it misses the centre line by b."""
         d, b = self.diameter, self.lateral_offset or 0.0
         return d if not b else sqrt((d - b) * (d + b))
 
@@ -90,7 +90,7 @@ class Life:
 
     @property
     def beside(self) -> Neighbours:
-        """The others alive at the peak distance, or just before it where this life was ended there."""
+        """The others alive at the peak distance, or just before it if this life was ended there."""
         return self.others.alive(self.peak_distance, just_before=self._peaks_at_death)
 
     @property
@@ -154,7 +154,7 @@ class Life:
 def life_of(file: Reader, number: int) -> Life:
     """Return the life of one junction by its row number; reads its row, and who lived when of all rows.
 
-    Raises Refused, naming the range, where there is no such row, RunFileRefused for a file that does not say how far
+    Raises Refused, naming the range, if there is no such row, RunFileRefused for a file that does not say how far
     its record goes, or whose rows are no lives.
     """
     rows = file.rows("junctions")

@@ -119,7 +119,7 @@ def sample_covariances(values: Doubles, tick: float, lags: Sequence[int], model:
 
     With a model the record is its real contact area, stationary, from births at random, and the errors are those of
     `covariance_errors`; without one they are batch means of the products. Raises RecordTooShort, carrying the
-    Covariances, where the record is too short for errors.
+    Covariances, if the record is too short for errors.
     """
     products = LaggedProducts(lags, float(values.mean()))
     products.add(values)

@@ -68,5 +68,5 @@ def _check(group: str, name: str, first: int, values: NDArray[Any]) -> None:
 
 
 def first_stationary_tick(model: Model) -> int:
-    """Return the first tick from which the contact is stationary: after a longest life where the start was empty."""
+    """Return the first tick from which the contact is stationary: after a longest life if the start was empty."""
     return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)

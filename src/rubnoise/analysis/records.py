@@ -71,9 +71,9 @@ def integrated_autocorrelation(values: Doubles) -> float:
 
 
 def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> int:
-    """Return the ticks to a batch: ten integrated autocorrelation lengths, or a 256th of the record where that is more.
+    """Return the ticks to a batch: ten integrated autocorrelation lengths, or a 256th of the record if that is more.
 
-    ``tick`` in um. Raises RecordTooShort, carrying the estimate, where fewer than 30 batches fit.
+    ``tick`` in um. Raises RecordTooShort, carrying the estimate, if fewer than 30 batches fit.
     """
     correlated = integrated_autocorrelation(values)
     length = max(LENGTHS_A_BATCH * correlated, values.size / MOST_BATCHES)

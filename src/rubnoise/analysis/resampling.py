@@ -26,9 +26,9 @@ _PRODUCTS: Final = 1 << 16  # at once: what the cache of a processor holds
 
 
 def rate_ratio(source: float, target: float) -> Fraction:
-    """Return target over source as a fraction of two numbers up to 4096; 0 where the ratio is beyond 1/4096 ... 4096.
+    """Return target over source as a fraction of two numbers up to 4096; 0 if the ratio is beyond 1/4096 ... 4096.
 
-    It is met to 1 part in 4096 at worst, and exactly where it is such a fraction.
+    It is met to 1 part in 4096 at worst, and exactly if it is such a fraction.
     """
     ratio = target / source
     if not 1.0 / MOST <= ratio <= MOST:

@@ -129,7 +129,7 @@ def _lags(ticks: int, ticks_a_life: float) -> NDArray[np.int64]:
 
 
 def _segment(ticks: int, ticks_a_life: float) -> int:
-    """Return the ticks of a segment, a power of two: 64 lives, or less where a run would hold fewer than eight."""
+    """Return the ticks of a segment, a power of two: 64 lives, or less if a run would hold fewer than eight."""
     most = min(_LIVES_A_SEGMENT * ticks_a_life, 2.0 * ticks / (_FEWEST_SEGMENTS + 1))
     return max(_FEWEST_TICKS, 2 ** floor(log2(max(most, 1.0))))
 

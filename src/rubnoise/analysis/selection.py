@@ -151,7 +151,7 @@ class Neighbours:
         return area_of(self.pulse, distance - self.birth, self.diameter, self.offset)
 
     def areas(self, distance: Doubles) -> Doubles:
-        """Return the area in um^2 of each, a row, at sliding distances in um; 0 where it is not alive."""
+        """Return the area in um^2 of each, a row, at sliding distances in um; 0 if it is not alive."""
         birth, death = self.birth[:, np.newaxis], self.death[:, np.newaxis]
         aside = None if self.offset is None else self.offset[:, np.newaxis]
         areas = area_of(self.pulse, distance - birth, self.diameter[:, np.newaxis], aside)
@@ -194,7 +194,7 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
 
 
 def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None:
-    """Raise RunFileRefused, naming the first row, where a number is not finite or a diameter not positive."""
+    """Raise RunFileRefused, naming the first row, if a number is not finite or a diameter not positive."""
     for name, values in columns.items():
         wrong = ~np.isfinite(values) | ((values <= 0.0) & (name == "diameter"))
         if wrong.any():

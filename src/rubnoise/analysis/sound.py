@@ -62,7 +62,7 @@ class Sound:
     def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float, seconds: float | None) -> Self:
         """Return the sound of an open run, of ``seconds`` from its start or of all of it, but for a transient.
 
-        Raises Refused if the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
+        Raises Refused if the run has nothing of the kind, if it is too short for the seconds, and for a speed-up
         that makes more than 4096 ticks of a sample or the other way round.
         """
         group, model = _group(file, what), stored(file.provenance["scenario_resolved"]).model()
@@ -207,7 +207,7 @@ def _group(file: Reader, what: Heard) -> str:
 
 
 def _first_row(file: Reader, model: Model, group: str) -> int:
-    """Return from which row on the start is no longer heard; raises Refused where none is left."""
+    """Return from which row on the start is no longer heard; raises Refused if none is left."""
     if group != "load" or model.separation is None:
         return 0
     from rubnoise.analysis.comparing.load import first_still_tick

@@ -52,7 +52,7 @@ def welch(values: Doubles, tick: float, ticks: int | None = None) -> Spectrum:
     """Return Welch's estimate of the two-sided S(k) from a record of equal ticks (um), Hann windows that half overlap.
 
     S_i = (tick / sum w^2) |sum of w_j (x_j - mean) exp(-2 pi i j / n)|^2, the mean of all segments of n ``ticks`` (the
-    even number that gives some 64 of them, where none is given), each less its own mean. Standard errors come from the
+    even number that gives some 64 of them, if none is given), each less its own mean. Standard errors come from the
     differences between segments. Raises RecordTooShort, carrying the Spectrum, for fewer than 30 segments.
     Source: Welch (1967), doi:10.1109/TAU.1967.1161901; the same as scipy.signal.welch(..., return_onesided=False).
     """

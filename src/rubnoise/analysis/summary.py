@@ -49,7 +49,7 @@ class MissingMotion:
 
 
 def summarise(model: Model, tally: Tally) -> list[Agreement]:
-    """Return every figure of a run with its exact value, and its standard error where one can be defended."""
+    """Return every figure of a run with its exact value, and its standard error if one can be defended."""
     theory, seen = theory_of(model), tally.moments
     found = {
         name: getattr(seen[figure.column], figure.part) / figure.over(model)
@@ -75,7 +75,7 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
 
 @lru_cache(maxsize=8)
 def theory_of(model: Model) -> dict[str, tuple[float | None, float | None]]:
-    """Return exact value and standard error of the figures of a model's runs; None where there is none to defend.
+    """Return exact value and standard error of the figures of a model's runs; None if there is none to defend.
 
     Kept, since the runs of a sweep often differ by their seed alone.
     """
@@ -115,7 +115,7 @@ def _errors(
 
 
 def _load_errors(model: Model) -> dict[str, float]:
-    """Return the errors under a load that weighs, where a run is long beside the decay of the separation."""
+    """Return the errors under a load that weighs, if a run is long beside the decay of the separation."""
     decays = _decays(separation_of(model))
     if decays is None or decays < FEWEST_DECAYS:
         return {}
@@ -164,7 +164,7 @@ def _two_way_motion(model: Model, tally: Tally) -> dict[str, tuple[float, float 
 
 
 def missing_for_motion(model: Model) -> MissingMotion | None:
-    """Return what a run lacks for standard errors of its slider's motion; None where it has them or no length would do.
+    """Return what a run lacks for standard errors of its slider's motion; None if it has them or no length would do.
 
     No length would do without slider or damping, or from an empty start. The errors fall as one over the root of the
     distance; for births that are not random there is none but that of the mean, which needs the decay times alone.
@@ -181,7 +181,7 @@ def missing_for_motion(model: Model) -> MissingMotion | None:
 
 
 def _decays(model: Model) -> float | None:
-    """Return how many of the slowest decay times of its slider a run lasts; None where nothing decays."""
+    """Return how many of the slowest decay times of its slider a run lasts; None if nothing decays."""
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or slider.damping == 0.0:
         return None
@@ -191,7 +191,7 @@ def _decays(model: Model) -> float | None:
 
 
 def slowest_decay(slider: Slider) -> float:
-    """Return the time in s in which the slowest free motion falls by e: 2m/c, or about c/k where that is longer."""
+    """Return the time in s in which the slowest free motion falls by e: 2m/c, or about c/k if that is longer."""
     if slider.damping == 0.0:
         return inf
     return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
@@ -203,7 +203,7 @@ _PARTS: Final = ("mean", "std", "skewness", "excess_kurtosis")
 def expected_figure(model: Model, name: str) -> float:
     """Return the exact value of a figure that `rubnoise.analysis.summary.summarise` names, in its unit.
 
-    nan where the model has no such figure, or where theory is silent about it.
+    nan if the model has no such figure, or if theory is silent about it.
     """
     figure = FIGURES.get(name)
     if figure is None or not figure.is_of(model):

@@ -79,7 +79,7 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
 
 
 def _exact(model: Model) -> dict[int, float] | None:
-    """Return exact levels by the numbers of their bands; None where theory knows none."""
+    """Return exact levels by the numbers of their bands; None if theory knows none."""
     try:
         bands = third_octaves(model)
     except Refused:

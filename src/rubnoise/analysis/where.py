@@ -163,7 +163,7 @@ class Condition:
 def condition(text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> Condition:
     """Return the condition that a text writes about rows with these columns.
 
-    Raises ConditionRefused, with the text and a caret below what is wrong, where it writes none.
+    Raises ConditionRefused, with the text and a caret below what is wrong, if it writes none.
     """
     reader = _Reader(text, columns)
     chosen = reader.whole()

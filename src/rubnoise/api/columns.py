@@ -110,7 +110,7 @@ class Column(NDArrayOperatorsMixin):
     def __getitem__(self, index: Any) -> Any:
         """Return what numpy would: a number, or the rows of a slice, a list, a mask or a tuple of these; read no more.
 
-        Raises IndexError where numpy would.
+        Raises IndexError if numpy would.
         """
         if isinstance(index, tuple) or index is None or index is Ellipsis:
             return self._shaped(index if isinstance(index, tuple) else (index,))
@@ -148,13 +148,13 @@ class Column(NDArrayOperatorsMixin):
         return self[:].astype(self.dtype if dtype is None else dtype, copy=False)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        """Read the whole column where arithmetic needs it (numpy's protocol)."""
+        """Read the whole column if arithmetic needs it (numpy's protocol)."""
         if any(isinstance(each, Column) for each in options.get("out", ())):
             return NotImplemented
         return getattr(ufunc, method)(*map(_read, inputs), **options)
 
     def __array_function__(self, function: Any, _types: Any, arguments: Any, options: Mapping[str, Any]) -> Any:
-        """Read the whole column where one of numpy's functions needs it (numpy's protocol)."""
+        """Read the whole column if one of numpy's functions needs it (numpy's protocol)."""
         if function in IN_PIECES and arguments and arguments[0] is self and len(arguments) == 1:
             reduction = getattr(self, IN_PIECES[function])
             if options.keys() <= set(signature(reduction).parameters):

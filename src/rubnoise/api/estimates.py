@@ -38,7 +38,7 @@ class PowerSpectrum:
 
     Of a record in time: one-sided, over ``frequency`` in Hz, in SI units such as (m/s)^2/Hz. Of a record along the
     sliding distance: two-sided, over ``wavenumber`` in rad/um, as `rubnoise.exact(...).spectral_density` has it.
-    ``exact`` is the exact density there where theory knows it, else None.
+    ``exact`` is the exact density there if theory knows it, else None.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -216,7 +216,7 @@ def power_spectrum(
 
 
 def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpectrum:
-    """Return the spectrum of a column of a run, with the exact one where theory knows it (see Contents.psd)."""
+    """Return the spectrum of a column of a run, with the exact one if theory knows it (see Contents.psd)."""
     groups, model = run.groups_by_name(), run.model()
     quantity = SHORT.get(quantity, quantity)
     slider = "slider" in groups and quantity in groups["slider"] and quantity not in ("time", "distance")
@@ -242,7 +242,7 @@ def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpe
 
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
-    """Return what theory says at the places of a spectrum; None where it is silent."""
+    """Return what theory says at the places of a spectrum; None if it is silent."""
     from rubnoise.theory.drive import drive_of
     from rubnoise.theory.response import displacement_spectrum, velocity_spectrum
     from rubnoise.theory.spectrum import force_spectral_density, spectral_density

@@ -44,7 +44,7 @@ class Inference(inference.InferenceResult):
     def to_toml(self) -> str:
         """Return the text of a scenario that simulates what was found, over the distance of the trace.
 
-        Raises Refused where number or strength is not identified.
+        Raises Refused if number or strength is not identified.
         """
         from rubnoise.api.inferring import found_scenario
 
@@ -62,7 +62,7 @@ class Inference(inference.InferenceResult):
         return self._written(path, self.to_toml(), force=force)
 
     def report(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
-        """Write a page with pictures and tests, and return its path; raises Refused where nothing was found."""
+        """Write a page with pictures and tests, and return its path; raises Refused if nothing was found."""
         if self.refused_because is not None:
             raise Refused(f"{self.name}: there is nothing to report: {self.refused_because}")
         from rubnoise.api.pictures import page_of_fit
@@ -70,7 +70,7 @@ class Inference(inference.InferenceResult):
         return self._written(path, page_of_fit(self, self.name, self._lines()), force=force)
 
     def plot(self) -> "Figure":
-        """Draw trace, spectrum, residuals, autocorrelation and histogram; raises Refused where nothing was found."""
+        """Draw trace, spectrum, residuals, autocorrelation and histogram; raises Refused if nothing was found."""
         if self.refused_because is not None:
             raise Refused(f"{self.name}: there is nothing to draw: {self.refused_because}")
         from rubnoise.api.pictures import drawn_fit

@@ -33,7 +33,7 @@ def share(keyword: str, value: Any, most: float) -> float:
 
 
 def strength_spread_of(value: Any, signal: Signal, *, both_known: bool) -> float:
-    """Return the spread of strengths that is taken for granted; 0 where none is given."""
+    """Return the spread of strengths that is taken for granted; 0 if none is given."""
     if value is None:
         return 0.0
     if signal.is_area:

@@ -32,7 +32,7 @@ from rubnoise.units import FREQUENCY, SPEED, STRESS, is_of_pint
 MOST_BOOTSTRAPS: Final = 10_000
 MOST_COLUMNS: Final = 100_000
 STROKE_END: Final = "5 %"
-"""What is left out of each end of a stroke, where nothing else is said."""
+"""What is left out of each end of a stroke, if nothing else is said."""
 _MASK: Final = 0.01  # of the frequency, on either side
 _WRONG_WAY: Final = 0.95
 
@@ -65,7 +65,7 @@ def infer(
     object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts with a unit, or quantities of pint.
     ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
     sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
-    known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" where 0 means no force.
+    known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" if 0 means no force.
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
     ``pulse`` "parabola" reads the lives of rough surfaces, and says how a lens fits beside them. ``offset`` "uniform"
     reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
@@ -300,7 +300,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
 def found_scenario(found: inference.InferenceResult, *, speed: Any = None, strength: Any = None) -> str:
     """Return the text of a scenario that simulates what was found, over the distance of the trace.
 
-    Raises Refused where number or strength is not identified: a scenario needs both.
+    Raises Refused if number or strength is not identified: a scenario needs both.
     """
     if found.refused_because is not None or found.fit is None:
         raise Refused(f"there is nothing to write: {found.refused_because}")

@@ -1,4 +1,4 @@
-"""Columns as xarray has them: labelled, with units, read when they are asked for. Imported only where xarray is."""
+"""Columns as xarray has them: labelled, with units, read when they are asked for. Imported only if xarray is."""
 
 from collections.abc import Mapping
 from typing import Any, Self
@@ -30,7 +30,7 @@ class ColumnArray(BackendArray):
 
 
 def dataset(columns: Mapping[str, Column], *, index: bool) -> xr.Dataset:
-    """Return a Dataset over the first column, which is read only where ``index`` asks for an index of distances."""
+    """Return a Dataset over the first column, which is read only if ``index`` asks for an index of distances."""
     scale = next(iter(columns))
     variables = {name: _variable(scale, column) for name, column in columns.items()}
     coordinate = variables.pop(scale)

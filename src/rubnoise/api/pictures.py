@@ -220,7 +220,7 @@ def draw_figures(
 
     ``names`` are "fig2" to "fig9" or "all"; ``scenarios`` is a folder of scenarios to use in place of those that come
     with rubnoise; ``force`` allows existing files to be replaced. Raises Refused for an unknown name or format,
-    OutputRefused where a file may not be written, PicturesMissing without matplotlib.
+    OutputRefused if a file may not be written, PicturesMissing without matplotlib.
 
     >>> import rubnoise
     >>> [file.name for file in rubnoise.draw_figures("fig3", "from_python", formats="png", force=True)]
@@ -250,7 +250,7 @@ def drawn_figures(
     wanted, kinds = chosen(names), tuple(kind for kind in FORMATS if kind in formats)
     if wrong := [kind for kind in formats if kind not in FORMATS]:
         raise Refused(f"{', '.join(wrong)}: no format of a picture; there are {', '.join(FORMATS)}")
-    house_style()  # says at once where matplotlib is missing
+    house_style()  # says at once if matplotlib is missing
     place = None if scenarios is None else Path(scenarios)
     check_sources(wanted, place)
     files = {name: {kind: folder / f"{name}.{kind}" for kind in kinds} for name in wanted}

@@ -41,7 +41,7 @@ class Record(MemoryRecord, Contents):
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> "Run":
         """Write the run into a result file and open it: the bits are those of `rubnoise.run`.
 
-        ``force`` allows an existing file to be replaced. Raises OutputRefused where the file may not be written, and
+        ``force`` allows an existing file to be replaced. Raises OutputRefused if the file may not be written, and
         Refused for a record without its scenario.
 
         >>> import rubnoise

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Junction:
-    """One junction's row: distances in um, area in um^2; times in s and strength in MPa where the run has them.
+    """One junction's row: distances in um, area in um^2; times in s and strength in MPa if the run has them.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -128,7 +128,7 @@ class Contents(ABC):
 
     @property
     def slider(self) -> Columns:
-        """The slider's motion at every tick; raises KeyError where the run has no slider."""
+        """The slider's motion at every tick; raises KeyError if the run has no slider."""
         groups = self.groups_by_name()
         if "slider" not in groups:
             raise KeyError("the run has no slider")
@@ -165,7 +165,7 @@ class Contents(ABC):
             return verified(file, self._called, regenerate)
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
-        """Return Welch's estimate of a power spectral density, with the exact one where theory knows it.
+        """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.
 
         "displacement", "velocity" and "friction_force" of a slider: one-sided over Hz, in m^2/Hz, (m/s)^2/Hz, N^2/Hz;
         "real_contact_area" and "junction_count": two-sided over rad/um, in um^4 and 1 per rad/um. ``segment`` is the
@@ -373,7 +373,7 @@ class Run(Opened, Contents):
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
     """Open a result file for reading, its structure alone, however long the run.
 
-    Raises RunFileRefused with the reason where it is not a result of rubnoise or is damaged.
+    Raises RunFileRefused with the reason if it is not a result of rubnoise or is damaged.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:

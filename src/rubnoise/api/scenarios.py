@@ -65,7 +65,7 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
 
 
 def sizes_of(path: str, column: str | None) -> Sequence[float]:
-    """Return the diameters in um of a column of a file; raises Refused, NoColumn where there is no such column."""
+    """Return the diameters in um of a column of a file; raises Refused, NoColumn if there is no such column."""
     from rubnoise.storage.measured_sizes import read_sizes
 
     return read_sizes(path, column)

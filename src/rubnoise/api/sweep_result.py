@@ -136,7 +136,7 @@ class SweepResult(Opened):
         """Return a figure of every point over that of the point which differs from it in having a value of a swept key.
 
         Runs on the same seed are compared pair by pair, since what they have in common cancels. Raises KeyError for a
-        figure that no run has or a key that is not swept, ValueError where there is no such point.
+        figure that no run has or a key that is not swept, ValueError if there is no such point.
         """
         from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
 
@@ -158,7 +158,7 @@ class SweepResult(Opened):
     def run(self, run_id: str) -> Run:
         """Open the result of a run by its name; raises KeyError for an unknown name.
 
-        Raises RunFileRefused where there is no file, or where it is the result of another run.
+        Raises RunFileRefused if there is no file, or if it is the result of another run.
         """
         rows = np.flatnonzero(self.runs["run_id"][:] == run_id)
         if not rows.size:
@@ -170,7 +170,7 @@ class SweepResult(Opened):
     def scenario(self, point: int) -> "Scenario":
         """Return the scenario of a point by its number, with the seed of the file.
 
-        Raises RunFileRefused where what the index says of it is not valid.
+        Raises RunFileRefused if what the index says of it is not valid.
         """
         from rubnoise.scenario.reading import stored
 
@@ -192,7 +192,7 @@ class SweepResult(Opened):
     def to_xarray(self) -> "xr.Dataset":
         """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
 
-        A key goes by its last word too, ``.sel(mean_junction_count=20)``, where no other key ends with it. Keys of
+        A key goes by its last word too, ``.sel(mean_junction_count=20)``, if no other key ends with it. Keys of
         [sweep.zip] share the dimension `side_by_side`; what has not been measured is nan. ``runs.to_xarray()`` has all
         runs in one row instead. Raises ExtraMissing without xarray.
         """
@@ -248,7 +248,7 @@ class SweepResult(Opened):
 
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
-    """Open the folder of a sweep, finished or not; raises RunFileRefused where it has no index of ours.
+    """Open the folder of a sweep, finished or not; raises RunFileRefused if it has no index of ours.
 
     >>> import rubnoise
     >>> rubnoise.run_sweep("paper/fig9", "fig9", jobs=1).close()
@@ -323,7 +323,7 @@ def _rows_of(sweep: "SweepResult") -> tuple[NDArray[Any], NDArray[np.int64]]:
 
 
 def _spread(values: NDArray[Any], shape: Mapping[str, int], places: Mapping[str, NDArray[np.int64]]) -> NDArray[Any]:
-    """Return values on the grid; where no run is, nan, an empty text, or -1."""
+    """Return values on the grid; if no run is, nan, an empty text, or -1."""
     missing: Any = np.nan if values.dtype.kind == "f" else "" if values.dtype.kind == "U" else -1
     grid: NDArray[Any] = np.full(tuple(shape.values()), missing, dtype=values.dtype)
     grid[tuple(places[name] for name in shape)] = values
@@ -349,7 +349,7 @@ def _coordinates(sweep: "SweepResult", axes: Mapping[str, tuple[NDArray[Any], ND
 
 
 def short_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:
-    """Return the last words of keys, without their tables, where no two are the same and none is taken."""
+    """Return the last words of keys, without their tables, if no two are the same and none is taken."""
     words = {key: key.rpartition(".")[2] for key in keys}
     alone = [word for word, count in Counter(words.values()).items() if count == 1]
     return {key: word for key, word in words.items() if word in alone and word not in taken}

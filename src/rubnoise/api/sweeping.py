@@ -62,7 +62,7 @@ def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
 def summary_theory(model: Model) -> dict[str, NDArray[Any]]:
     """Return where the curves of a model's summaries lie and what is expected there: `spectrum_place` and so on.
 
-    The same for all runs of a point; nan where theory is silent.
+    The same for all runs of a point; nan if theory is silent.
     """
     return {
         f"{name}_{part}": getattr(theory, part)

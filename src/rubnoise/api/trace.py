@@ -279,7 +279,7 @@ class Trace:
         )
 
     def _length(self, keyword: str, value: Any) -> float | None:
-        """Return a length along the place; a number where the place has no unit that is known here."""
+        """Return a length along the place; a number if the place has no unit that is known here."""
         kind = next((each for each in KINDS if each.unit == self.units[self.place]), None)
         if kind is not None:
             return keywords.quantity(keyword, value, kind)

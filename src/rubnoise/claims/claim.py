@@ -11,7 +11,7 @@ _CLOSE = 0.05
 
 
 class Verdict(StrEnum):
-    """What becomes of a claim; unsettled where simulation and theory do not agree."""
+    """What becomes of a claim; unsettled if simulation and theory do not agree."""
 
     HOLDS = "holds"
     CORRECTED = "holds with a correction"
@@ -23,8 +23,8 @@ class Verdict(StrEnum):
 class ClaimedNumber:
     """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
-    None is printed where the paper gives no number; exact is nan if theory has none, as of a slider that pushes
-    back. ``rounding`` is the agreement to ask for where the runs do not scatter, in the same unit.
+    None is printed if the paper gives no number; exact is nan if theory has none, as of a slider that pushes
+    back. ``rounding`` is the agreement to ask for if the runs do not scatter, in the same unit.
     """
 
     name: str
@@ -36,11 +36,11 @@ class ClaimedNumber:
 
     @property
     def agrees(self) -> bool:
-        """Whether simulation and theory agree, where theory has a number."""
+        """Whether simulation and theory agree, if theory has a number."""
         return isnan(self.exact) or self.simulated.agrees_with(self.exact, self.rounding)
 
     def below(self, bound: float) -> bool:
-        """Whether the number is below a bound: the exact one, where there is one, and the interval of the runs."""
+        """Whether the number is below a bound: the exact one, if there is one, and the interval of the runs."""
         return (isnan(self.exact) or self.exact < bound) and self.simulated.interval[1] < bound
 
 
@@ -58,7 +58,7 @@ class Claim:
 
 
 def verdict_if_agreed(*, quantities: tuple[ClaimedNumber, ...], verdict: Verdict) -> Verdict:
-    """Return the verdict, or unsettled where simulation and theory disagree about any number it rests on."""
+    """Return the verdict, or unsettled if simulation and theory disagree about any number it rests on."""
     return verdict if all(quantity.agrees for quantity in quantities) else Verdict.UNSETTLED
 
 

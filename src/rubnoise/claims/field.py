@@ -30,7 +30,7 @@ class FieldVerdict(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Publication:
-    """A publication: author and year, its DOI where it was found, and how well what it says is known.
+    """A publication: author and year, its DOI if it was found, and how well what it says is known.
 
     ``label`` is what a table calls it.
     """
@@ -45,7 +45,7 @@ class Publication:
 class FieldClaim:
     """A published statement with the model's numbers.
 
-    ``label`` is what a table calls the number. ``published`` is None where the source gives no number. ``scenario`` is
+    ``label`` is what a table calls the number. ``published`` is None if the source gives no number. ``scenario`` is
     that of the runs.
     """
 

@@ -187,7 +187,7 @@ def format_ledger(claims: Sequence["FieldClaim"]) -> list[str]:
 
 
 def check_places(folder: Path, *, force: bool) -> None:
-    """Raise OutputRefused before anything runs where the page may not or cannot be written."""
+    """Raise OutputRefused before anything runs if the page may not or cannot be written."""
     from rubnoise.storage.output import check_output
 
     for name in _FILES:

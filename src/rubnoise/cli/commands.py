@@ -24,7 +24,7 @@ def literal(text: str) -> str:
 
 
 def literal_texts(styled: bool, help_text: str | None, params: Any) -> str | None:
-    """Make the help of parameters literal where the library looks for styles; return that of their command."""
+    """Make the help of parameters literal when the library looks for styles; return that of their command."""
     if not styled:
         return help_text
     for param in params or ():

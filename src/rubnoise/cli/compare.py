@@ -78,7 +78,7 @@ def comparison_as_json(found: "Comparison", file: Path) -> dict[str, Any]:
 
 
 def _white(model: "Model") -> "WhiteNoise | None":
-    """Return Kilburn's white noise beside a one-way slider, None where the contact drives none."""
+    """Return Kilburn's white noise beside a one-way slider, None if the contact drives none."""
     from rubnoise.theory.white_noise import white_noise
 
     if model.is_two_way or model.separation is not None:
@@ -149,7 +149,7 @@ def format_verdict(found: "Comparison") -> list[str]:
 
 
 def label(name: str) -> str:
-    """Return a name as words, shortened where it is long."""
+    """Return a name as words, shortened if it is long."""
     for long, short in SHORTER.items():
         name = name.replace(long, short)
     return name.replace("_", " ")

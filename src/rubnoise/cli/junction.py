@@ -134,7 +134,7 @@ MOST_NAMED = 60
 
 
 def state_names(state: "JunctionState") -> list[str]:
-    """Return the names of a state's bits as the file has them, ``complete`` where there are none."""
+    """Return the names of a state's bits as the file has them, ``complete`` if there are none."""
     return [str(bit.name).lower() for bit in state] or ["complete"]
 
 

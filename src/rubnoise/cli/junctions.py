@@ -163,7 +163,7 @@ def _table(found: ChosenRows) -> Iterator[str]:
         if place:
             yield ""
         for line in (names, units, *cells):
-            if not place or any(line[n] for n in group):  # no line of units where none has one
+            if not place or any(line[n] for n in group):  # no line of units if none has one
                 yield "".join(_aligned(names[n], line[n], widths[n]) for n in group).rstrip()
 
 

@@ -188,7 +188,7 @@ FIGURE_HEADS = f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
 
 
 def agreement_table(figures: Iterable["Agreement"]) -> list[str]:
-    """Return a table of measured beside exact figures, with z-scores where there are any."""
+    """Return a table of measured beside exact figures, with z-scores if there are any."""
     rows = (agreement_row(printable(each.name).replace("one_way", "one-way"), each, width=33) for each in figures)
     return [table_row(f"  {'':<33}", FIGURE_HEADS), *rows]
 

@@ -76,7 +76,7 @@ def load_as_json(theory: "Exact") -> dict[str, Any]:
 
 
 def format_load(load: dict[str, Any]) -> Iterator[str]:
-    """Yield the same as lines to print, with a warning where first order is not to be trusted."""
+    """Yield the same as lines to print, with a warning if first order is not to be trusted."""
     yield from lines(load, LINES.get(load["regime"], WEIGHED))
     if load["regime"] == FREE:
         yield remark(

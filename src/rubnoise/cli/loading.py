@@ -72,7 +72,7 @@ def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool =
 
 
 def _refuse_result(file: Path) -> None:
-    """Refuse a result where a scenario is wanted."""
+    """Refuse a result when a scenario is wanted."""
     if is_result(file):
         raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
 

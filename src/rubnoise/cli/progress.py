@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1
 _FIRST = 1.0
-"""Seconds between two looks at a terminal, and before the first where most files take less."""
+"""Seconds between two looks at a terminal, and before the first if most files take less."""
 
 Given = ParamSpec("Given")
 
 
 class StatusLine:
-    """Shows one text on a terminal in place of the one before; nothing at all where ``shown`` is False."""
+    """Shows one text on a terminal in place of the one before; nothing at all if ``shown`` is False."""
 
     def __init__(self, *, shown: bool, first: float = 0.0) -> None:
         """Begin with an empty line; ``first``: seconds before the first text that `show_now_and_then` shows."""
@@ -91,7 +91,7 @@ class Watcher:
             self._began, self._origin = now, distance
 
     def interrupt(self, number: int) -> None:
-        """Take note of a signal, and obey it at once where nothing has begun."""
+        """Take note of a signal, and obey it at once if nothing has begun."""
         self.stopped_by = number
         if self._began is None:
             raise RunStopped(number)
@@ -116,7 +116,7 @@ class Watcher:
 
 @contextmanager
 def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
-    """Show on a terminal which column of a file is being read, where going through all of it takes a while."""
+    """Show on a terminal which column of a file is being read, if going through all of it takes a while."""
     if not shown:
         yield
         return
@@ -209,7 +209,7 @@ def announce_compilation() -> None:
 
 
 def announce_compilation_by_workers() -> None:
-    """Say once that workers will compile the kernels, where no machine code of them is kept yet."""
+    """Say once that workers will compile the kernels, if no machine code of them is kept yet."""
     from rubnoise.compiling import is_kept
     from rubnoise.simulation.kernels import coarse
 
@@ -247,7 +247,7 @@ class SweepWatcher:
         self._line.show(_text(progress, time.monotonic() - self._began))
 
     def interrupt(self, number: int) -> None:
-        """Take note of a signal; obey it at once where nothing has begun."""
+        """Take note of a signal; obey it at once if nothing has begun."""
         self.stopped_by = number
         if self._began is None:
             raise RunStopped(number)

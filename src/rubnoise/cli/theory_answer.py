@@ -43,7 +43,7 @@ REACH: Final = 6.0
 class Points:
     """Wavenumbers in rad/um, lags in um and areas in um^2, in the order of the options.
 
-    So are ``levels`` of the displacement and ``distances`` from an empty start, in um; None where no option names any.
+    So are ``levels`` of the displacement and ``distances`` from an empty start, in um; None if no option names any.
     ``areas_given``: whether an option names areas; ``brief``: whether default points are for a terminal.
     """
 
@@ -154,7 +154,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None, *, 
     """Return moments, and spectrum, autocovariance, distribution and the rest at the points; None for what is infinite.
 
     ``segment``: ticks of one for what Welch's method shows; ``white``: whether to add Kilburn's white noise. A group
-    that does not apply to the model is left out; raises Refused where an option requests it.
+    that does not apply to the model is left out; raises Refused if an option requests it.
     """
     theory = exact(model)
     answer: dict[str, Any] = {
@@ -290,7 +290,7 @@ def _crossings(theory: Exact, points: Points) -> dict[str, Any]:
 
 
 def _from_empty(theory: Exact, points: Points) -> dict[str, Any]:
-    """Return how a contact grows from an empty start, where the scenario has one or --at-distance requests it."""
+    """Return how a contact grows from an empty start, if the scenario has one or --at-distance requests it."""
     if points.distances is None and theory.model.start != "empty":
         return {}
     distances = points.distances_up_to(longest_life(theory.model))

@@ -15,7 +15,7 @@ _COMMIT: Final = re.compile(r"[0-9a-f]{40}(?:[0-9a-f]{24})?")
 
 
 def version_line() -> str:
-    """Return the name of the program with its version, and with its commit where that is known."""
+    """Return the name of the program with its version, and with its commit if that is known."""
     commit = commit_of_checkout(PACKAGE) or _commit_of_package()
     return f"rubnoise {rubnoise.__version__}" + (f" (commit {commit[:SHOWN_DIGITS]})" if commit else "")
 
@@ -33,7 +33,7 @@ def cite() -> None:
 
 
 def commit_of_checkout(package: Path) -> str:
-    """Return the commit that is checked out around a package, "" where it lies in no checkout of this project.
+    """Return the commit that is checked out around a package, "" if it lies in no checkout of this project.
 
     git's own files are read: HEAD is a commit, or names a branch, whose commit is in a file of its own or among those
     packed into one. Changes that are not committed do not show.
@@ -58,7 +58,7 @@ def _packed(folder: Path, branch: str) -> str:
 
 
 def _commit_of_package() -> str:
-    """Return the commit from which pip installed the package, which it says where it took it from a repository."""
+    """Return the commit from which pip installed the package, which it says if it took it from a repository."""
     try:
         origin = json.loads(distribution("rubnoise").read_text("direct_url.json") or "{}")
     except (PackageNotFoundError, OSError, ValueError):

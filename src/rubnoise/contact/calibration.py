@@ -43,7 +43,7 @@ def calibrated_diameter(
 
     ``paper``: d_m = sqrt(A_rm / (0.327 N_jm)) (first Eq. 12), for the lens alone; ``exact``: with the pulse's own life
     mean, 1/3 for the lens; ``matched``: the larger root of N_jm life_mean E[d^3] / d_m = A_rm with the sizes as drawn.
-    Raises PaperMeansLens, and NoMatchingDiameter where ``matched`` has no root. At 40 digits and rounded once.
+    Raises PaperMeansLens, and NoMatchingDiameter if ``matched`` has no root. At 40 digits and rounded once.
     """
     import mpmath
 

@@ -26,7 +26,7 @@ _EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))
 
 
 def _has_compiler() -> bool:
-    """Whether the compiler is loaded, as it is where runs are made; elsewhere numpy gives the same bits sooner."""
+    """Whether the compiler is loaded, as it is when runs are made; otherwise numpy gives the same bits sooner."""
     return "numba" in sys.modules
 
 

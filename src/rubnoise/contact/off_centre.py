@@ -139,14 +139,14 @@ class OffCentreParabola(_OffCentre, ParabolaPulse):
 
 
 def half_life(diameter: Doubles, offset: Doubles | None) -> Doubles:
-    """Return how far junctions slide from birth to mid-life, sqrt(d^2 - b^2) in um; d where there are no offsets."""
+    """Return how far junctions slide from birth to mid-life, sqrt(d^2 - b^2) in um; d if there are no offsets."""
     return diameter if offset is None else np.sqrt((diameter - offset) * (diameter + offset))
 
 
 def area_of(pulse: Pulse, age: ArrayLike, diameter: ArrayLike, offset: ArrayLike | None) -> Doubles:
     """Return areas of junctions in um^2 at sliding distances s after birth, in um; 0 outside of lives.
 
-    d^2 L(sqrt(x^2 + b^2)/d) with x = s - sqrt(d^2 - b^2); those of the pulse itself where there are no offsets b.
+    d^2 L(sqrt(x^2 + b^2)/d) with x = s - sqrt(d^2 - b^2); those of the pulse itself if there are no offsets b.
     """
     if offset is None:
         return pulse.area(age, diameter)

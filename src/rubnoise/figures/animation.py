@@ -51,7 +51,7 @@ class Film:
     def of(cls, stretch: Stretch, *, seconds: float, rate: int) -> Self:
         """Return the film of a stretch that lasts so long; by default of its first three mean lives.
 
-        With two-way coupling it is longer where these hold fewer than four sticks. Raises Refused for fewer than 2
+        With two-way coupling it is longer if these hold fewer than four sticks. Raises Refused for fewer than 2
         frames or more than 1000, and for more junctions at once than a picture shows.
         """
         count = round(seconds * rate)

@@ -155,7 +155,7 @@ def acf_figure(stretch: Stretch) -> "Figure":
 
 
 def _mean_area(stretch: Stretch) -> float:
-    """Return the mean area in um^2: the exact one, or where theory does not know it that of the stretch."""
+    """Return the mean area in um^2: the exact one, or if theory does not know it that of the stretch."""
     if stretch.has_theory:
         return area_cumulants(stretch.model).mean
     total = sum(float(chunk.sum()) for chunk in stretch.chunks("trace", "real_contact_area"))
@@ -274,7 +274,7 @@ def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> D
 
 
 def _draw_ratio(axes: "Axes", seen: Spectrum, expected: Doubles) -> None:
-    """Draw the estimate over what it is expected to be, where that is more than rounding."""
+    """Draw the estimate over what it is expected to be, if that is more than rounding."""
     known = (expected > ROUNDING * float(expected.max())) & (seen.wavenumber > 0.0)
     wavenumber, level = seen.wavenumber[known], expected[known]
     draw_ratio(axes, wavenumber, seen.density[known] / level, _relative_error(seen))

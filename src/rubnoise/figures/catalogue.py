@@ -130,7 +130,7 @@ SPECTRA: Final = "psd"
 """The name of the picture of a sweep that is none of its quantities: the spectra of its points."""
 
 FIRST_QUANTITIES: Final = ("displacement_std", "real_contact_area_std")
-"""The quantity of a sweep that is drawn where none is named: the first of these that it has."""
+"""The quantity of a sweep that is drawn if none is named: the first of these that it has."""
 
 
 def first_quantity(sweep: SweepResult) -> str:

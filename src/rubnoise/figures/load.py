@@ -65,7 +65,7 @@ def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
     """Draw how often each value of force, motion or load occurs, on a linear and on a logarithmic axis.
 
     A load of 0 is no bar: a text states the share of the time in which the slider is off the surface. Raises Refused
-    where nothing but rounding varies.
+    if nothing but rounding varies.
     """
     quantity = QUANTITIES[heard]
     motion = Motion.of(stretch, quantity.group)

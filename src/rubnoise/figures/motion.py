@@ -124,7 +124,7 @@ class Motion:
         return self.apart * place, value
 
     def present(self, name: str) -> str:
-        """Return the name of a column; raises Refused where the run does not have it."""
+        """Return the name of a column; raises Refused if the run does not have it."""
         if name in self.file.columns[self.group]:
             return name
         raise Refused(f"the run has no {name.replace('_', ' ')} to draw; [strength] in its scenario would give it one")

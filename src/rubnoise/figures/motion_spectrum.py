@@ -1,4 +1,4 @@
-"""Spectra of a slider's motion, force and load over frequency, beside the exact ones where theory has them."""
+"""Spectra of a slider's motion, force and load over frequency, beside the exact ones if theory has them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -146,7 +146,7 @@ def whose(heard: Heard) -> str:
 def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | None = None) -> "Figure":
     """Draw the one-sided spectrum of a quantity over frequency in Hz, of another run too if given.
 
-    Raises Refused for runs without that motion, for too short a stretch, and where nothing but rounding varies.
+    Raises Refused for runs without that motion, for too short a stretch, and if nothing but rounding varies.
     """
     motions = motions_of(stretch, beside, QUANTITIES[heard].group)
     found = [spectrum_of(motion, heard) for motion in motions]
@@ -196,7 +196,7 @@ def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, abov
 def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
     """Return the two-sided spectrum of a column over w in rad/s, in the square of its unit per rad/s.
 
-    None for too few rows, and where nothing but rounding varies.
+    None for too few rows, and if nothing but rounding varies.
     """
     quantity = QUANTITIES[heard]
     rows = 2 * (min(2 * (motion.last - motion.first) // (SEGMENTS + 1), _longest_segment(motion)) // 2)
@@ -249,7 +249,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
 
 
 def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowest: float, highest: float) -> None:
-    """Draw the exact density of one-way coupling where theory knows one, and regular births leave one."""
+    """Draw the exact density of one-way coupling if theory knows one, and regular births leave one."""
     shown = next((motion for motion in motions if not motion.model.is_two_way), motions[0])
     if shown.model.free is not None:
         return

@@ -98,7 +98,7 @@ def draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: floa
 
 
 def _exact_moments(motion: Motion, name: str) -> tuple[float, float] | None:
-    """Return the exact mean and standard deviation of a column, None where theory does not know them."""
+    """Return the exact mean and standard deviation of a column, None if theory does not know them."""
     if motion.model.is_two_way or motion.model.free is not None:
         return None
     if motion.group == "load":
@@ -238,7 +238,7 @@ def landmarks_figure(stretch: Stretch) -> "Figure":
     """Draw how often slips of each length and sticks of each duration occur, in bins of equal ratio.
 
     Beside them stand the mean diameter of a junction and the slider's natural period. Of a slider that may leave its
-    contact, impacts of each speed and flights of each duration. Raises Refused for a run without landmarks, and where
+    contact, impacts of each speed and flights of each duration. Raises Refused for a run without landmarks, and if
     nothing of the kind occurs.
     """
     if stretch.model.held is not None and not stretch.has_theory:
@@ -284,7 +284,7 @@ def _flights_figure(stretch: Stretch, height_scale: float) -> "Figure":
 
 
 def _part_shown(motion: Motion) -> str:
-    """Return that not all landmarks are shown, where they are not."""
+    """Return that not all landmarks are shown, if they are not."""
     total = motion.file.rows("landmarks")
     return f", of its first {MOST_READ:,} landmarks" if total > MOST_READ else ""
 
@@ -317,7 +317,7 @@ def ratio_bins(values: Doubles) -> Doubles:
 
 
 def _mark_reference(axes: "Axes", place: float, label: str) -> None:
-    """Mark a length or a time to compare with; where nothing is drawn there is nothing to compare."""
+    """Mark a length or a time to compare with; if nothing is drawn there is nothing to compare."""
     if axes.get_xscale() != "log":
         return
     low, high = axes.get_xlim()

@@ -19,7 +19,7 @@ MOST_POINTS: Final = 3000
 """Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
 
 MOST_READ: Final = 4_194_304
-"""Rows that are read at once where a picture needs them together; more of them change the picture little."""
+"""Rows that are read at once if a picture needs them together; more of them change the picture little."""
 
 SLACK: Final = 1e-9
 
@@ -76,7 +76,7 @@ class Stretch:
         )
 
     def narrowed(self, width: float) -> Self:
-        """Return the stretch itself where the user chose it, else its beginning of a width in um."""
+        """Return the stretch itself if the user chose it, else its beginning of a width in um."""
         if self.chosen or self.stop - self.start <= width:
             return self
         return self._between(self.start, self.start + width)
@@ -106,7 +106,7 @@ class Stretch:
         return column_chunks(self.file, group, name, *self.rows(group), size=rows)
 
     def record(self, group: str, name: str) -> Doubles:
-        """Return a column of the stretch as doubles, or its beginning where there is more than a picture needs."""
+        """Return a column of the stretch as doubles, or its beginning if there is more than a picture needs."""
         first, last = self.rows(group)
         return self.file.column(group, name, first, min(last, first + MOST_READ)).astype(np.float64)
 

@@ -89,8 +89,8 @@ class Study:
 def exact_curve(spots: Sequence[Spot], keys: Sequence[str], quantity: str) -> tuple[Doubles, Doubles]:
     """Return exact values of a quantity between the points of a line; the first of the keys goes along the axis.
 
-    The others go along with it, straight from point to point, in logarithms where they are positive; all else is as at
-    the first point. Where that makes no scenario the curve has a gap.
+    The others go along with it, straight from point to point, in logarithms if they are positive; all else is as at
+    the first point. If that makes no scenario the curve has a gap.
     """
     places = np.array([spot.place for spot in spots])
     low, high = float(places.min()), float(places.max())
@@ -168,7 +168,7 @@ def study_of_points(
     units: Mapping[str, str],
     side_by_side: Collection[str] = (),
 ) -> Study:
-    """Return a quantity of a sweep against the key that has the most numbers, or the first key where none has any.
+    """Return a quantity of a sweep against the key that has the most numbers, or the first key if none has any.
 
     ``units`` are those of the swept keys, in their order. Keys that go side by side with it vary along the axis, every
     other one distinguishes lines. Raises Refused if nothing is swept, or no run has the quantity.

@@ -31,7 +31,7 @@ Place = Callable[[float], float]
 LOOK: Final[dict[str, Any]] = {"ms": 4.5, "lw": 0.0, "elinewidth": 1.0, "capsize": 2.0, "zorder": 3}
 MOST_LABELS: Final = 10
 APART: Final = 0.06
-"""How far lines are drawn apart where the key has words for values, which lie 1 apart."""
+"""How far lines are drawn apart if the key has words for values, which lie 1 apart."""
 
 LONGEST_LABEL: Final = 24
 TALL: Final = 10.0
@@ -83,7 +83,7 @@ def draw_points(axes: "Axes", line: StudyLine, look: dict[str, Any], at: Place, 
 
 
 def draw_exact(axes: "Axes", line: StudyLine, at: Place, dashes: Any) -> None:
-    """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
+    """Draw the exact curve, or, if between points there is nothing, a dash at each of them."""
     if not _has_exact(line):
         return
     look: dict[str, Any] = {"color": VERMILION, "lw": 1.2, "zorder": 2, "ls": dashes}
@@ -121,7 +121,7 @@ def _label(axes: "Axes", study: Study) -> None:
 
 
 def _scale(axes: "Axes", study: Study) -> None:
-    """Make axes logarithmic where the points lie so, and then that of a quantity which falls by more than ten."""
+    """Make axes logarithmic if the points lie so, and then that of a quantity which falls by more than ten."""
     if not study.logarithmic:
         return
     logarithmic(axes.xaxis)

@@ -330,7 +330,7 @@ def legend_above(axes: "Axes", columns: int = 4) -> None:
 
 
 def from_zero(axes: "Axes") -> None:
-    """Let the values begin at 0, and leave room above them where they are constant."""
+    """Let the values begin at 0, and leave room above them if they are constant."""
     highest = max(float(axes.dataLim.y1), 0.0)
     axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * highest))
 

@@ -14,7 +14,7 @@ from rubnoise.inference.signal import Signal
 SPREADS: Final = (0.0, 0.25, 0.5, 1.0)
 """Relative spreads of strengths for which number and strength are told beside the assumed one."""
 ENOUGH_CYCLES: Final = 40.0
-"""Cycles per life that a sensor has to pass where its filter is not given; docs/inference.md has the measured table."""
+"""Cycles per life that a sensor has to pass if its filter is not given; docs/inference.md has the measured table."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +46,7 @@ NOTHING: Final = Assumed()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IfSpread:
-    """Number and strength (where it is told, in MPa) if strengths had another relative spread."""
+    """Number and strength (if it is told, in MPa) if strengths had another relative spread."""
 
     strength_spread: float
     junction_count: float

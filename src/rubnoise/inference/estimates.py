@@ -23,7 +23,7 @@ class Estimate:
 def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
     """Return the estimates of a fit by name, in um, MPa and the unit of the trace.
 
-    A law of one spread, such as exponential, has an estimate of it only where laws are ``compared``: alone, the law is
+    A law of one spread, such as exponential, has an estimate of it only if laws are ``compared``: alone, the law is
     an assumption.
     """
     contact, place, tick = fit.contact, fit.contact.place, signal.tick
@@ -62,7 +62,7 @@ def _positive(value: float, error: float, unit: str) -> Estimate:
 
 
 def _spread(fit: Fit, spread: float) -> Estimate:
-    """Return the spread with its interval; where its law is at its narrowest, from 0 to what could be seen."""
+    """Return the spread with its interval; if its law is at its narrowest, from 0 to what could be seen."""
     population, shape = fit.problem.population, fit.contact.place.shape
     step = 1e-4 * shape
     slope = (population.relative_spread(shape + step) - population.relative_spread(shape - step)) / (2.0 * step)
@@ -95,7 +95,7 @@ def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
     """Return an estimate with the 95 % interval of its number, given those of all laws that are not distinguished.
 
     It reaches C standard errors beyond the estimates of all laws, Phi(C + range / error) - Phi(-C) = 0.95: C is 1.96
-    where laws agree, and 1.64 where they differ by much, because the truth can lie beyond one end only.
+    if laws agree, and 1.64 if they differ by much, because the truth can lie beyond one end only.
     Source: Imbens and Manski (2004), doi:10.1111/j.1468-0262.2004.00555.x.
     """
     if len(laws) == 1:
@@ -111,7 +111,7 @@ def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
     reach = reach_beyond((max(middles) - min(middles)) / error if error > 0.0 else 0.0) / Z
     low = min(middle - reach * (middle - low) for low, middle, _ in ends)
     high = max(middle + reach * (high - middle) for _, middle, high in ends)
-    # Where an interval reaches down to 0, so does that of all laws.
+    # If an interval reaches down to 0, so does that of all laws.
     interval = (exp(low), exp(high)) if ratios else (0.0, high)
     # A law of one spread has no error of its own.
     own = best.standard_error or (interval[1] - interval[0]) / (2.0 * Z)

@@ -121,7 +121,7 @@ class FitProblem:
 def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> float:
     """Return twice the Whittle log likelihood ratio of the bands themselves to their expected means.
 
-    ``weight`` stands in for that of the bands, where some are left out.
+    ``weight`` stands in for that of the bands, if some are left out.
     """
     ratio = bands.energy / np.maximum(mean, 1e-300)
     worth = bands.weight if weight is None else weight

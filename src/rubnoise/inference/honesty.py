@@ -1,6 +1,6 @@
 """Tests that a trace is what the model says, each with a rate of false alarms that adds up to less than 5 %.
 
-Spectrum, time reversal, largest line, third cumulant, steadiness of the mean and drift: where one speaks, the numbers
+Spectrum, time reversal, largest line, third cumulant, steadiness of the mean and drift: if one speaks, the numbers
 found are those of a model that the trace does not follow.
 """
 
@@ -56,7 +56,7 @@ class HonestyTest:
 
 
 def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
-    """Return the tests of a trace against a fit; ``level`` is its mean, or where it drifts its course."""
+    """Return the tests of a trace against a fit; ``level`` is its mean, or if it drifts its course."""
     return (
         spectrum_test(fit),
         reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
@@ -206,7 +206,7 @@ def line_test(fit: Fit) -> HonestyTest:
 def _leans_on(fit: Fit) -> tuple[float, float]:
     """Return the powers of B = lam E[psi^2] and A = lam E[psi] that the third cumulant of a fitted contact goes with.
 
-    B^2 (1 + v)/A with a known mean, B psi (1 + v)^2 with a known strength, and B^3/(A^2 psi) where both tell v.
+    B^2 (1 + v)/A with a known mean, B psi (1 + v)^2 with a known strength, and B^3/(A^2 psi) if both tell v.
     """
     if fit.known.mean is None:
         return 1.0, 0.0
@@ -235,10 +235,10 @@ def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
 def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: float = 0.0) -> HonestyTest:
     """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
 
-    Where neither mean nor strength is known, and where the trace drifts (so that it is taken about its course and lacks
+    If neither mean nor strength is known, and if the trace drifts (so that it is taken about its course and lacks
     some of it), only its sign can be tested. Its error over ``n`` samples then has a Gaussian part, 6 int R^3, and one
     of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand. Otherwise it is
-    ``scatter``, or what single junctions bring where that is more: a record may lack the largest of them.
+    ``scatter``, or what single junctions bring if that is more: a record may lack the largest of them.
     """
     from scipy.special import stdtr
 
@@ -300,7 +300,7 @@ def _spread_words(ratio: float, error: float, fit: Fit) -> str:
 
 
 def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
-    """Return the chi-square of the means of four quarters; where it speaks, its words name a run-in that can be cut."""
+    """Return the chi-square of the means of four quarters; if it speaks, its words name a run-in that can be cut."""
     statistic, p = _steadiness(values, fit)
     words = f"steadiness: means of four quarters differ by chi-square {statistic:.1f} on {_PARTS - 1}"
     if p < STEADY:

@@ -77,7 +77,7 @@ class InferenceResult:
     ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
     ``bootstrap`` is empty, or how estimates of simulated traces scatter. ``assumptions`` says what was taken for
     granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths;
-    ``other_offset`` and ``other_shape`` are how other passes and other lives fit, where they were tried.
+    ``other_offset`` and ``other_shape`` are how other passes and other lives fit, if they were tried.
     """
 
     estimates: Mapping[str, Estimate]
@@ -119,9 +119,9 @@ def infer_signal(
     assumed: Assumed = NOTHING,
     tests: bool = True,
 ) -> InferenceResult:
-    """Return what a signal tells: by its spectrum, and by its mean where the zero of the sensor is known.
+    """Return what a signal tells: by its spectrum, and by its mean if the zero of the sensor is known.
 
-    Strokes of both ways tell the zero themselves. ``strength`` in MPa is E[psi], where it is known; ``masked`` are
+    Strokes of both ways tell the zero themselves. ``strength`` in MPa is E[psi], if it is known; ``masked`` are
     ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` is taken for granted.
     Raises Refused for a law that is not one of LAWS, for values that are no trace.
     """

@@ -47,7 +47,7 @@ class Bands:
     """A periodogram in bands, distances in ticks: k = 2 pi p / n per tick for bins p of segments of n samples.
 
     ``masked`` are ranges in cycles per tick that are left out; ``mean_variance`` is by how much strokes of both ways
-    raise the variance of the mean, where one way has more. ``first`` and ``last`` are the bins of each band; ``energy``
+    raise the variance of the mean, if one way has more. ``first`` and ``last`` are the bins of each band; ``energy``
     the mean of sum-of-squares-normalised |X|^2 over its ``bins`` bins and all ``segments``, in the trace's unit squared
     per (rad/tick), two-sided; ``variance_factor`` is by how much the taper raises the variance of sums over many bins;
     ``curvature`` turns d2S/dk2 into the leakage; ``mean_part`` is the part of S(0) that leaves each band with the
@@ -91,7 +91,7 @@ class Bands:
 def band_edges(samples: int, phase_per_bin: float) -> Integers:
     """Return the first bin of each band, and one beyond the last: bands are wider further up, to 0.8 of k d.
 
-    ``phase_per_bin`` is k d of the first bin, as far as d is known. Where that makes more bands than their covariance
+    ``phase_per_bin`` is k d of the first bin, as far as d is known. If that makes more bands than their covariance
     can be computed for, they are wider: a band's expectation is exact at any width.
     """
     edges = [FIRST_BIN]

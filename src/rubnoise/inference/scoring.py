@@ -40,7 +40,7 @@ class Contact:
 class Given:
     """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
 
-    Strength in the trace's unit per tick^2. ``births`` per tick stands in where neither is known: it sets the size of
+    Strength in the trace's unit per tick^2. ``births`` per tick stands in if neither is known: it sets the size of
     the shot noise alone. ``ramp`` is how far the record rises from end to end.
     ``inequality`` E[psi^2] / E[psi]^2 is given, unless mean and strength are both known.
     """
@@ -67,7 +67,7 @@ _IN_MEAN = {"births": 1.0, "strength": 1.0, "inequality": 0.0}
 class Fit:
     """A fitted contact: the ``names`` of its parameters, whose logarithms have the ``covariance``.
 
-    ``residual`` is of mean (where known) and bands, ``scatter`` the covariance of these, ``by`` their derivatives.
+    ``residual`` is of mean (if known) and bands, ``scatter`` the covariance of these, ``by`` their derivatives.
     """
 
     problem: FitProblem
@@ -148,7 +148,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
 def score(problem: FitProblem, start: FitPoint, known: Given, deviance: float, *, steps: int = STEPS) -> Fit:
     """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
 
-    z are the bands, and the mean where it is known; D the derivatives of E[z], Sigma its covariance at the place
+    z are the bands, and the mean if it is known; D the derivatives of E[z], Sigma its covariance at the place
     itself, so that the estimate has the covariance (D' Sigma^-1 D)^-1. Without ``steps`` the contact stays as begun.
     Source: Godambe and Heyde (1987), doi:10.2307/1403403; a sandwich (Huber 1967) whose two slices are equal.
     """

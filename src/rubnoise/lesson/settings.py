@@ -12,7 +12,7 @@ from rubnoise.scenario import Scenario
 LESSON_STRENGTH: Final = 250.0
 LESSON_SPEED: Final = 1000.0
 LESSON_SLIDER: Final = {"mass": 0.005, "stiffness": 300.0, "damping": 0.05}
-"""Strength (MPa), speed (um/s) and slider (kg, N/m, N s/m) of the paper's Figure 5, where a scenario has none."""
+"""Strength (MPa), speed (um/s) and slider (kg, N/m, N s/m) of the paper's Figure 5, if a scenario has none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

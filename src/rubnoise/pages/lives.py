@@ -52,7 +52,7 @@ def bytes_of(file: Reader) -> int:
 def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, Any]:
     """Return rows of /junctions of a file, in order of birth, as a page holds them, ``timed`` with their times.
 
-    Left out is what the page works out: deaths where a diameter says them, areas, and times at constant speed. Raises
+    Left out is what the page works out: deaths if a diameter says them, areas, and times at constant speed. Raises
     RunFileRefused, naming the row, for what is no life.
     """
     there = file.columns["junctions"]

@@ -55,7 +55,7 @@ SCRIPTS: Final = (
 class RunView:
     """A stretch of a run that is shown with all its rows; ``name`` is how its reader knows the file.
 
-    planned: the sliding distance in um of the whole run, where only a part of it is there.
+    planned: the sliding distance in um of the whole run, if only a part of it is there.
     """
 
     stretch: Stretch

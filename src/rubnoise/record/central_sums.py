@@ -9,7 +9,7 @@ from rubnoise.compiling import compiled_for_speed
 
 @compiled_for_speed
 def central_sums(values: NDArray[Any], powers: int) -> tuple[float, float, float, float]:
-    """Return the mean and the sums of the second to fourth powers about it, the last two only where asked for."""
+    """Return the mean and the sums of the second to fourth powers about it, the last two only if asked for."""
     count = len(values)
     mean = 0.0
     for n in range(count):

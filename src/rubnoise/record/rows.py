@@ -52,7 +52,7 @@ class ContactKind(IntEnum):
 
 
 def refuse_touches(names: Container[str]) -> None:
-    """Raise Refused where rows are touches: their areas follow the separation, and no curve of a row."""
+    """Raise Refused if rows are touches: their areas follow the separation, and no curve of a row."""
     if "encounter" in names:
         raise Refused("rows of free motion are touches, whose areas follow the separation; no row says its curve")
 

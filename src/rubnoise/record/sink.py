@@ -26,7 +26,7 @@ class Extent:
     load: int = 0
 
     def rows(self, group: str) -> int | None:
-        """Return the number of rows of a group that is named as in a result file; None where it grows."""
+        """Return the number of rows of a group that is named as in a result file; None if it grows."""
         return {
             "junctions": self.junctions,
             "trace": self.ticks,

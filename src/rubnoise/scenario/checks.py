@@ -52,7 +52,7 @@ def _implausible(path: Path, value: Quantity, measure: Measure, layers: Layers) 
 
 
 def _other_prefix(value: Quantity, measure: Measure) -> str:
-    """Suggest MPa for mPa and the like, where that would be plausible."""
+    """Suggest MPa for mPa and the like, if that would be plausible."""
     number, _, unit = value.written.partition(" ")
     for milli, mega in (("m", "M"), ("M", "m")):
         if unit.startswith(milli):
@@ -149,7 +149,7 @@ def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
 
 
 def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse lateral offsets where what they do is not known."""
+    """Refuse lateral offsets if what they do is not known."""
     if document.pulse.offset == "none":
         return
     if document.pulse.shape not in OFF_CENTRE:

@@ -325,6 +325,6 @@ def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> It
 
 
 def _table(layers: Layers, name: str) -> dict[str, Any]:
-    """Return a table; an empty one where there is none, or something else in its place."""
+    """Return a table; an empty one if there is none, or something else in its place."""
     table = layers.data.get(name)
     return table if isinstance(table, dict) else {}

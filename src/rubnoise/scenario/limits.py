@@ -8,7 +8,7 @@ LINE_CHARACTERS = 1000
 KEY_DOTS = 16
 EXTENDS_DEPTH = 8
 SYNTAX_ERRORS = 20
-# A text with a mistake is read once more without its line: twenty times where it is short, twice at its longest.
+# A text with a mistake is read once more without its line: twenty times if it is short, twice at its longest.
 SYNTAX_CHARACTERS = 2 * FILE_BYTES
 TITLE_CHARACTERS = 200
 

@@ -40,7 +40,7 @@ class Sizes(Field):
 
 @dataclass(frozen=True, slots=True)
 class Parts(Field):
-    """A list of tables: law, mean, and spread where the law takes one."""
+    """A list of tables: law, mean, and spread if the law takes one."""
 
     @property
     def words(self) -> str:

@@ -24,7 +24,7 @@ _FIRST_CALIBRATION: Final = "exact"  # what a text without the key meant when ol
 class Reread:
     """The resolved scenario of a text, and for a point of a sweep the seeds that its replicates have.
 
-    ``self_contained`` is False where the text extends a file that is not at hand: its keys are those of the run.
+    ``self_contained`` is False if the text extends a file that is not at hand: its keys are those of the run.
     """
 
     resolved: Mapping[str, Any]
@@ -35,7 +35,7 @@ class Reread:
 def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> Reread:
     """Return the scenario of a text with overrides; of a sweep the point that has the swept values of the run.
 
-    ``run`` is the resolved scenario of the run. Raises ScenarioRefused where the text is no scenario, or where its
+    ``run`` is the resolved scenario of the run. Raises ScenarioRefused if the text is no scenario, or if its
     sweep has no such point.
     """
     self_contained = "extends" not in Source(NAME, text).data
@@ -50,7 +50,7 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
 def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
     """Return a scenario as it was when a run of it was made, whose resolved scenario is ``made``.
 
-    Where neither says its calibration it was exact, and not what it is today without the key.
+    If neither says its calibration it was exact, and not what it is today without the key.
     """
     interface = made.get("interface")
     first = isinstance(interface, Mapping) and interface.get("calibration") == _FIRST_CALIBRATION

@@ -156,13 +156,13 @@ def _plain(value: Any) -> Any:
 
 
 TOLERANCE: Final = 1e-9
-"""Of a two-way motion, where the file has none."""
+"""Of a two-way motion, if the file has none."""
 
 
 def diameter_of(document: sections.Document) -> float:
     """Return the calibrated diameter d_m in um.
 
-    Raises NoMatchingDiameter where `matched` has no solution, PaperMeansLens for `paper` with another pulse.
+    Raises NoMatchingDiameter if `matched` has no solution, PaperMeansLens for `paper` with another pulse.
     """
     area, count = area_and_count(document.interface)
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)

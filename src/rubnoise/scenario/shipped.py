@@ -15,7 +15,7 @@ _HOMES = (_PACKAGE / "shipped_scenarios", _PACKAGE.parents[1] / "scenarios")
 def shipped(name: str) -> Path:
     """Return the path of a scenario file that comes with rubnoise, such as ``paper/fig5.toml``.
 
-    Raises Refused where the installation has lost it.
+    Raises Refused if the installation has lost it.
     """
     for home in _HOMES:
         path = home / name
@@ -89,6 +89,6 @@ def copy_of(name: str) -> str:
 
 
 def _schema_line(text: str) -> str:
-    """Return the first line where it names a schema by a path that holds in the checkout alone."""
+    """Return the first line if it names a schema by a path that holds in the checkout alone."""
     first, _, _ = text.partition("\n")
     return f"{first}\n" if first.startswith("#:schema") else ""

@@ -195,7 +195,7 @@ _BARE_QUANTITY = re.compile(
 )
 _BARE_WORD = re.compile(r"=\s*([A-Za-z][A-Za-z-]*)\s*(?:#.*)?$")
 # A part of a dotted key: possessive, so that no text makes the search go back. A long string is not: before 3.11.5
-# Python finds no match where something possessive looks ahead (CPython issue 106052). It matches in one way only.
+# Python finds no match if something possessive looks ahead (CPython issue 106052). It matches in one way only.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
 _TOKENS = re.compile(
     rf"""
@@ -213,7 +213,7 @@ _DUPLICATES = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
-    """What breaks the text: a line (from 1), columns (from 0), the key it is about where known, message and advice."""
+    """What breaks the text: a line (from 1), columns (from 0), the key it is about if known, message and advice."""
 
     line: int
     start: int = 0

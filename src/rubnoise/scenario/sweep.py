@@ -25,7 +25,7 @@ _SHOWN_CHARACTERS = 40
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Examined:
-    """A point that was looked at: its swept values, its scenario where it has one, and its problems."""
+    """A point that was looked at: its swept values, its scenario if it has one, and its problems."""
 
     values: Mapping[str, Any]
     scenario: Scenario | None
@@ -87,7 +87,7 @@ class Sweep:
 
 
 _ENGINE_OF_SWEEPS = "batch"
-"""Many runs are made by the faster engine where the file names none; it gives the same bits."""
+"""Many runs are made by the faster engine if the file names none; it gives the same bits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +100,7 @@ class PointOverlay(Overlay):
 
     @property
     def data(self) -> dict[str, Any]:
-        """The values under their keys, and the engine of sweeps where the file names none."""
+        """The values under their keys, and the engine of sweeps if the file names none."""
         data: dict[str, Any] = {}
         run = self.origin.data.get("run", {})
         if isinstance(run, dict) and "engine" not in run:

@@ -128,7 +128,7 @@ def _key(key: str, value: Any, about: FieldInfo, *, off: bool = False, remark: s
 
 
 def _choices(about: FieldInfo) -> str:
-    """Return the words that a choice offers, where its description does not name them all."""
+    """Return the words that a choice offers, if its description does not name them all."""
     words = next((each.available for each in about.metadata if isinstance(each, Choice)), ())
     missing = [word for word in words if word not in (about.description or "")]
     return f"One of {', '.join(words)}." if missing else ""

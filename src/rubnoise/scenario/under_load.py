@@ -1,4 +1,4 @@
-"""What a load that weighs asks of a scenario: the contact for which its theory holds, set where nothing is said."""
+"""What a load that weighs asks of a scenario: the contact for which its theory holds, set if nothing is said."""
 
 from collections.abc import Iterator
 from copy import deepcopy
@@ -35,7 +35,7 @@ _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
 
 
 def completed(layers: Layers) -> Layers:
-    """Return layers with the contact set where a table [load] asks for it and nothing is said."""
+    """Return layers with the contact set if a table [load] asks for it and nothing is said."""
     if not isinstance(layers.data.get("load"), dict):
         return layers
     data = deepcopy(layers.data)

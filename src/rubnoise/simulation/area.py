@@ -26,7 +26,7 @@ class ForceMoments:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """The columns of /trace for a range of ticks, and the moments of the force over its ticks where asked for.
+    """The columns of /trace for a range of ticks, and the moments of the force over its ticks if asked for.
 
     ``moved``: the columns of other groups, once a load that weighs has moved through the range.
     """
@@ -39,7 +39,7 @@ class Sample:
 def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch | None) -> Sample:
     """Return the columns of /trace for a tick range, from rows that cover everything alive in it.
 
-    ``scratch``: for the force's moments, where a slider is to be moved through the cells that end at its ticks; they
+    ``scratch``: for the force's moments, if a slider is to be moved through the cells that end at its ticks; they
     hold until the next tick range.
     """
     grid = Grid.around(tick_range.first, tick_range.end, tick_range.tick)
@@ -78,7 +78,7 @@ def cell_moments(
 
 
 def over_cells(sample: Sample, tick_range: TickRange) -> ForceMoments | None:
-    """Return the moments of a sample over the cells that end in a tick range: none does where the run begins."""
+    """Return the moments of a sample over the cells that end in a tick range: none does when the run begins."""
     if sample.force is None or tick_range.first > 0:
         return sample.force
     return replace(sample.force, moments=sample.force.moments[:, 1:])

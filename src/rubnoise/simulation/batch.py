@@ -17,7 +17,7 @@ from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import TickRange
 
 Ended = Callable[[Integers], Doubles]
-"""Returns, of junctions by their numbers, where each was ended early (um); infinite where nothing ended it."""
+"""Returns, of junctions by their numbers, where each was ended early (um); infinite if nothing ended it."""
 
 
 def play_at_once(

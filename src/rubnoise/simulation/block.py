@@ -2,7 +2,7 @@
 
 The way of a junction into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or `batch`,
 lets it live. `area` sums the live junctions at the ticks, for /trace. `slider`, `load` or `two_way` moves under
-their force, for /slider and /load. The sink takes all rows; where a run becomes a file it is
+their force, for /slider and /load. The sink takes all rows; when a run becomes a file it is
 `rubnoise.storage.writer.RunWriter`.
 """
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 SCRATCH_NUMBERS: Final = 12 * LARGEST_TICK_RANGE
 """Numbers of scratch memory asked for; most are never touched. Usual systems take back what lies free at the end of the
-heap where it is more than twice the largest piece ever freed: after a run, all arrays of a tick range, which the next
+heap if it is more than twice the largest piece ever freed: after a run, all arrays of a tick range, which the next
 one would have to be given anew."""
 
 Motion = SliderMotion | MovingSeparation
@@ -57,7 +57,7 @@ class Play(Protocol):
     ) -> tuple[LiveRows, int]:
         """Sample every tick range, then move the slider through it; return all rows and how many events it took.
 
-        The rows are the carried ones and then those born, each with its departure where its life has ended.
+        The rows are the carried ones and then those born, each with its departure if its life has ended.
         """
         ...
 
@@ -147,7 +147,7 @@ def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion"
 def _moving(
     motion: Motion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
 ) -> Callable[[TickRange, LiveRows, Sample], None] | None:
-    """Return what moves through a tick range and writes it; None where nothing does."""
+    """Return what moves through a tick range and writes it; None if nothing does."""
     if two_way is not None:
         return lambda tick_range, rows, _: two_way.through(rows, tick_range.last_distance)
     if motion is None:
@@ -158,7 +158,7 @@ def _moving(
 
 
 def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, rows: LiveRows) -> Sample:
-    # The moments of the force come with its sum where the slider needs them over the ticks themselves.
+    # The moments of the force come with its sum if the slider needs them over the ticks themselves.
     moving = run.constants is not None and run.constants.cells_per_tick == 1
     found = sample(run.model, rows, tick_range, run.scratch if moving else None)
     if isinstance(motion, MovingSeparation):

@@ -27,7 +27,7 @@ TERMS: Final = 30
 
 EVENTS_SECONDS: Final = 4.2e-4
 TERMS_SECONDS: Final = 6.6e-5
-"""What the two pieces of work took where the constants of `rubnoise.simulation.cost` were measured."""
+"""What the two pieces of work took when the constants of `rubnoise.simulation.cost` were measured."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,7 +159,7 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
 def _two_way_work(model: Model, junctions: int, ticks: int) -> dict[str, float]:
     """Return the work of a two-way slider: its growing file, junctions met, rows, lives in them, slow cells, swings.
 
-    Rows in sticks cost little: at a low speed it sticks four fifths of the time. Where it hardly moves a cell takes
+    Rows in sticks cost little: at a low speed it sticks four fifths of the time. When it hardly moves a cell takes
     steps of its own; their share goes as (V/V_0)^-0.2 N_jm^-0.5, V_0 being the deflection times omega_0. A swing is a
     time of 1/omega_0, in which there is one step at least. All of this is a fit to what runs took.
     """

@@ -73,7 +73,7 @@ class BlockBirths:
 
     gaps (um) lead from each birth to the next; first (um) are the births that open each of the blocks, and next_birth
     (um) the one that opens the next; they may lie beyond the run. offset: by how much each misses the centre line (um);
-    None where all pass through both centres.
+    None if all pass through both centres.
     """
 
     birth: Doubles
@@ -137,7 +137,7 @@ def blocks_drawn_at_once(model: Model, block: int) -> int:
 
 
 def births_drawn_at_once(model: Model) -> int:
-    """Return how many births are played at a time, where small blocks are played at once."""
+    """Return how many births are played at a time, if small blocks are played at once."""
     return _blocks_at_once(model) * births_per_block(model)
 
 
@@ -165,7 +165,7 @@ def _drawn_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: 
 
 
 def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
-    """Return a stream's uniforms for all births of blocks; zeros where one value is drawn whatever they are."""
+    """Return a stream's uniforms for all births of blocks; zeros if one value is drawn whatever they are."""
     births = births_per_block(model)
     if stream is Stream.OFFSETS:
         return uniforms(seed, stream, block, births, blocks)

@@ -63,7 +63,7 @@ class _Past:
 def next_free_state(run: RunSetup, free: FreeSeparation, state: State, play: PlayTouches | None = None) -> State:
     """Play one block, write its rows, and return the state from which to continue; ``play``: among events.
 
-    Raises RubnoiseError where the motion cannot go on.
+    Raises RubnoiseError if the motion cannot go on.
     """
     block = _Block(run.model, free, run.seed, run.sink, state)
     after = block.played(play)

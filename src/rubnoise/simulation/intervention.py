@@ -102,7 +102,7 @@ class Intervening:
         return self._clock
 
     def join(self, env: DistanceClock, live: LiveSet) -> None:
-        """Show who lives in a block, and start the process in the first one; raises Refused where it is none."""
+        """Show who lives in a block, and start the process in the first one; raises Refused if it is none."""
         self._live.look_at(env, live)
         if self._started:
             return

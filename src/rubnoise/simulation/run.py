@@ -23,7 +23,7 @@ from rubnoise.simulation.ticks import cells_per_tick
 
 @lru_cache(maxsize=8)
 def slider_constants(model: Model) -> Propagator | None:
-    """Return the constants of the exact step of slider and separation; None where neither moves by it."""
+    """Return the constants of the exact step of slider and separation; None if neither moves by it."""
     if model.sliding_speed is None or model.is_two_way or model.free is not None:
         return None
     cells = cells_per_tick(model)
@@ -55,7 +55,7 @@ def simulate(
 ) -> State:
     """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
 
-    The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
+    The same model and seed give the same rows, bit for bit, with either engine and also if the engine changes
     between two blocks. ``state``: continue from here instead of from the start; ``intervene``: a SimPy process of the
     caller's beside those of the contact, begun where the run begins or continues; ``observe``: is called at
     births, mid-lives, deaths and landmarks; ``watch``: is called after each tick range; ``commit``: is handed the state
@@ -117,10 +117,10 @@ def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
 
 
 def check_guests(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
-    """Refuse an observer or an intervention that is none, and either of them where there are no events.
+    """Refuse an observer or an intervention that is none, and either of them if there are no events.
 
     Landmarks, which only a two-way slider has, are reported by either engine. An intervention is refused in a two-way
-    run, too: where a life is cut short the force jumps, and what a slider that stands there does next is not decided.
+    run, too: if a life is cut short the force jumps, and what a slider that stands there does next is not decided.
     Both are refused in free motion, which decides itself where summits are touched and left.
     """
     for guest, name in ((observe, "observe"), (intervene, "intervene")):

@@ -21,7 +21,7 @@ CENTRED: Final = ("junction", "birth", "diameter", "strength", "departure")
 
 
 MOVING: Final = ("displacement", "velocity", "separation", "separation_velocity")
-"""What of a state moves in time, where sliding distance does not depend on it."""
+"""What of a state moves in time, if sliding distance does not depend on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class LiveRows:
 
     junction: row numbers; birth, diameter, departure (um); strength (MPa). departure is infinite for a junction that is
     alive, and the distance of its end for one that was ended early. offset: by how much each misses the centre line
-    (um); None where all pass through both centres.
+    (um); None if all pass through both centres.
     """
 
     junction: NDArray[np.int64]
@@ -96,7 +96,7 @@ class State:
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
     far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
     carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one,
-    where it is coupled one way; separation (um) and its velocity (um/s) there, under a load that weighs; motion: where
+    if it is coupled one way; separation (um) and its velocity (um/s) there, under a load that weighs; motion: where
     a slider is that is coupled two ways or free to leave its contact, written down by itself.
     """
 

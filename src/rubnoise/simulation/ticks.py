@@ -46,12 +46,12 @@ def cells_per_tick(model: Model) -> int:
     err = 8e-4 / sqrt(N_jm) q min(r h, 6)^3.5, with q the cell over d_m and r h the rate of a mode of the slider times
     the cell's time. The power laws are those of the third moment at a mid-life kink; the coefficient is an envelope
     over some 11 500 measured cases. The fast mode of an over-damped slider counts by sqrt(r_slow / r_fast): its share
-    in the displacement is r_slow / r_fast. In the velocity it is 1; and where the slider follows the force,
+    in the displacement is r_slow / r_fast. In the velocity it is 1; and if the slider follows the force,
     r_slow d_m > V, its largest velocity is smaller by r_slow h / q, so that the relative error is larger by as much.
     So it is with regular births, whose force hardly varies.
     A base drives the velocity, too: its error is larger by up to 1 + c r_fast/k.
     The triangle is straight beside its kinks, which are no steeper than the lens's: the same envelope holds.
-    A separation under a load is such a slider, too. Raises Refused where more than 4096 cells would be needed.
+    A separation under a load is such a slider, too. Raises Refused if more than 4096 cells would be needed.
     """
     moving = [] if model.slider is None else [model.slider]
     moving += [] if model.separation is None else [model.separation.oscillator]
@@ -140,7 +140,7 @@ def tick_ranges(model: Model, state: State, births: BlockBirths, cells_per_tick:
 
 
 def first_tick_at_or_after(model: Model, distance: float) -> int:
-    """Return the first tick that does not lie before a distance in um: one beyond the last where the run is over."""
+    """Return the first tick that does not lie before a distance in um: one beyond the last if the run is over."""
     if distance > model.distance:
         return model.tick_count + 1
     tick = max(ceil(distance / model.tick) - 1, 0)

@@ -137,7 +137,7 @@ class TwoWayMotion:
     def through(self, rows: LiveRows, known: float) -> None:
         """Move until the field is wanted beyond a distance (um), before which every birth is among rows, and write.
 
-        Raises RubnoiseError where no step keeps the tolerance.
+        Raises RubnoiseError if no step keeps the tolerance.
         """
         first = self._written + len(self._waiting)
         born = rows.at(np.flatnonzero(rows.junction >= first))
@@ -192,7 +192,7 @@ class TwoWayMotion:
         return {name: np.array([value]) for name, value in row.items()}
 
     def _write_known(self) -> None:
-        """Write the first of the waiting rows, as many as are known: all of them where the run is over."""
+        """Write the first of the waiting rows, as many as are known: all of them if the run is over."""
         waiting, (birth, death) = self._waiting, self._times
         beyond = natural_death(waiting.birth, waiting.diameter) > self._model.distance
         known = ~np.isnan(death) | (beyond & (np.signbit(waiting.birth) | ~np.isnan(birth)))

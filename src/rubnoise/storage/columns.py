@@ -19,7 +19,7 @@ PIECE_BYTES: Final = 1 << 15
 """Bytes that wait at most: to touch more memory for the first time costs more than the calls that it saves."""
 
 READ_BYTES: Final = 1 << 20
-"""Bytes that are read at a time, into the same memory, where a whole column is only hashed."""
+"""Bytes that are read at a time, into the same memory, if a whole column is only hashed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,7 +173,7 @@ class ColumnFile:
             done += size
 
     def _running(self) -> "xxhash.xxh3_128":
-        """Return the hash of the rows so far, read once more where some were replaced."""
+        """Return the hash of the rows so far, read once more if some were replaced."""
         if self._hash is None:
             running = xxhash.xxh3_128()
             for chunk in self._read(0, self.rows_written):

@@ -50,7 +50,7 @@ def close(descriptor: int) -> None:
 def read_into(descriptor: int, target: memoryview, offset: int) -> int:
     """Fill a contiguous buffer of bytes from an offset, however many calls the system needs for it.
 
-    Return how many bytes there were: fewer than the buffer has only where the file ends before.
+    Return how many bytes there were: fewer than the buffer has only if the file ends before.
     """
     done = 0
     while done < len(target):
@@ -72,7 +72,7 @@ def _read_some(descriptor: int, target: memoryview, offset: int) -> int:
 
 
 def read(descriptor: int, size: int, offset: int) -> bytes:
-    """Return so many bytes from an offset, or all that there are where the file ends before (see `read_into`)."""
+    """Return so many bytes from an offset, or all that there are if the file ends before (see `read_into`)."""
     content = bytearray(size)
     return bytes(content[: read_into(descriptor, memoryview(content), offset)])
 
@@ -103,7 +103,7 @@ def resize(descriptor: int, size: int) -> None:
 
 
 def allocate(descriptor: int, size: int, start: int = 0) -> None:
-    """Take the space of a file's first bytes, or of those of them from ``start`` on, where the system can."""
+    """Take the space of a file's first bytes, or of those of them from ``start`` on, if the system can."""
     if sys.platform != "darwin":
         os.posix_fallocate(descriptor, start, size - start)
 
@@ -119,7 +119,7 @@ def sync_rows(descriptor: int) -> None:
 
 
 def begin_sync(descriptor: int) -> None:
-    """Have the system begin to bring a file to the disk, where it can be asked to; nothing is waited for.
+    """Have the system begin to bring a file to the disk, if it can be asked to; nothing is waited for.
 
     What POSIX calls advice that the bytes are not needed Linux takes as a reason to write out those that are changed.
     """
@@ -128,7 +128,7 @@ def begin_sync(descriptor: int) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """See the names in a folder onto the disk, where a folder can be opened."""
+    """See the names in a folder onto the disk, if a folder can be opened."""
     if not hasattr(os, "O_DIRECTORY"):
         return
     descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)

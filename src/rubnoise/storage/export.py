@@ -173,7 +173,7 @@ class Export:
 def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | None = None) -> list[Export]:
     """Return the files that an export writes: one group or all there are, to ``output`` or into the current folder.
 
-    Raises Refused for a group that the run does not have, and for one output where several files are due.
+    Raises Refused for a group that the run does not have, and for one output if several files are due.
     """
     there = tuple(name for name in TABLES if name in file.columns)
     if group is not None and group not in there:
@@ -193,7 +193,7 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
 
     ``between`` is called after each chunk of rows and may raise to stop. Raises, before anything is created, Refused
     for a run that is not finished, an output that exists already (unless ``force``) or is the run itself, and
-    ExtraMissing; RubnoiseError where the disk fails.
+    ExtraMissing; RubnoiseError if the disk fails.
     """
     if not file.provenance["finished"]:
         raise refusal(file.path)

@@ -29,7 +29,7 @@ class Budget:
     """What a run will take, or several made one after the other.
 
     result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
-    them, with the copy that is made where one is compressed, or of rows that grow beside the part; working_bytes:
+    them, with the copy that is made if one is compressed, or of rows that grow beside the part; working_bytes:
     memory beside the program's own, about; work: how much of each kind (see `rubnoise.simulation.cost`);
     slider_rows_at_most: of /slider in a two-way run, None in others.
     """
@@ -133,7 +133,7 @@ def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
 def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
     """Refuse a run that this machine has no room for, and name the keys to change.
 
-    Raises OutputRefused where the disk of ``path`` has less free than the result takes, else as `check_memory` does.
+    Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
     """
     room = free_disk_bytes(path)
     if budget.disk_bytes > room:
@@ -203,7 +203,7 @@ def _is_compressed(scenario: Scenario) -> bool:
 
 
 def rows_at_most(model: Model, rows: Extent) -> Extent:
-    """Return how many rows there are at most where only the end of a run shows it: of a two-way or a free slider.
+    """Return how many rows there are at most if only the end of a run shows it: of a two-way or a free slider.
 
     Rows that are known stay as they are. The slider comes to the end at T = (distance + x_T - x_0)/V. While w >= 0
     friction adds nothing to m x'^2/2 + (k x - F)^2/2k, F the largest force on the way, and x' <= V; so x <= F/k +

@@ -16,7 +16,7 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
     """Return how many bytes may be written at a path: what its disk has free, a file no larger than RLIMIT_FSIZE.
 
     The space of a part file beside it, and of rows beside that, counts as free, since it is the new result's or is
-    given back. Raises OSError where there is no such folder.
+    given back. Raises OSError if there is no such folder.
     """
     final = Path(path).absolute()
     room = shutil.disk_usage(final.parent).free
@@ -28,7 +28,7 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
 
 
 def _limit(name: str) -> float:
-    """Return a limit of this process, inf where it has none or the system knows no limits."""
+    """Return a limit of this process, inf if it has none or the system knows no limits."""
     try:
         import resource
     except ImportError:
@@ -38,12 +38,12 @@ def _limit(name: str) -> float:
 
 
 def memory_in_use(root: Path = Path("/")) -> int:
-    """Return the bytes of memory that this process holds, or 0 where the system does not say."""
+    """Return the bytes of memory that this process holds, or 0 if the system does not say."""
     return _pages(root)[1] * PAGESIZE
 
 
 def free_memory_bytes(root: Path = Path("/")) -> int | None:
-    """Return how many more bytes of memory this process may come to hold, or None where nothing is known.
+    """Return how many more bytes of memory this process may come to hold, or None if nothing is known.
 
     The least of what the machine has available, what the control groups of the process leave it (version 1 and 2,
     and the groups around them), and what RLIMIT_AS leaves of its address space. ``root`` is where the system's own
@@ -119,7 +119,7 @@ def _numbers(path: Path) -> dict[str, int]:
 
 
 def _number(path: Path) -> int | None:
-    """Return the number that a file holds; None where it is missing or says "max"."""
+    """Return the number that a file holds; None if it is missing or says "max"."""
     text = _text(path).strip()
     return int(text) if text.isdecimal() else None
 

@@ -143,7 +143,7 @@ class GrowingFile:
             self._named = True
 
     def copy(self, name: Name, place: ByteRange, target: int) -> None:
-        """Copy a column to its place in another open file, in one piece; not where a power cut has taken rows of it."""
+        """Copy a column to its place in another open file, in one piece; not if a power cut has taken rows of it."""
         source, left, offset = self.place(name), place.end - place.offset, place.offset
         if place.rows > source.held:
             return

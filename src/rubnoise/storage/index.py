@@ -55,7 +55,7 @@ class Filled:
 class Stack:
     """Runs with the same ticks and the same columns: their rows in /runs, and their files seen from the index.
 
-    ``slider``: rows of /slider in each of them, None where every run has another number.
+    ``slider``: rows of /slider in each of them, None if every run has another number.
     """
 
     rows: Sequence[int]
@@ -101,7 +101,7 @@ class Index:
 
 
 def write_index(path: Path, index: Index) -> None:
-    """Write an index into an empty file; raises OSError where the disk fails."""
+    """Write an index into an empty file; raises OSError if the disk fails."""
     with unfailing(path) as target, h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file:
         compose_index(file, index)
 

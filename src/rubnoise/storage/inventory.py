@@ -174,7 +174,7 @@ def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
 
 
 def _type(kind: h5py.h5t.TypeID) -> str:
-    """Return the type of values as text, so that two of them are equal where the types are."""
+    """Return the type of values as text, so that two of them are equal if the types are."""
     if isinstance(kind, h5py.h5t.TypeStringID):
         characters = "UTF-8" if kind.get_cset() == h5py.h5t.CSET_UTF8 else "ASCII"
         length = "any length" if kind.is_variable_str() else f"{kind.get_size()} bytes"

@@ -64,7 +64,7 @@ class Journal:
         return self._end > 0
 
     def append(self, kind: Kind, content: bytes, *, durable: bool) -> None:
-        """Append a record, and see it onto the disk where it shall be ``durable``."""
+        """Append a record, and see it onto the disk if it shall be ``durable``."""
         new = self._descriptor is None
         if self._descriptor is None:
             disk.remove(self._path)

@@ -65,7 +65,7 @@ def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Dataset,
 
 
 def row_count(group: Group, extent: Extent) -> int:
-    """Return the number of rows in a group that are there before a run: none where they grow."""
+    """Return the number of rows in a group that are there before a run: none if they grow."""
     fixed = {"curve": CURVE_ROWS, "table": TABLE_ROWS}
     return fixed[group.length] if group.length in fixed else extent.rows(group.name) or 0
 
@@ -142,7 +142,7 @@ def places_of(found: Mapping[str, Any]) -> dict[Name, ByteRange]:
 def between(columns: Iterable[ByteRange], size: int) -> tuple[range, ...]:
     """Return the places of a file that hold no rows, in order.
 
-    Raises RunFileRefused where columns lie over one another or beyond the file.
+    Raises RunFileRefused if columns lie over one another or beyond the file.
     """
     found, start = [], 0
     for column in sorted((column for column in columns if column.rows), key=lambda column: column.offset):

@@ -36,7 +36,7 @@ class Held(Exception):  # noqa: N818  (no failure: another process is there)
 def holding(path: Path, *, shared: bool = False, patience: float | None = PATIENCE_SECONDS) -> Iterator[None]:
     """Hold a lock, alone or ``shared``; its file is made, and removed by the last who holds it.
 
-    ``patience``: how many seconds to wait for others, None for as long as it takes. Raises Held where they have it
+    ``patience``: how many seconds to wait for others, None for as long as it takes. Raises Held if they have it
     still, OSError if there can be no lock.
     """
     if not AVAILABLE:
@@ -68,7 +68,7 @@ def share(descriptor: int) -> bool:
     except BlockingIOError:
         return False
     except OSError:
-        return True  # where a file system has no locks, no other process has one either
+        return True  # if a file system has no locks, no other process has one either
     return True
 
 
@@ -97,7 +97,7 @@ def _locked(path: Path, how: int, patience: float | None) -> int:
 
 
 def _lock(descriptor: int, how: int, patience: float | None) -> None:
-    """Lock a file, also where another process lets go of it only in a moment."""
+    """Lock a file, also if another process lets go of it only in a moment."""
     if patience is None:
         return fcntl.flock(descriptor, how)
     deadline = monotonic() + patience
@@ -127,7 +127,7 @@ def _is_alone(descriptor: int) -> bool:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
-    except OSError:  # where a file system has no locks, no other process has one either
+    except OSError:  # if a file system has no locks, no other process has one either
         return True
     return True
 

@@ -21,7 +21,7 @@ LARGEST: Final = 1e12
 
 
 def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
-    """Return the diameters of a column in um, where no unit is um; raises Refused, by line, for what is no diameter.
+    """Return the diameters of a column in um, if no unit is um; raises Refused, by line, for what is no diameter.
 
     A column is a name or a number from 1 on, of HDF5 the path of a dataset; a table of one column needs none.
     """

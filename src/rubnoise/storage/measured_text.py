@@ -170,7 +170,7 @@ _QUOTED: Final = 100_000  # characters of names that are read as CSV quotes them
 class TextLayout:
     """What parts the cells of a table, whether a comma stands before decimals, and its columns.
 
-    ``first`` is the line where its rows begin; ``head_line`` is that of the names, 0 where there are none and columns
+    ``first`` is the line where its rows begin; ``head_line`` is that of the names, 0 if there are none and columns
     are named by their number.
     """
 

@@ -35,7 +35,7 @@ class _Filling:
         self._hashes: dict[str, xxhash.xxh3_128] = {}
 
     def write(self, dataset: h5py.Dataset, values: NDArray[Any], first: int, row: int | None = None) -> None:
-        """Write values from a place on; ``row``: in that row, where a dataset has several."""
+        """Write values from a place on; ``row``: in that row, if a dataset has several."""
         piece = slice(first, first + values.size)
         dataset[piece if row is None else (row, piece)] = values
         self._hashes.setdefault(dataset.name, xxhash.xxh3_128()).update(values.data)

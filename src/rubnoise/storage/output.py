@@ -54,7 +54,7 @@ class OutputPaths:
 def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool = False) -> OutputPaths:
     """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
 
-    Where a result or a part is in the way, the lock file that a killed run has left beside it goes.
+    If a result or a part is in the way, the lock file that a killed run has left beside it goes.
 
     Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
     ``force``, a file that exists already, be it whole or, unless ``unfinished``, the part of a run that did not finish.
@@ -124,7 +124,7 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
 
 
 def give_final_name(paths: OutputPaths, checked: int, *, force: bool, durable: bool = True) -> None:
-    """Rename the whole part file to its final name and, where it shall be ``durable``, see the folder onto the disk.
+    """Rename the whole part file to its final name and, if it shall be ``durable``, see the folder onto the disk.
 
     ``checked`` is the open file that was found whole: another one that bears the name of the part by now is left as it
     is, and not published (OutputSwappedError). Without ``force`` a file that appeared meanwhile under the final name is
@@ -207,7 +207,7 @@ def _reason(problem: Exception) -> str:
 def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     """Yield the name under which to write a file; once that is done it gets its own name, on the disk.
 
-    Raises OutputRefused, before anything is created, where nothing may or can be written, RubnoiseError if the disk
+    Raises OutputRefused, before anything is created, if nothing may or can be written, RubnoiseError if the disk
     fails. Whatever is raised meanwhile leaves nothing behind.
     """
     with whole_files([path], force=force) as (part,), naming_file(path):
@@ -242,7 +242,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iter
 
 @contextmanager
 def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
-    """Do as `whole_file` where there are no locks; the file is closed before it gets its name, as Windows asks."""
+    """Do as `whole_file` if there are no locks; the file is closed before it gets its name, as Windows asks."""
     with naming_file(paths.final):
         try:
             with _new(paths.part):

@@ -73,7 +73,7 @@ class PagedFile(_Positioned):
         return self._size
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
-        """Fill the buffer from the pages held and, where there are none, from the file beneath."""
+        """Fill the buffer from the pages held and, if there are none, from the file beneath."""
         target = memoryview(buffer).cast("B")
         for page, start, piece in _pieces(self._position, target):
             held = self._pages.get(page)
@@ -130,7 +130,7 @@ class Unfailing(_Positioned):
         self._failure: OSError | None = None
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
-        """Fill the buffer from the disk, with zeros beyond its end and where the disk fails."""
+        """Fill the buffer from the disk, with zeros beyond its end and if the disk fails."""
         target = memoryview(buffer).cast("B")
         found = 0
         if self._failure is None:
@@ -161,7 +161,7 @@ class Unfailing(_Positioned):
 
 @contextmanager
 def unfailing(path: Path) -> Iterator[Unfailing]:
-    """Yield an empty file that is there, to be written through HDF5; raises OSError afterwards where the disk fails."""
+    """Yield an empty file that is there, to be written through HDF5; raises OSError afterwards if the disk fails."""
     descriptor = disk.reopen(path)
     try:
         file = Unfailing(descriptor)

@@ -38,7 +38,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
     """Make a part file under a passing name, with its space reserved, and rename it when its structure is on the disk.
 
     A file for growing rows is made before. Without ``durable`` it is renamed before the disk has it.
-    Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
+    If it will be compressed, the copy may turn out as large as the part: so much more has to be free.
     Raises OSError, and OutputRefused if the disk has no room; nothing is left behind then.
     """
     structure = PagedFile()
@@ -66,7 +66,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
 def open_part(paths: OutputPaths, run: RunFile) -> "Part":
     """Open a part file whose structure has been read, and found to be one of ours: ``run`` is it, open for reading.
 
-    Raises RunFileRefused if nothing can be written to a column, and where the file is not what was read.
+    Raises RunFileRefused if nothing can be written to a column, and if the file is not what was read.
     """
     with ExitStack() as opening, refusing(paths.part):
         descriptor = disk.reopen(paths.part)
@@ -272,7 +272,7 @@ def compressed(
     """Write a compressed copy of a whole part under a passing name and yield it, open, read back and on the disk.
 
     Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, NotAsWritten
-    where the disk has another file, and RubnoiseError if rows are missing; the part is left as it was.
+    if the disk has another file, and RubnoiseError if rows are missing; the part is left as it was.
     """
     digests = part.digests()
     with new_file(making) as descriptor:

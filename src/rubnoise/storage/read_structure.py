@@ -115,7 +115,7 @@ def _column(owner: h5py.Group, column: Dataset, size: int) -> dict[str, Any]:
 
 
 def _chunks(dataset: h5py.Dataset, size: int) -> Iterator[tuple[int, int, int]]:
-    """Yield offset, bytes and skipped filters of every chunk, in order; raises RunFileRefused where one is missing."""
+    """Yield offset, bytes and skipped filters of every chunk, in order; raises RunFileRefused if one is missing."""
     stored: dict[int, tuple[int, int, int]] = {}
 
     def note(chunk: Any) -> None:

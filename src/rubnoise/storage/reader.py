@@ -117,7 +117,7 @@ Opened = TypeVar("Opened", bound=OpenFile)
 class RunFile(OpenFile):
     """An open run file. Opening reads its structure only; each column is read when it is asked for.
 
-    ``watch``, where it is set, is called at each read.
+    ``watch``, if it is set, is called at each read.
     """
 
     called = "run file"

@@ -122,7 +122,7 @@ class CommittedRun:
 
 @contextmanager
 def committed_run(part: Path) -> Iterator[CommittedRun]:
-    """Open a part file for what it has committed; raises RunFileRefused as look does, and where that is nothing."""
+    """Open a part file for what it has committed; raises RunFileRefused as look does, and if that is nothing."""
     found = look(part)
     if not found.ticks:
         raise RunFileRefused(f"{part}: nothing of this run is committed yet")
@@ -138,7 +138,7 @@ def _history_or_refusal(journal: Path) -> History:
 
 
 def refusal(path: str | os.PathLike[str]) -> Refused:
-    """Return what to raise where a whole result is wanted and the run did not finish."""
+    """Return what to raise if a whole result is wanted and the run did not finish."""
     hint = f"; {resume_hint(str(path))}" if Path(path).suffix == SUFFIX else ""
     return RunFileRefused(f"{path}: unfinished{hint}")
 
@@ -147,7 +147,7 @@ def refusal(path: str | os.PathLike[str]) -> Refused:
 class TakenUp:
     """A part file opened behind its last good commit.
 
-    ``state`` is None where there is none and the run begins at its start; ``journal_bytes`` of the journal are good.
+    ``state`` is None if there is none and the run begins at its start; ``journal_bytes`` of the journal are good.
     """
 
     part: Part
@@ -159,7 +159,7 @@ class TakenUp:
     def of(cls, paths: OutputPaths, opening: ExitStack) -> Self:
         """Open a part, which closes with ``opening``; what lies behind the last good commit counts as not written.
 
-        Raises RunFileRefused for a part that cannot be read, OutputRefused where the disk has no room for all of it.
+        Raises RunFileRefused for a part that cannot be read, OutputRefused if the disk has no room for all of it.
         """
         with mended(paths) as run:
             description = description_of(run)
@@ -180,7 +180,7 @@ def publish_complete(paths: OutputPaths, check: Callable[[RunFile], None], *, fo
 
     That is a part that got its final name already, beside which it and its journal were left over, and one that is
     whole and only lacks the name, which it gets when ``check``, too, finds nothing wrong. Raises RunFileRefused for a
-    part that cannot be read or whose structure is damaged, OutputRefused where a file of another run bears the name.
+    part that cannot be read or whose structure is damaged, OutputRefused if a file of another run bears the name.
     """
     with mended(paths) as run:
         description = description_of(run)
@@ -209,7 +209,7 @@ def _publish(paths: OutputPaths, run: RunFile, *, force: bool) -> None:
 def examined(paths: OutputPaths) -> RunDescription:
     """Return what run a part file is of.
 
-    Raises RunFileRefused where it cannot be read, OutputRefused while another process writes it.
+    Raises RunFileRefused if it cannot be read, OutputRefused while another process writes it.
     """
     with sole_writer(paths), mended(paths) as run:
         return description_of(run)
@@ -217,7 +217,7 @@ def examined(paths: OutputPaths) -> RunDescription:
 
 @contextmanager
 def mended(paths: OutputPaths) -> Iterator[RunFile]:
-    """Open a part file, its last changes carried out where a kill came between them.
+    """Open a part file, its last changes carried out if a kill came between them.
 
     Raises RunFileRefused for one that cannot be read, or whose structure is not that of a part.
     """

@@ -16,7 +16,7 @@ from rubnoise.storage.schema import HASH, Feature, Scalar
 from rubnoise.storage.seal import INTERVENTION
 
 SHOWN = 40
-"""Characters of a value that are shown where it is refused."""
+"""Characters of a value that are shown when it is refused."""
 
 
 def description_of(run: RunFile) -> RunDescription:

@@ -52,7 +52,7 @@ class Lines:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
-    """One column of values at even steps: ``step`` in s, or in um where ``along`` is "distance"; None if unknown.
+    """One column of values at even steps: ``step`` in s, or in um if ``along`` is "distance"; None if unknown.
 
     ``unit`` is as written, empty if the file has none; ``where`` names the file, and the line of the names;
     ``lines`` says which line each value is from, None if values have none.
@@ -90,7 +90,7 @@ def chosen_column(
 ) -> int:
     """Return the number of the wanted column, or of the only one beside the place; raises NoColumn if it is open.
 
-    ``wanted`` is a name, or where no column has that name a number from 1 on.
+    ``wanted`` is a name, or if no column has that name a number from 1 on.
     """
     if wanted is not None:
         if names.count(wanted) == 1:
@@ -112,7 +112,7 @@ def _listed(names: list[str]) -> str:
 
 
 class EvenSteps:
-    """Places of samples, taken in pieces and refused with their line where they are not even.
+    """Places of samples, taken in pieces and refused with their line if they are not even.
 
     With a ``rate`` in Hz, which times have to agree with, they may be written with too few digits to tell them apart.
     """
@@ -163,7 +163,7 @@ class EvenSteps:
     def _allowed(self, steps: Doubles, resolution: float) -> float:
         """Return how far a step may be from the usual one: 1 %, and a digit of the places, by which they are rounded.
 
-        Where a step is a digit, and nearly all are equal, a longer one is a row that is missing and no rounding.
+        If a step is a digit, and nearly all are equal, a longer one is a row that is missing and no rounding.
         """
         uneven = UNEVEN * self._usual
         rounded = np.count_nonzero(np.abs(steps - self._usual) > uneven) > max(_FEW, _ROUNDED * steps.size)
@@ -196,7 +196,7 @@ def _size_of(unit: str) -> float:
 
 
 def even_step(places: Doubles, name: str, unit: str, path: str, *, first: int = 1) -> float:
-    """Return the step in s or um; raises Refused, by row from ``first`` on, where places are not even."""
+    """Return the step in s or um; raises Refused, by row from ``first`` on, if places are not even."""
     steps = EvenSteps(name, unit, path, word="row")
     if places.size > 1:
         steps.add(places, range(first, first + places.size))

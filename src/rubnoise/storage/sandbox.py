@@ -48,7 +48,7 @@ Look = Callable[[int], bytes]
 def sandboxed(descriptor: int, look: Look, *, patience: float = WALL_SECONDS) -> bytes:
     """Return what ``look`` makes of an open file in a child process.
 
-    The answer is a JSON object; where the child crashes or takes too much, one that says so under ``refused``, and
+    The answer is a JSON object; if the child crashes or takes too much, one that says so under ``refused``, and
     under ``unseen`` that this need not be the file's fault.
     """
     receiving, sending = os.pipe()

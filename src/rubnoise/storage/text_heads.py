@@ -15,7 +15,7 @@ OTHERS: Final = frozenset(
 """Units of columns beside the friction: known, and kept as they are."""
 
 NONE: Final = frozenset(["", "1", "-"])
-"""What stands in place of a unit where a column has none."""
+"""What stands in place of a unit if a column has none."""
 
 LONGEST_NAME: Final = 200
 """Characters of a name with a unit at most: the forms below take the square of them."""

@@ -70,5 +70,5 @@ def _head(samples: int, rate: int, texts: Mapping[str, str]) -> bytes:
 
 
 def _chunk(name: str, content: bytes) -> bytes:
-    """Return a chunk: its name, its length, its content, and a zero where that is odd."""
+    """Return a chunk: its name, its length, its content, and a zero if that is odd."""
     return name.encode("ascii") + struct.pack("<I", len(content)) + content + bytes(len(content) % 2)

@@ -1,4 +1,4 @@
-"""Sound of others: one channel of a WAV file, whose header is believed only where it agrees with itself."""
+"""Sound of others: one channel of a WAV file, whose header is believed only if it agrees with itself."""
 
 import os
 import struct

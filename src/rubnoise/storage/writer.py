@@ -37,7 +37,7 @@ class RunWriter:
 
     Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name. On
     ``commit`` it writes the state to ``NAME.h5.part.journal``, at most once a second and with all rows on the disk
-    before. Left without having published, it keeps both where there was a commit, or where a signal stopped a run
+    before. Left without having published, it keeps both if there was a commit, or if a signal stopped a run
     that had finished a block; else it removes the part. An older file at the path is as it was. Memory does not depend
     on the length of the run.
 

@@ -21,7 +21,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
 
 LIVES: Final = 1000
-"""Mean lives in the scenario's distance, where none is given."""
+"""Mean lives in the scenario's distance, if none is given."""
 
 NEAR: Final = 0.1
 """How far a scenario may be off in spread and correlation length before it is said."""
@@ -108,7 +108,7 @@ class SlidingContact:
 
     @cached_property
     def counted(self) -> Patches:
-        """Patches of one map pressed against the other at the same share of their area, where both reach."""
+        """Patches of one map pressed against the other at the same share of their area, if both reach."""
         laid = self.track.on_grid_of(self.slider)
         slider = self.slider.heights[: laid.shape[0], : laid.shape[1]]
         return patches(laid + slider, self.share, self.slider.spacing)

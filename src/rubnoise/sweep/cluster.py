@@ -137,7 +137,7 @@ class Cluster:
 
     @property
     def lanes(self) -> int:
-        """The number of threads of all workers there are now; one where there are none yet."""
+        """The number of threads of all workers there are now; one if there are none yet."""
         now = time.monotonic()
         if now - self._counted >= _COUNTED_EVERY:
             try:

@@ -47,7 +47,7 @@ class SweepMeans:
     """How the runs of a sweep are made.
 
     ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that no
-    journal lists, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
+    journal lists, if work leaves anything, ``affordable`` raises if the runs to be made need more than there is,
     ``watch`` is called with the progress of the sweep, several times a second, and may raise RunStopped. Unless it is
     ``synced``, work leaves its files to the sweep to be flushed to disk.
     """
@@ -76,7 +76,7 @@ def conduct(
 
     What is done is never done again: a run that the journals know, or whose result lies in its place; a run that failed
     is tried anew. Of a shard only its own runs are made. Raises OutputRefused for a folder of something else or in use,
-    SweepStopped after a signal, WorkLost where a cluster is gone.
+    SweepStopped after a signal, WorkLost if a cluster is gone.
     """
     with folder.writing(shard):
         sweep = folder.claim(sweep)

@@ -146,7 +146,7 @@ def _portable(problem: Exception) -> Exception:
 def attempted(work: Callable[[Point], Result], points: Sequence[Point], asked: Versions) -> Attempt[Result]:
     """Carry out points one after another; one that goes wrong does not keep the others from being tried.
 
-    None is begun where other versions than those of this process are ``asked`` for.
+    None is begun if other versions than those of this process are ``asked`` for.
     """
     began, made_by = time.monotonic(), versions()
     if made_by != asked:
@@ -201,7 +201,7 @@ class Execution(Generic[Result]):
     def outcomes(self) -> Iterator[Outcome[Result]]:
         """Yield every point with its outcome as soon as it is there; left early, what waits is not begun.
 
-        A point whose worker dies is tried once more, alone. Raises WorkLost where no work can be handed out any more,
+        A point whose worker dies is tried once more, alone. Raises WorkLost if no work can be handed out any more,
         or a worker has other versions than this process.
         """
         try:

@@ -52,7 +52,7 @@ _SIZES: Final = "diameter"
 
 
 def _file_of(values: Mapping[str, Any]) -> tuple[Any, ...]:
-    """Return the swept file of diameters and column, empty where neither is swept."""
+    """Return the swept file of diameters and column, empty if neither is swept."""
     return tuple(values[key] for key in (f"{_SIZES}.file", f"{_SIZES}.column") if key in values)
 
 
@@ -291,7 +291,7 @@ class SweepFolder:
     def writing(self, shard: Shard | None) -> Iterator[None]:
         """Hold the folder: alone, or together with other shards; raises OutputRefused while others do.
 
-        Makes the folder where there is none.
+        Makes the folder if there is none.
         """
         try:
             self.root.mkdir(parents=True, exist_ok=True)

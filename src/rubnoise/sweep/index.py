@@ -66,7 +66,7 @@ def _unit(name: str) -> str:
 
 
 def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
-    """Return the values of a key as numbers in its working unit, or as texts where they are no numbers of one kind."""
+    """Return the values of a key as numbers in its working unit, or as texts if they are no numbers of one kind."""
     section, name = key.split(".")
     values = [getattr(getattr(scenario, section), name) for scenario in scenarios]
     meaning = SECTIONS[section].model_fields[name].description or name
@@ -203,7 +203,7 @@ class IndexRefresh:
         self._due = time.monotonic() + EVERY
 
     def if_due(self) -> None:
-        """Write the index where the last one is old enough."""
+        """Write the index if the last one is old enough."""
         if self._alone and time.monotonic() >= self._due:
             began = time.monotonic()
             self.now()
@@ -224,8 +224,8 @@ class IndexRefresh:
 def merge(folder: SweepFolder) -> Path:
     """Write the index of a folder and every result of it, by value, into merged.h5, and return its path.
 
-    An older one is replaced. Another process that merges or writes the index ends first. Raises RunFileRefused where
-    there is no index or a result cannot be read, RubnoiseError where the disk fails.
+    An older one is replaced. Another process that merges or writes the index ends first. Raises RunFileRefused if
+    there is no index or a result cannot be read, RubnoiseError if the disk fails.
     """
     with folder.alone_at("index"), open_index(folder.index), whole_file(folder.merged, force=True) as path:
         write_merged(path, folder.index)

@@ -50,7 +50,7 @@ class Cancellation:
 
 
 CANCELLATION = Cancellation()
-"""That of this process; never set where runs are made in the calling process."""
+"""That of this process; never set if runs are made in the calling process."""
 
 
 def serve(descriptor: int) -> NoReturn:
@@ -74,7 +74,7 @@ def _answer(line: "Connection[Any, Any]") -> bool:
     """Answer one call; return whether there was one and no signal to stop."""
     try:
         function, arguments = line.recv()
-    except (EOFError, ConnectionResetError):  # the second where the parent was killed before it had read all answers
+    except (EOFError, ConnectionResetError):  # the second if the parent was killed before it had read all answers
         return False
     CANCELLATION.busy = True
     _send(line, _called(function, arguments))

@@ -95,7 +95,7 @@ class RecordedRuns:
     ) -> Self:
         """Read the journals; of one run an entry that says done counts more than one that says failed.
 
-        One that says done ``counts`` where its file is the one that was written then, unless asked otherwise.
+        One that says done ``counts`` if its file is the one that was written then, unless asked otherwise.
         """
         count = len(points)
         known = cls({p.run_id: n for n, p in enumerate(points)}, [PLANNED] * count, [""] * count, [""] * count, {})
@@ -129,7 +129,7 @@ Kind = Literal["whole", "torn", "other"]
 def found_run(point: Point, *, root: Path, begun: bool = False) -> RunRow | None:
     """Return the row of a run whose finished result lies where it belongs, or None.
 
-    It is that of the point where its scenario, seed and stream version are; title and engine have no part in that. All
+    It is that of the point if its scenario, seed and stream version are; title and engine have no part in that. All
     of it is read, and compared with its hashes: a power cut may have come before the disk had it. Of a run that was
     ``begun`` here, what is torn, and parts of which nothing can be made, are removed.
     """

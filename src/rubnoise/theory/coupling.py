@@ -91,7 +91,7 @@ WHITE = 0.95
 class Coupling:
     """What two-way coupling would be for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
 
-    ``expected_change`` is nan where the law of weak coupling does not hold, and ``unknown`` then says why; else it is
+    ``expected_change`` is nan if the law of weak coupling does not hold, and ``unknown`` then says why; else it is
     None.
     """
 
@@ -131,7 +131,7 @@ def weak_coupling_change(strength: float, kick: float) -> float:
     w = V - x', and so brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, at a rate of lam w junctions. Damping
     takes c Var x' = V lam (E[J^2] <1/w^2> + E[J^3] <1/w^4>/m)/(2m), with x' nearly Gaussian: <V^2/w^2> =
     1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2) is the velocity that one junction gives,
-    over V. nan where there is no root.
+    over V. nan if there is no root.
     """
     lost = 1.0 - (3.0 + 10.0 * kick) * strength
     under_root = lost * lost - 60.0 * strength**2 * (1.0 + kick)
@@ -144,7 +144,7 @@ def weak_motion(model: Model) -> Response:
     """Return the stationary motion of a two-way slider while its coupling is weak.
 
     Spreads are those of one-way coupling times `Coupling.expected_change`. The mean force exceeds that of one-way
-    coupling by what the dashpot takes, c Var x'/V. Raises Refused, with the reason, where the law does not hold.
+    coupling by what the dashpot takes, c Var x'/V. Raises Refused, with the reason, if the law does not hold.
     """
     found = coupling(model)
     if found.unknown is not None:
@@ -165,7 +165,7 @@ def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
 
     Those of one-way coupling grow with the spread. To those of spreads comes by how much the law itself may miss them:
     the next term of <V^2/w^2> is 105 u^3, half of which is in a spread; and of what acting back adds, a share
-    1 - r^2/Pi is lost where the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
+    1 - r^2/Pi is lost if the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
     """
     motion, errors, found = weak_motion(model), motion_errors(model, distance), coupling(model)
     change, u = found.expected_change, found.strength * found.expected_change**2

@@ -1,6 +1,6 @@
 """The whole distribution of stationary real contact area, with its atom at 0.
 
-Where at most two junctions are alive the density has a singular birth and cusps, and is summed by hand; all that is
+If at most two junctions are alive the density has a singular birth and cusps, and is summed by hand; all that is
 smoother comes from the characteristic function, see `rubnoise.theory.inversion`.
 """
 
@@ -129,7 +129,7 @@ class Distribution:
 
     ``area`` are places in um^2, evenly spaced over all of the law but 1e-10 (but for very long tails), for a curve. The
     distribution function is right to 1e-10 wherever it is asked for. The density is right to 1e-9 of 1/std, but within
-    5 % of pi d^2/4 of 0, and of pi d^2/4 and its double where sizes are equal, to 1e-5 of it. Of parabolas of one size
+    5 % of pi d^2/4 of 0, and of pi d^2/4 and its double if sizes are equal, to 1e-5 of it. Of parabolas of one size
     the two are right to 1e-8 and 1e-7: their density grows without bound towards pi d^2/4.
     """
 
@@ -145,7 +145,7 @@ class Distribution:
     def density(self, area: ArrayLike) -> Doubles:
         """Return the density in 1/um^2 at areas in um^2 of any shape; without the atom, and 0 for a <= 0.
 
-        It grows without bound towards 0 where lens pulses are born, as a^(-1/3), and jumps at pi d^2/4 for one size d.
+        It grows without bound towards 0 if lens pulses are born, as a^(-1/3), and jumps at pi d^2/4 for one size d.
         """
         return self._everywhere(area, self._density, np.inf)
 

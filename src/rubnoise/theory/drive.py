@@ -56,7 +56,7 @@ class Drive:
 
 
 def drive_of(model: Model) -> Drive:
-    """Return the drive of a model; raises Refused where slider, strength or sliding speed is missing."""
+    """Return the drive of a model; raises Refused if slider, strength or sliding speed is missing."""
     if model.slider is not None and model.slider.excitation != "friction":
         raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
     if model.slider is None or model.strengths is None or model.sliding_speed is None:

@@ -40,7 +40,7 @@ def tick_covariance(model: Model, tick: float, count: int) -> Doubles:
 def correlation_reach(model: Model) -> float:
     """Return a lag in um beyond which R is below 1e-17 R(0); inf unless births are a Poisson process.
 
-    It is the longest life, or less where lives that long are too rare to count: R falls all the way.
+    It is the longest life, or less if lives that long are too rare to count: R falls all the way.
     """
     if not isinstance(model.births, PoissonBirths):
         return np.inf
@@ -138,7 +138,7 @@ def through_window(
     """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the density S(w), two-sided.
 
     E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), with W the transform of the window padded to 2 n
-    values and S_a(w) = sum_a S(|w + 2 pi a / h|): exact where covariances end before n values of ``step`` h, but for
+    values and S_a(w) = sum_a S(|w + 2 pi a / h|): exact if covariances end before n values of ``step`` h, but for
     what leaks over more than 8 bins and for aliases beyond the second. The record's mean is taken to be 0; a mean that
     is subtracted changes bins 0 and 1. Units are those of the density. Raises Refused for a window that weighs nothing.
     """
@@ -153,7 +153,7 @@ def through_window(
 
 
 def checked_window(window: NDArray[np.float64]) -> Doubles:
-    """Return the window as doubles; raises Refused where it cannot weigh a segment."""
+    """Return the window as doubles; raises Refused if it cannot weigh a segment."""
     weights = np.asarray(window, dtype=np.float64)
     if weights.ndim != 1 or weights.size < 2 or not weights.any():
         raise Refused("a window needs at least 2 ticks in one row, and not all of them zero")
@@ -161,7 +161,7 @@ def checked_window(window: NDArray[np.float64]) -> Doubles:
 
 
 SEGMENTS = 64
-"""About how many segments half overlap in a record where the length of one is not asked for."""
+"""About how many segments half overlap in a record if the length of one is not asked for."""
 
 MOST_TICKS = 1 << 18
 """Of one segment, by default and at most: its errors take some ten seconds and a hundred megabytes."""
@@ -206,8 +206,8 @@ class EstimatedSpectrum:
     """What Welch's method is expected to show of the real contact area, and how far one estimate strays from it.
 
     ``density`` is the exact mean of the estimate in um^4 per rad/um, two-sided, at ``wavenumber`` in rad/um: aliases,
-    leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf where the
-    bin holds nothing, nan where it is not known: for births that are not Poisson, and for passes off the centre line.
+    leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf if the
+    bin holds nothing, nan if it is not known: for births that are not Poisson, and for passes off the centre line.
     ``ticks`` are those of each of the ``segments``.
     """
 
@@ -221,7 +221,7 @@ class EstimatedSpectrum:
     def band(self, lowest: float, highest: float) -> tuple[float, float]:
         """Return the mean of an estimate over the bins from ``lowest`` to ``highest`` rad/um, and its standard error.
 
-        In um^4 per rad/um; neighbouring bins are correlated, which the error allows for. Raises Refused where no bin
+        In um^4 per rad/um; neighbouring bins are correlated, which the error allows for. Raises Refused if no bin
         lies there, or more than 4096 do, and for births that are not Poisson.
         """
         bins = np.flatnonzero((self.wavenumber >= lowest) & (self.wavenumber <= highest))
@@ -271,7 +271,7 @@ def welch_errors(model: Model, segments: Segments) -> tuple[Doubles, Doubles]:
     Var[P] / E[P]^2 = sum over pairs of segments of |E[X conj X']|^2 / E[|X|^2]^2 (Gaussian noise; exact for the window,
     the overlap and the spectrum's own slope), plus |E[X X']|^2 / E[|X|^2]^2, which counts at the ends of the axis and
     is taken from the window alone, as for a flat spectrum; plus what few junctions add (see `welch_covariance`). The
-    wavenumbers are those of `expected_periodogram`; inf where a bin holds nothing. Raises Refused unless births are a
+    wavenumbers are those of `expected_periodogram`; inf if a bin holds nothing. Raises Refused unless births are a
     Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem.
     """
     need_random_births(model, "the error of a spectrum")
@@ -322,7 +322,7 @@ def _covariance(model: Model, segments: Segments) -> tuple[Doubles, int]:
 
 
 def _overlap(window: Doubles, shift: int) -> Doubles:
-    """Return w_j w_(j - shift), zero where the two windows do not meet."""
+    """Return w_j w_(j - shift), zero if the two windows do not meet."""
     product = np.zeros_like(window)
     if shift < window.size:
         product[shift:] = window[shift:] * window[: window.size - shift]

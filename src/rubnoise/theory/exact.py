@@ -128,7 +128,7 @@ class Exact:
         """Return how many times a second the displacement passes levels in um upwards, of any shape.
 
         Rice's rate and what shot noise adds to it: see `motion_cumulants.crossing_rate`. Raises Refused without slider,
-        strength, speed or damping, for births that are not Poisson, and where the slider swings too often in one life.
+        strength, speed or damping, for births that are not Poisson, and if the slider swings too often in one life.
         """
         return crossing_rate(self.model, in_unit(level, "um"))
 
@@ -145,7 +145,7 @@ class Exact:
 
 
 def _is_known(model: Model, slider: Slider) -> bool:
-    """Whether the slider's response is known: by friction or a base of triangles, and not where the contact is left."""
+    """Whether the slider's response is known: by friction or a base of triangles, and not if the contact is left."""
     lifted = slider.excitation == "base" and model.pulse == TRIANGLE and isinstance(model.sizes, Fixed)
     return (slider.excitation == "friction" or lifted) and model.free is None
 

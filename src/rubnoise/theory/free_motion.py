@@ -42,7 +42,7 @@ def height_exponent(speed_exponent: float) -> float:
 def free_motion(model: Model) -> FreeMotion:
     """Return what is exact of free motion.
 
-    Momentum: the mean of P is W. Where nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
+    Momentum: the mean of P is W. If nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
     is A_rm, the mean summed overlap N s_0, and the mean friction force E[psi] A_rm: strengths do not move the slider.
     Raises Refused without free motion.
     """

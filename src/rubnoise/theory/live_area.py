@@ -168,7 +168,7 @@ _RADIANS, _RULE_NODES = 32.0, 24
 class LiveArea:
     """The law of the area a of one live junction, in t = a^(1/3), where both pulses are smooth at birth.
 
-    Where the density grows without bound at a peak area, as for the parabola, the panel below it is rooted.
+    If the density grows without bound at a peak area, as for the parabola, the panel below it is rooted.
     ``rise`` is dG/dt and ``level`` the distribution function G; ``breaks`` are areas in um^2 between which both are
     smooth, the peak areas pi d^2/4 of the law's sizes; the last is the largest area there is.
     """

@@ -37,7 +37,7 @@ STILL: Final = 1.0 / 3.0
 """Spread of the load over that at constant separation up to which the load counts as constant."""
 
 SAME: Final = 0.1
-"""By how much that may differ from 1 where the separation counts as constant."""
+"""By how much that may differ from 1 if the separation counts as constant."""
 
 FORCE: Final = "friction_force"
 
@@ -139,7 +139,7 @@ def _error(live: float, speed: float, ratio: float) -> float:
     """Return the bound of what first order misses of a spread, as exact runs of 20 live junctions show it.
 
     1 % up to v = 0.1, 2 % from a damping ratio of 0.3 on, 10 % from 0.05 on; fewer junctions err more, as 1/N_jm. inf
-    where nothing is known: less damping, and contacts that bounce.
+    if nothing is known: less damping, and contacts that bounce.
     """
     if live < FEWEST_LIVE or ratio < 0.05:
         return inf
@@ -243,7 +243,7 @@ def band_numbers(lowest: float, highest: float) -> range:
 
 
 def third_octaves(model: Model) -> ThirdOctaves:
-    """Return the normal velocity in third octaves, where a band holds more than 1e-6 of its power (60 dB).
+    """Return the normal velocity in third octaves, if a band holds more than 1e-6 of its power (60 dB).
 
     The integral of `velocity_spectrum` over the band, by the panels of `response_edges`.
     """

@@ -106,7 +106,7 @@ def cumulants_by_age(moments: Doubles, strength_moments: tuple[float, ...]) -> D
 
 
 def _mixed(psi: tuple[float, ...], power: int, central: int) -> float:
-    """Return E[psi^i (psi - E[psi])^j]; exactly 0 for j > 0 where all junctions are equally strong."""
+    """Return E[psi^i (psi - E[psi])^j]; exactly 0 for j > 0 if all junctions are equally strong."""
     if psi[2] == psi[1] ** 2:
         return psi[power] if central == 0 else 0.0
     return sum(comb(central, j) * psi[power + j] * (-psi[1]) ** (central - j) for j in range(central + 1))

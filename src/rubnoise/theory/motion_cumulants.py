@@ -81,7 +81,7 @@ class JunctionResponse:
     """Displacement (um) and velocity (um/s) of a slider for a junction of 1 MPa, at nodes in time with weights in s.
 
     A row a node and a column a diameter. ``life`` spans the junction's life; ``rest`` the decay after it, up to where
-    it repeats itself smaller and mirrored: ``repeats`` is that factor, -exp(-a pi / w_d), or 0 where it just dies away.
+    it repeats itself smaller and mirrored: ``repeats`` is that factor, -exp(-a pi / w_d), or 0 if it just dies away.
     """
 
     life: tuple[Doubles, Doubles, Doubles]
@@ -107,7 +107,7 @@ def junction_response(pulse: Pulse, drive: Drive, diameters: Doubles) -> Junctio
     """Return the response to junctions of these diameters in um.
 
     y(t) = int_0^t h(t - u) A(V u; d) du with h the impulse response; s = d (1 - cos phi) makes birth and death smooth,
-    panels in phi end at mid-life, and the state at the end of each begins the next. Raises Refused where the slider
+    panels in phi end at mid-life, and the state at the end of each begins the next. Raises Refused if the slider
     swings or creeps too often in one life to be followed.
     """
     free = free_motion(drive.slider)
@@ -125,7 +125,7 @@ def junction_response(pulse: Pulse, drive: Drive, diameters: Doubles) -> Junctio
 
 
 def panels_of_half_a_life(drive: Drive, diameter: float) -> int:
-    """Return how many panels follow a slider up to a junction's mid-life; raises Refused where they are too many."""
+    """Return how many panels follow a slider up to a junction's mid-life; raises Refused if they are too many."""
     count = ceil(0.5 * pi * free_motion(drive.slider).fastest * diameter / drive.speed / _PHASE)
     if count > _MOST:
         raise Refused("the slider swings too often within one junction's life to compute its level crossings")
@@ -180,7 +180,7 @@ def _after(free: FreeDecay, state: tuple[Doubles, Doubles], mass: float) -> tupl
 
 
 def _repeats(free: FreeDecay) -> float:
-    """Return what half a turn leaves of a ringing slider, with its sign; 0 where it is gone by then."""
+    """Return what half a turn leaves of a ringing slider, with its sign; 0 if it is gone by then."""
     if free.square_root >= 0.0:
         return 0.0
     decay = free.rate * pi / float(np.sqrt(-free.square_root))
@@ -242,7 +242,7 @@ def motion_cumulants(model: Model) -> MotionCumulants:
     """Return kappa_ij = lam V E[psi^(i+j)] E[int y^i y'^j dt], i + j up to 4, y the response to one junction of 1 MPa.
 
     Exact to a relative 1e-8 or so. Raises Refused without slider, strength, speed or damping, unless births are a
-    Poisson process, and where the slider swings too often in one life (see `junction_response`).
+    Poisson process, and if the slider swings too often in one life (see `junction_response`).
     Source: cumulants of filtered shot noise (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     need_random_births(model, "the joint law of displacement and velocity")

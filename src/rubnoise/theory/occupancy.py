@@ -93,7 +93,7 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error of the mean of N over a stationary record; 0 below 1e-12 of the mean, by rounding.
 
     Over ``distance`` um, or over the model's ticks: Var = (2/T^2) int_0^T (T - tau) Cov[N(0), N(tau)] dtau, and what
-    the record leaves of the lines of regular births (to 1e-4 where ticks keep meeting the same phases: a count jumps).
+    the record leaves of the lines of regular births (to 1e-4 if ticks keep meeting the same phases: a count jumps).
     """
     lags, weights = lag_rule(model, distance)
     if are_at_random(model):

@@ -34,7 +34,7 @@ class _Life:
     """What a life of unit diameter brings at phases k d, to be multiplied by d^power.
 
     ``followed`` is it itself; ``damped`` has its swing averaged out for large phases, and ``scatter`` is the mean
-    square of the swing that is then missing, where a mean square is asked for.
+    square of the swing that is then missing, if a mean square is asked for.
     """
 
     power: int

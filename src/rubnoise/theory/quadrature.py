@@ -93,7 +93,7 @@ def _size_range(law: Any) -> tuple[float, float]:
 
 
 def hard_ends(law: Law) -> tuple[float | None, float | None]:
-    """Return the smallest and the largest diameter in um at which the density of a law jumps to 0; None where it fades.
+    """Return the smallest and the largest diameter in um at which the density of a law jumps to 0; None if it fades.
 
     Averages of what swings with the diameter do not fade at such an end.
     """

@@ -95,7 +95,7 @@ def variance_of_line_mean(model: Model, lines: Lines, distance: float | None = N
     """Return what the lines add to the variance of the mean over a record whose phase is uniform; exact.
 
     A line keeps (sin(k T/2) / (k T/2))^2 of its power over a continuous record of ``distance`` T um, and over the
-    model's n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2: all of it where ticks always meet the same phase.
+    model's n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2: all of it if ticks always meet the same phase.
     """
     wavenumbers, power = lines
     turns = wavenumbers / (2.0 * pi)
@@ -108,7 +108,7 @@ def variance_of_line_mean(model: Model, lines: Lines, distance: float | None = N
 
 
 def resolved_error(variance: float, mean: float) -> float:
-    """Return the root of the variance of a mean, or 0 where it is below 1e-12 of the mean and rounding decides."""
+    """Return the root of the variance of a mean, or 0 if it is below 1e-12 of the mean and rounding decides."""
     error = sqrt(max(variance, 0.0))
     return error if error > _ROUNDING * mean else 0.0
 
@@ -275,7 +275,7 @@ def _from_lines(model: Model, lag: Doubles, part: Doubles) -> Doubles:
 
 
 def _fraction(lives: float) -> float:
-    """Return what a number exceeds the whole number below by, 0 where only rounding is above it."""
+    """Return what a number exceeds the whole number below by, 0 if only rounding is above it."""
     nearest = round(lives)
     return 0.0 if abs(lives - nearest) <= _WHOLE * lives else lives - floor(lives)
 

@@ -81,7 +81,7 @@ def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles
     S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F the spectrum of the force, E[psi^2] S for Poisson births;
     Cov[x(t), x(t + u)] = (1/2 pi) int S_x exp(i w u) dw, so that Var x = (1/pi) int_0^inf S_x dw. Of regular births it
     is the continuous part, beside lines at w = V k_n. Any shape of w. Raises Refused without slider, strength or speed,
-    and without damping, where nothing is stationary.
+    and without damping, if nothing is stationary.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     drive = _damped_drive(model)

@@ -23,7 +23,7 @@ class Weakening:
     """What becomes of the slider: steady at ``mean_displacement`` (um), or a cycle of sticks and slips.
 
     border: slope in N s/m from which steady sliding is unstable, c; amplitude: half of the range of the displacement in
-    um, velocity_range in um/s, period in s, stick_fraction of it; all 0 where it is steady.
+    um, velocity_range in um/s, period in s, stick_fraction of it; all 0 if it is steady.
     """
 
     steady: bool
@@ -41,7 +41,7 @@ def velocity_weakening(model: Model) -> Weakening:
 
     The border a = c is exact. Beyond it the slider sticks, V = x', until k x + c V reaches F(0) = F_m + a V, and slips
     until its speed is V again; the slip is solved to 1e-10. A slope of c exactly is taken for steady: nothing grows.
-    Raises Refused for a slider that is not driven so, and where the force would change its sign.
+    Raises Refused for a slider that is not driven so, and if the force would change its sign.
     Source: Block (1940), J. Acoust. Soc. Am. 12; Oden and Martins (1985), doi:10.1016/0045-7825(85)90009-X.
     """
     slider, speed = model.slider, model.sliding_speed

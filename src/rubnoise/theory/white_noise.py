@@ -17,7 +17,7 @@ class WhiteNoise:
     """White noise S_F in uN^2 s (two-sided, per rad/s), and the spread of a slider that it drives, in um and um/s.
 
     ``wavenumber`` in rad/um is where the contact's own spectrum has fallen to a half, ``life_phase`` that times the
-    mean life; both are None where the spectrum has no such corner.
+    mean life; both are None if the spectrum has no such corner.
     """
 
     force_density: float

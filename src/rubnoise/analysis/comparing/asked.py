@@ -59,7 +59,7 @@ class Cubes:
 def asked_findings(model: Model, cubes: Cubes) -> list[Finding]:
     """Return the mean count and mean area that a scenario asks for, beside the exact ones and those of its rows.
 
-    N_jm junctions that live for L d_m, L = 2 where all pass through both centres, are born at a rate of N_jm/(L d_m),
+    N_jm junctions that live for L d_m, L = 2 if all pass through both centres, are born at a rate of N_jm/(L d_m),
     and with diameters d they have the mean area N_jm/(L d_m) C E[d^3], where C d^3 is the integral over a life. That
     has to be what `asked_area` says, with E[d^3] as the law has it, and with the mean over those that were born.
     """

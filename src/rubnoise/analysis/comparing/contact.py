@@ -26,15 +26,15 @@ def stationary_length(model: Model, trace: TraceSums) -> float:
 
 
 def missing_length(model: Model, trace: TraceSums) -> float | None:
-    """Return what sliding in um a mean needs from the start on, or None where the trace has it."""
+    """Return what sliding in um a mean needs from the start on, or None if the trace has it."""
     needed = needed_for_mean(model)
     return None if stationary_length(model, trace) >= needed else trace.layout.stationary_from * model.tick + needed
 
 
 def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
-    """Return the four moments of real contact area, or, where regular births keep it constant, that it is.
+    """Return the four moments of real contact area, or, if regular births keep it constant, that it is.
 
-    Raises Refused where theory has no errors for its births.
+    Raises Refused if theory has no errors for its births.
     """
     expected, seen, length = area_cumulants(model), trace.area, stationary_length(model, trace)
     if expected.variance == 0.0:
@@ -68,7 +68,7 @@ def _second_order(model: Model, trace: TraceSums, expected: Cumulants) -> list[F
     """Return mean and std of the area for births of which two orders are known.
 
     Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, and what a single junction brings, times the cube
-    of the dispersion where births come in bunches: so do fourth cumulants of a bunch grow.
+    of the dispersion if births come in bunches: so do fourth cumulants of a bunch grow.
     """
     stretch, length = over_ticks(model, trace.stationary_ticks, model.tick), stationary_length(model, trace)
     seen, tails = trace.area, [tail_of(model, length, power) for power in (3, 5)]

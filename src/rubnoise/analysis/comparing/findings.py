@@ -136,7 +136,7 @@ class Findings:
 class Comparison(Answer):
     """A run compared with the theory of its scenario: every figure with its exact value, standard error and z.
 
-    ``passed`` is true where all figures keep ``bound`` and all identities hold; ``outside`` names those that do not,
+    ``passed`` is true if all figures keep ``bound`` and all identities hold; ``outside`` names those that do not,
     ``left_out`` names what could not be compared, with the reason. ``bound`` is the largest |z| that a right run may
     have; ``by_family`` says that it is the one which all figures keep together, and not one that was asked for.
 
@@ -228,9 +228,9 @@ def judged(
     skewness: float = SKEWNESS,
     tail: Tail = NORMAL,
 ) -> Finding:
-    """Return a figure with its score, or, where its error exceeds a tenth of its ``scale``, what length it needs.
+    """Return a figure with its score, or, if its error exceeds a tenth of its ``scale``, what length it needs.
 
-    The scale is the expected value where none is given; ``length`` (um) is that of the record. Estimates of squares
+    The scale is the expected value if none is given; ``length`` (um) is that of the record. Estimates of squares
     have a longer tail upwards, of a skewness that is ``skewness`` times the error over the scale; so has a sum that
     its largest junctions rule, and its ``tail`` may need a longer record, too. The larger skewness counts.
     """
@@ -248,7 +248,7 @@ def judged(
 
 
 def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Finding:
-    """Return a figure with its score, or, where its ``tail`` is too heavy for one, what length it needs.
+    """Return a figure with its score, or, if its ``tail`` is too heavy for one, what length it needs.
 
     On the side of the longer tail, above the expected value for a skewness g > 0 and below it for g < 0, the score is
     (3/g) log(1 + g z/3), that of a lognormal law of the tail's skewness g.

@@ -133,7 +133,7 @@ def _momentum(model: Model, free: FreeSeparation, seen: _FreeSums) -> list[Findi
 
 
 def _length(rows: Rows) -> int:
-    """Return the ticks of a stretch; 0 where there are too few."""
+    """Return the ticks of a stretch; 0 if there are too few."""
     length = (rows.rows("load") - 1) // STRETCHES
     return length if length >= _FEWEST_TICKS else 0
 

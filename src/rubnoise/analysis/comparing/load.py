@@ -40,7 +40,7 @@ def load_findings(model: Model, rows: Rows) -> list[Finding]:
     """Return identities of /load tick by tick, and spreads of separation, normal velocity, load and friction force.
 
     P = H A - W z/s_0, F = psi P/H for one strength, live_overlap = s_0 (A/A_rm) (N_jm/n). Figures are over the record
-    from `first_still_tick` on; none without a load that weighs. Raises Refused where theory has no errors.
+    from `first_still_tick` on; none without a load that weighs. Raises Refused if theory has no errors.
     """
     if model.separation is None:
         return []

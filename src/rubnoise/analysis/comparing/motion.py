@@ -34,7 +34,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     """Return mean and std of displacement and std of velocity; nothing without a slider.
 
     The record begins where the start has fallen to a thousandth of the spread, and the contact is stationary.
-    Of a slider that pushes back it is known while coupling is weak. Raises Refused where theory has no motion for the
+    Of a slider that pushes back it is known while coupling is weak. Raises Refused if theory has no motion for the
     model, or no errors.
     """
     if model.slider is None:
@@ -100,7 +100,7 @@ def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> l
 
 
 FIELD: Final = 1e-11
-"""Relative: where a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
+"""Relative: if a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
 
 _ROUNDING: Final = 2.0**-49
 _STEPS: Final = 100.0  # in a diameter, about
@@ -131,7 +131,7 @@ class Path:
 
     @property
     def reverse_work(self) -> float | None:
-        """Int G |ds| in uN um over reversals; None where one goes back behind the start, where no rows are."""
+        """Int G |ds| in uN um over reversals; None if one goes back behind the start, where no rows are."""
         if (self.turns < -_ROUNDING * self.balance.distance).any():
             return None
         begin, end = self._work.at_places()[1:].reshape(2, -1)

@@ -97,7 +97,7 @@ def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
 def distribution_findings(model: Model, trace: TraceSums) -> list[Finding]:
     """Return the share of ticks without contact, and the distance of the areas' distribution from the exact one.
 
-    Where the share has a score, the distribution is that of the areas in contact: one law for the atom, and one for
+    If the share has a score, the distribution is that of the areas in contact: one law for the atom, and one for
     what is continuous. Else it is the whole one, atom included. Raises Refused if theory has none.
     """
     exact = distribution(model)

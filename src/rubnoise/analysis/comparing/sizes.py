@@ -75,7 +75,7 @@ class _Law(Drawn, Protocol):
 
 
 class Marks:
-    """Gathers what every junction that is born draws for itself: its diameter, and its strength where there is one."""
+    """Gathers what every junction that is born draws for itself: its diameter, and its strength if there is one."""
 
     def __init__(self, model: Model) -> None:
         low, high = size_range(model.sizes)

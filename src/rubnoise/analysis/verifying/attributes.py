@@ -126,7 +126,7 @@ def compare_attributes(
 
 
 def shown(value: Any) -> str:
-    """Return a value as text, cut where it is long."""
+    """Return a value as text, cut if it is long."""
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
 
@@ -199,7 +199,7 @@ def _environment(text: str, _subject: Subject) -> str | None:
 
 
 def clock_notes(provenance: Mapping[str, Scalar]) -> list[LeftOut]:
-    """Return a note where a run ended before it began: a clock that is set back is no fault of the file."""
+    """Return a note if a run ended before it began: a clock that is set back is no fault of the file."""
     begun, ended = (moment(str(provenance[name])) for name in ("started", "finished"))
     if begun is None or ended is None or ended >= begun:
         return []

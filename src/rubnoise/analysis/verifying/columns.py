@@ -63,7 +63,7 @@ def _seal_difference(run: HashedReader) -> Difference | None:
 
 
 OF_MOTION = ("birth_time", "death_time")
-"""Columns of /junctions that only its motion decides where a slider is coupled two ways."""
+"""Columns of /junctions that only its motion decides if a slider is coupled two ways."""
 
 
 def identity_check(model: Model, rows: Rows) -> Check:
@@ -143,7 +143,7 @@ def summary_check(model: Model, tally: Tally, stored: Mapping[str, object]) -> C
 
 
 def _compare(notes: Notes, name: str, found: object, right: float, allowed: float) -> None:
-    """Compare a figure with what it should be; where neither is a number, both are the same."""
+    """Compare a figure with what it should be; if neither is a number, both are the same."""
     if found is None:
         notes.say(f"/summary {name}", found="missing", expected=right)
         return

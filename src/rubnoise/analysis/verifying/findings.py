@@ -51,7 +51,7 @@ class Check:
 class Verification(Answer):
     """A result checked against its own hashes, rows and scenario, one row per check, in the order of ``checks``.
 
-    ``passed`` is true where every value is what it should be; ``left_out`` names what could not be checked, with the
+    ``passed`` is true if every value is what it should be; ``left_out`` names what could not be checked, with the
     reason; ``remark`` says what may explain a difference.
 
     >>> import rubnoise
@@ -100,7 +100,7 @@ class Notes:
     """The notes of one check. Rows of several columns may come in any order; the first row that differs is kept."""
 
     def __init__(self, name: str, of: str = "") -> None:
-        """Begin a check of a name; ``of`` is the file that places are in, where there are several."""
+        """Begin a check of a name; ``of`` is the file that places are in, if there are several."""
         self._name = name
         self._of = f"{of} " if of else ""
         self._values = 0

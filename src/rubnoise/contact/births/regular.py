@@ -40,7 +40,7 @@ class RegularBirths:
         return self.mean_spacing - after, after
 
     def places(self, first: float, number: NDArray[np.int64]) -> Doubles:
-        """Return where births lie in um that are so many after the first one, or before it where negative.
+        """Return where births lie in um that are so many after the first one, or before it if negative.
 
         Each from the first alone: spacings added up one by one would drift by their rounding, all the same way.
         """

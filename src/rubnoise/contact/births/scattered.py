@@ -17,7 +17,7 @@ from rubnoise.contact.deviates import exponential, normal_quantile
 from rubnoise.streams import Stream, generator, uniforms
 
 _CENTRES = 1024
-_WIDTHS = 4.0  # of a cell at least: where scatter is wide, a stretch would need many cells
+_WIDTHS = 4.0  # of a cell at least: if scatter is wide, a stretch would need many cells
 _FARTHEST = 8.3  # widths that the least and the largest uniform move a birth
 _REMEMBERED = 11.0  # sqrt 2 widths, as e-folds of a normal law: exp(-11^2/4) = 7e-14
 

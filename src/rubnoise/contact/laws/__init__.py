@@ -68,12 +68,12 @@ class Spread:
 
     @property
     def entry(self) -> LawEntry:
-        """The law's entry in the registry; that of one value where there is no spread."""
+        """The law's entry in the registry; that of one value if there is no spread."""
         entry = LAWS[self.law]
         return entry if self.absolute or self.relative or not entry.takes_spread else LAWS["fixed"]
 
     def std(self, centre: float) -> float:
-        """Return the standard deviation about a centre as given; 0 where the law takes none."""
+        """Return the standard deviation about a centre as given; 0 if the law takes none."""
         return self.relative * centre if self.relative is not None else self.absolute or 0.0
 
     def moment(self, centre: Any, power: int) -> Any:

@@ -24,7 +24,7 @@ class Exponential:
         return float(factorial(power) * Fraction(self.mean) ** power)
 
     def density(self, value: Doubles) -> Doubles:
-        """Return the density; 0 where x is not positive."""
+        """Return the density; 0 if x is not positive."""
         return np.where(value > 0.0, np.exp(-np.maximum(value, 0.0) / self.mean) / self.mean, 0.0)
 
     @property
@@ -56,7 +56,7 @@ class Gamma:
         return rounded_moment(gamma_moment, self.mean, self.std, power)
 
     def density(self, value: Doubles) -> Doubles:
-        """Return the density; 0 where x is not positive."""
+        """Return the density; 0 if x is not positive."""
         height, shape = _height_and_shape(self.mean, self.std)
         ratio = np.where(value > 0.0, value / self.mean, 1.0)
         below_peak = shape * (np.log(ratio) - (ratio - 1.0))

@@ -64,7 +64,7 @@ class LawEntry:
 
     ``make`` takes centre, standard deviation and the law's own parameters and returns the law; ``moment`` returns
     E[x^n] of the same with mpmath numbers. Parameters named in ``ascending`` have to grow in this order.
-    ``with_spread`` names the law to advise where this one is given a spread. A law with ``own_keys``, lists that are no
+    ``with_spread`` names the law to advise if this one is given a spread. A law with ``own_keys``, lists that are no
     parameters, is for diameters alone; those in ``optional`` may be left out.
     """
 

@@ -27,7 +27,7 @@ class Lognormal:
         return rounded_moment(lognormal_moment, self.mean, self.std, power)
 
     def density(self, value: Doubles) -> Doubles:
-        """Return the density; 0 where x is not positive."""
+        """Return the density; 0 if x is not positive."""
         median, log_std = self._median_and_log_std
         x = np.where(value > 0.0, value, median)
         z = np.log(x / median) / log_std

@@ -27,7 +27,7 @@ class Weibull:
         return rounded_moment(weibull_moment, self.mean, self.std, power)
 
     def density(self, value: Doubles) -> Doubles:
-        """Return the density; 0 where x is not positive."""
+        """Return the density; 0 if x is not positive."""
         scale, exponent = self._scale_and_exponent
         x = np.where(value > 0.0, value / scale, 1.0)
         grown = x ** (1.0 / exponent)

@@ -1,7 +1,7 @@
 """The force that the contact can bear as a function of distance, G(s) = sum psi_i A_i(s), over a range of cells.
 
 Cell i reaches from i h to (i + 1) h. Over whole cells three moments of G are all that is needed; they come from the
-kernels. Where the slider hardly moves, G itself is wanted at any place of one cell: the lives that neither begin, turn
+kernels. When the slider hardly moves, G itself is wanted at any place of one cell: the lives that neither begin, turn
 nor end in or near it are one polynomial there, and the few others are worked out one by one.
 """
 

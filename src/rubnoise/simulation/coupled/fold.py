@@ -21,7 +21,7 @@ from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import coupled_spacing
 
 Earlier = Callable[[float, float], LiveRows]
-"""All junctions that live between two distances (um), in order of birth: asked for where the slider runs far back."""
+"""All junctions that live between two distances (um), in order of birth: asked for when the slider runs far back."""
 
 FINER: Final = 0.125
 """Of the width of a cell elsewhere: the least of it for an over-damped slider."""
@@ -40,7 +40,7 @@ _ROOM_FOR_ROWS, _ROOM_FOR_LANDMARKS = 65_536, 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionRows:
-    """What came to be while the slider moved on: some ten thousand rows at most, where a step is not longer than that.
+    """What came to be while the slider moved on: some ten thousand rows at most, if a step is not longer than that.
 
     slider: columns time, distance, friction_force, displacement, velocity, phase, a row every tick/V from the run's
     row ``first_row`` on; landmarks: time, distance, kind, displacement, velocity, force_before, force_after; births and

@@ -82,7 +82,7 @@ _NOWHERE: Final = -(1 << 62)
 def next_border(part: Part, offset: float, way: float, width: float, limit: float) -> tuple[float, int]:
     """Return the next birth, mid-life, death or edge in a gathered cell, and the clock of a step to there.
 
-    limit: the edge (um), where it is nearer than the cell's own, ``width``.
+    limit: the edge (um), if it is nearer than the cell's own, ``width``.
     """
     _, _, near, count, _ = part
     size, least = len(near) // 4, _AT_ONCE * width
@@ -128,7 +128,7 @@ def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int
 def couples(constants: Doubles, size: float, u: float, weak: float) -> float:
     """Return k V h^2/(m u^3) + c h/(m u): by how much a pass over a step of a size h brings it nearer.
 
-    Where the second part is above ``weak``, the pass is one of Newton's for it, and it weakens the first.
+    If the second part is above ``weak``, the pass is one of Newton's for it, and it weakens the first.
     """
     per_speed = size / (constants[MASS] * u)
     back, drag = per_speed * (constants[STIFFNESS] * constants[DRIVE] * size / (u * u)), per_speed * constants[DAMPING]

@@ -52,7 +52,7 @@ def add_up(
     """Fill sums over the encounters in contact of the coefficients of their overlaps in time, z standing still.
 
     sums: weighed by k; shares: by strength; the coefficients of 1, t, t^2, then the sum of weights. powers: of their
-    products with their rates, weighed by k, where there is impact damping.
+    products with their rates, weighed by k, if there is impact damping.
     """
     sums[:4] = 0.0
     shares[:4] = 0.0
@@ -99,9 +99,9 @@ def load_of(
 
 @compiled_bare
 def turned(contacts: Doubles, count: int, which: int, s: float, z: float, w: float, constants: Doubles) -> float:
-    """Return the weight of an encounter whose overlap has stopped growing or shrinking; -1 where its rate stays 0.
+    """Return the weight of an encounter whose overlap has stopped growing or shrinking; -1 if its rate stays 0.
 
-    r' = -2 v^2 - z'' is lower with k = 1 than with e^2: it grows where even that is positive, shrinks where even the
+    r' = -2 v^2 - z'' is lower with k = 1 than with e^2: it grows if even that is positive, shrinks if even the
     other is negative, and stays between (Filippov, Differential Equations with Discontinuous Righthand Sides, 1988).
     """
     rest, overlap = 0.0, overlap_of(contacts, which, s, z)

@@ -107,7 +107,7 @@ class FreeRun:
         self.state = self._start() if state is None else state
 
     def through(self, ticks: int) -> Iterator[FreeRows]:
-        """Yield block by block up to a tick; raises RubnoiseError where the motion cannot go on."""
+        """Yield block by block up to a tick; raises RubnoiseError if the motion cannot go on."""
         last = ticks // self.surface.ticks
         while self.state.block <= last:
             left = ticks - self.state.block * self.surface.ticks

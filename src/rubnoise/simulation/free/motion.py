@@ -217,7 +217,7 @@ def _next_event(  # noqa: C901, PLR0912  (two loops of compiled code, which shar
     step: float,
     series: Doubles,
 ) -> tuple[int, int, float]:
-    """Return what happens first within a step, to which encounter, and when; -1 where the pool is not deep enough."""
+    """Return what happens first within a step, to which encounter, and when; -1 if the pool is not deep enough."""
     s, z, w, speed = numbers[S], numbers[Z], numbers[W], constants[SPEED]
     least, most, third, fourth = bounds(series, step)
     event, which, when = _NOTHING, -1, step

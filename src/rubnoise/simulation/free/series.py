@@ -137,7 +137,7 @@ def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
 
 @inlined
 def _ahead(f: float, slope: float, most: float) -> float:
-    """Return the smallest x > 0 at which f + slope x + most x^2/2 reaches 0 from f <= 0; 0 where it is there."""
+    """Return the smallest x > 0 at which f + slope x + most x^2/2 reaches 0 from f <= 0; 0 if it is there."""
     if f >= 0.0:
         if slope > 0.0:
             return 0.0
@@ -155,7 +155,7 @@ def _ahead(f: float, slope: float, most: float) -> float:
 def overlap_zero(
     overlap: float, ahead: float, speed: float, way: float, most: float, series: Doubles, step: float
 ) -> float:
-    """Return when an overlap reaches 0 from below (way 1) or from above (way -1) within a step; inf where it does not.
+    """Return when an overlap reaches 0 from below (way 1) or from above (way -1) within a step; inf if it does not.
 
     ahead: x - s at the start; most: the largest second derivative of way times the overlap.
     """

@@ -13,7 +13,7 @@ Which way is taken
 ==================
 
 h is the distance between positions. Errors are those of one life, largest over all phases. Costs are for each life and
-position, area alone and with moments, as multiples of the cheapest, which takes 0.7 ns where vectors have 512 bits.
+position, area alone and with moments, as multiples of the cheapest, which takes 0.7 ns if vectors have 512 bits.
 
 =================  ======================================  ====================================  ==========
 life               way                                     error                                 cost
@@ -36,8 +36,8 @@ centre line        moments by quadrature in cells near     5e-11, 1e-9 d^2
                    series (`off_centre_series`) elsewhere
 =================  ======================================  ====================================  ==========
 
-A life of few positions is not worth a series: its ends would meet. Where no life is fine, the passes of that way are
-left out; where few are coarse, only the cells are looked at in which they live. Areas that are not wanted, as over the
+A life of few positions is not worth a series: its ends would meet. If no life is fine, the passes of that way are
+left out; if few are coarse, only the cells are looked at in which they live. Areas that are not wanted, as over the
 cells of divided ticks, are not computed. The series of `fine` take most of the time of ordinary runs, and `coarse` that
 of coarse ticks: there the slider's step divides a tick, so that a life has some hundred cells however few ticks it has.
 

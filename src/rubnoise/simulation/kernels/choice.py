@@ -70,7 +70,7 @@ def deposit(
     """Add up lives of a shape, each with its weight, in order of birth.
 
     With the weight d^2 the total is the real contact area (um^2), with psi d^2 (MPa um^2) the friction force (uN). A
-    life counts while birth <= s < departure. ``scratch``: where moments are wanted; they hold until it is used again.
+    life counts while birth <= s < departure. ``scratch``: if moments are wanted; they hold until it is used again.
     ``areas``: whether the total is wanted.
     """
     size = grid.position.size
@@ -236,7 +236,7 @@ def _deposit_off_centre(
 def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:
     """Yield the rows by stretches between which nothing lives for long.
 
-    A few lives, as where some are coarser than others, should not cost a pass over all cells.
+    A few lives, as when some are coarser than others, should not cost a pass over all cells.
     """
     last_death = np.maximum.accumulate(rows.death)
     borders = np.flatnonzero(rows.birth[1:] - last_death[:-1] > _LONG * grid.spacing) + 1

@@ -56,8 +56,8 @@ def deposit_coarse_lives(
     there are eight positions more at least. birth, diameter, departure (um) and weight: one a junction, in order of
     birth; a life counts while birth <= s < departure, and departure is infinite while it goes on. total receives
     sum w a; moments (3 x positions, flat) the Legendre moments of it over the cell that ends at a position, divided by
-    ``unit`` (um); either may be empty. added: 1 where moments are added to, 0 where they are overwritten. gathered: six
-    times as long as position where moments are wanted, and zero; it is zero again afterwards.
+    ``unit`` (um); either may be empty. added: 1 if moments are added to, 0 if they are overwritten. gathered: six
+    times as long as position if moments are wanted, and zero; it is zero again afterwards.
     """
     edge = begin - 1 if len(moments) > 0 else begin
     edges = position[edge:end]

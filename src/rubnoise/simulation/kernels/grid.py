@@ -31,14 +31,14 @@ def first_at_or_after(positions: Doubles, distance: float) -> int:
 
 @inlined
 def per_um_of(positions: Doubles) -> float:
-    """Return how many positions there are to a um: roughly, where they are rounded or hardly any."""
+    """Return how many positions there are to a um: roughly, if they are rounded or hardly any."""
     count = len(positions)
     return (count - 1) / (positions[count - 1] - positions[0]) if count > 1 else 0.0
 
 
 @inlined
 def first_near(positions: Doubles, per_um: float, distance: float) -> int:
-    """Return what `first_at_or_after` does from a guess at it, which costs nothing but time where it is wrong."""
+    """Return what `first_at_or_after` does from a guess at it, which costs nothing but time if it is wrong."""
     count = len(positions)
     if count == 0 or positions[count - 1] < distance:
         return count

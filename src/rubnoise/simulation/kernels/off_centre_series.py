@@ -176,7 +176,7 @@ def _add_life(
             continue
         inverse = 1.0 / size
         lowest, highest = centre[MARGIN + begin] - spacing, centre[MARGIN + stop - 1] + spacing
-        # By eights from the first on, also where some weigh nothing: terms must not depend on where a run is cut.
+        # By eights from the first on, also if some weigh nothing: terms must not depend on where a run is cut.
         skipped = (begin + origin - first) // WIDTH * WIDTH
         for panel in range(first + skipped, stop + origin, WIDTH):
             terms = _terms(panel, min(panel + WIDTH, end) - 1, place, middle, aside)
@@ -223,7 +223,7 @@ def _add_panels(
     place = load(centre, MARGIN + panel)
     share = where_above(spread(lowest), place, where_above(place, spread(highest), spread(weight), nothing), nothing)
     x = ((place - spread(born)) - spread(half)) * spread(inverse_size)
-    # Where panels do not count, anything will do that is a number.
+    # When panels do not count, anything will do that is a number.
     p = larger(fused(x, x, spread(across * across)), spread(reach * reach))
     q = larger(one - p, spread(reach * reach))
     u = larger(one - root(p), nothing)

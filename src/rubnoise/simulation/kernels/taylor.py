@@ -88,7 +88,7 @@ def add_panels(
 ) -> None:
     """Add a life's series to those of its panels, from ``rise`` to ``fall``, that lie from ``low`` to ``high``.
 
-    They go by eights from ``rise`` on, also where the others weigh nothing: how many terms a panel has must not depend
+    They go by eights from ``rise`` on, also if the others weigh nothing: how many terms a panel has must not depend
     on where a run is cut. series: row by row the terms of the panels from ``bottom`` on.
     """
     one, two, nothing = spread(1.0), spread(2.0), spread(0.0)
