@@ -182,7 +182,7 @@ def _read_unit(text: str, number: str) -> Unit:
     if len(text) > MAX_UNIT_LENGTH:
         raise QuantityError(f"a unit of more than {MAX_UNIT_LENGTH} characters")
     if foreign := _FOREIGN.search(text):
-        raise QuantityError(f"the character {_shown(foreign[0])} has no place in a unit")
+        raise QuantityError(f"the character {_named_character(foreign[0])} has no place in a unit")
     if not _UNIT.fullmatch(text):
         raise QuantityError(f'"{text}" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"')
     for name in () if text in RATIOS else re.findall(_NAME, text):
@@ -282,7 +282,7 @@ def _split(text: str, kind: Kind) -> tuple[str, str]:
         raise QuantityError(f"a text of more than {_MAX_TEXT_LENGTH} characters", right_form)
     for pattern, message, hint in _TRAPS:
         if found := pattern.search(text):
-            raise QuantityError(message.format(_shown(found[0])), hint(text) if hint else right_form)
+            raise QuantityError(message.format(_named_character(found[0])), hint(text) if hint else right_form)
     match = _QUANTITY.fullmatch(text)
     if match is None:
         if re.fullmatch(NUMBER, text):
@@ -321,7 +321,7 @@ _TRAPS: tuple[tuple[re.Pattern[str], str, Hint | None], ...] = (
 )
 
 
-def _shown(character: str) -> str:
+def _named_character(character: str) -> str:
     return f"'{character}' (U+{ord(character[0]):04X})" if character.isprintable() else f"U+{ord(character[0]):04X}"
 
 

@@ -74,7 +74,7 @@ class Answer(ABC):
         return f"passed: {self._counts}" if self.passed else f"not passed: {', '.join(self.failing)} ({self._counts})"
 
     def _cells(self) -> list[tuple[str, ...]]:
-        return [tuple(_shown(row[name]) for name in self.names) for row in self.rows]
+        return [tuple(_as_cell(row[name]) for name in self.names) for row in self.rows]
 
     def __repr__(self) -> str:
         return "\n".join([self.heading, *as_text(self.names, self._cells()), self._verdict])
@@ -83,7 +83,7 @@ class Answer(ABC):
         return as_html(self.heading, self.names, self._cells(), self._verdict)
 
 
-def _shown(value: object) -> str:
+def _as_cell(value: object) -> str:
     if value is None:
         return ""
     if isinstance(value, bool):

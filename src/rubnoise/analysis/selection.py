@@ -190,7 +190,7 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
         alive = (chunk["birth_distance"] <= stop) & (chunk["death_distance"] >= start)
         found.append(np.flatnonzero(alive) + chunk.first)
     rows = np.concatenate(found)
-    return _read(file, rows[rows != number])
+    return _neighbours_in(file, rows[rows != number])
 
 
 def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None:
@@ -202,7 +202,7 @@ def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None
             raise RunFileRefused(f"/junctions is damaged: row {rows[first]} has the {name} {values[first]:g}")
 
 
-def _read(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
+def _neighbours_in(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
     names = ["birth_distance", "death_distance", "diameter"]
     names += [name for name in ("shear_strength", "lateral_offset") if name in file.columns["junctions"]]
     chunks = list(gather(file, rows, names))

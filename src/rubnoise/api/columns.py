@@ -151,7 +151,7 @@ class Column(NDArrayOperatorsMixin):
         """Read the whole column if arithmetic needs it (numpy's protocol)."""
         if any(isinstance(each, Column) for each in options.get("out", ())):
             return NotImplemented
-        return getattr(ufunc, method)(*map(_read, inputs), **options)
+        return getattr(ufunc, method)(*map(_as_arrays, inputs), **options)
 
     def __array_function__(self, function: Any, _types: Any, arguments: Any, options: Mapping[str, Any]) -> Any:
         """Read the whole column if one of numpy's functions needs it (numpy's protocol)."""
@@ -159,7 +159,7 @@ class Column(NDArrayOperatorsMixin):
             reduction = getattr(self, IN_PIECES[function])
             if options.keys() <= set(signature(reduction).parameters):
                 return reduction(**options)
-        return function(*map(_read, arguments), **{name: _read(value) for name, value in options.items()})
+        return function(*map(_as_arrays, arguments), **{name: _as_arrays(value) for name, value in options.items()})
 
     def sum(self) -> Any:
         """Return the sum; 0 without rows."""
@@ -276,8 +276,8 @@ IN_PIECES: Final[Mapping[Any, str]] = {
 """Functions of numpy that need not hold a whole column."""
 
 
-def _read(value: Any) -> Any:
+def _as_arrays(value: Any) -> Any:
     """Return a value with every column in it, or in a list of its values, as an array."""
     if isinstance(value, list | tuple):
-        return type(value)(map(_read, value))
+        return type(value)(map(_as_arrays, value))
     return value[:] if isinstance(value, Column) else value

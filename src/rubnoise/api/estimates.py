@@ -73,11 +73,11 @@ class PowerSpectrum:
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return density, standard error and, if theory knows it, the exact density, over the places."""
-        return _frame(*self._table())
+        return _frame(*self._labelled_columns())
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the same as an xarray Dataset with units."""
-        return _dataset(*self._table(), {"title": self.name})
+        return _dataset(*self._labelled_columns(), {"title": self.name})
 
     def plot(self) -> "Figure":
         """Draw the density with the exact one, if theory knows it, on logarithmic axes, and return the figure."""
@@ -88,7 +88,7 @@ class PowerSpectrum:
         labels = f"{place} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
         return drawn_estimate(self.place[1:], curves, labels, logarithmic=True)
 
-    def _table(self) -> tuple[str, str, Doubles, dict[str, tuple[Doubles, str]]]:
+    def _labelled_columns(self) -> tuple[str, str, Doubles, dict[str, tuple[Doubles, str]]]:
         columns = {"density": (self.density, self.units), "standard_error": (self.standard_error, self.units)}
         if self.exact is not None:
             columns["exact"] = (self.exact, self.units)

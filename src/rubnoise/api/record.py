@@ -100,7 +100,7 @@ class Record(MemoryRecord, Contents):
     def _called(self) -> str:
         return "the run in memory"
 
-    def _shown(self) -> tuple[str, Mapping[str, Columns]]:
+    def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
         title = self.scenario.title if self.scenario is not None else ""
         return f"a run in memory: {title}" if title else "a run in memory", self.groups_by_name()
 

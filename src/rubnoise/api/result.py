@@ -240,15 +240,15 @@ class Contents(ABC):
         """What messages call the run."""
 
     @abstractmethod
-    def _shown(self) -> tuple[str, Mapping[str, Columns]]:
+    def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
         """Return the line by which the run shows itself, and the groups that it lists below."""
 
     def __repr__(self) -> str:
-        heading, groups = self._shown()
+        heading, groups = self._heading_and_groups()
         return shortened([heading, *listed(groups)])
 
     def _repr_html_(self) -> str:
-        heading, groups = self._shown()
+        heading, groups = self._heading_and_groups()
         return as_html(heading, GROUP_HEADS if groups else (), group_rows(groups))
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
@@ -336,7 +336,7 @@ class Run(Opened, Contents):
         """Scenario, software, seed, command and times of the run."""
         return self._file.provenance
 
-    def _shown(self) -> tuple[str, Mapping[str, Columns]]:
+    def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
         if self._file.closed:
             return f"{self.path}: a run, closed", {}
         return f"{self.path}: {self.attributes['title']}", self._groups

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from rubnoise.scenario import Scenario
@@ -48,7 +47,9 @@ def example(name: str) -> Scenario:
     >>> rubnoise.example("paper/fig5").title
     'Figure 5: excitation force and vibration'
     """
-    return load_file(shipped_path(name))
+    from rubnoise.scenario.shipped import by_name
+
+    return load_file(by_name(name))
 
 
 def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
@@ -79,13 +80,6 @@ def examples() -> tuple[str, ...]:
     True
     """
     return shipped_names()
-
-
-def shipped_path(name: str) -> Path:
-    """Return the file of a name; raises Refused, with near names, for an unknown name."""
-    from rubnoise.scenario.shipped import by_name
-
-    return by_name(name)
 
 
 def _parted(override: str) -> tuple[str, str]:

@@ -64,10 +64,6 @@ PANELS: Final = {
 """The commands under the headings of --help."""
 
 
-def _panel(command: str) -> str:
-    return next(panel for panel, names in PANELS.items() if command in names)
-
-
 def program(names: Iterable[str] = COMMANDS) -> Typer:
     """Return the command line with some of its commands; the modules of the others are not imported."""
     app = Typer(
@@ -84,7 +80,8 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         module_name, _, function = COMMANDS[name].partition(".")
         module = import_module(f"rubnoise.cli.{module_name}")
         command = getattr(module, function)
-        settings = {"cls": Command, "rich_help_panel": _panel(name), **getattr(module, "SETTINGS", {})}
+        panel = next(panel for panel, names_of_panel in PANELS.items() if name in names_of_panel)
+        settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
         app.command(name, **settings)(command)
         for annotation in command.__annotations__.values():
             for about in getattr(annotation, "__metadata__", ()):

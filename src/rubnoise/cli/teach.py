@@ -40,14 +40,14 @@ def command(
 
     check_output(output, force=force)
     source = file or shipped("paper/fig5.toml")
-    scenario, record = _read(source)
+    scenario, record = _scenario_and_junctions(source)
     text = page(scenario.title or source.stem, settings_of(scenario), record)
     with whole_file(output, force=force) as part:
         part.write_text(text, encoding="utf-8")
     print(sentence(f"{output}: {size(output.stat().st_size)}; a browser opens it, with or without a network"))
 
 
-def _read(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":
+def _scenario_and_junctions(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":
     """Return the scenario, and of a finished result its junctions too."""
     from rubnoise import api
     from rubnoise.cli.loading import finished_run, is_result, scenario_of

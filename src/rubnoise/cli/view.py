@@ -64,14 +64,14 @@ def command(
             text, what = sweep_page(sweep, str(file)), f"{sweep.count('done'):,} runs"
     elif file.suffix == SUFFIX:
         with committed_run(file) as part:
-            text, what = _shown(RunView.of_part(part, ends, str(file)))
+            text, what = _page_and_stretch(RunView.of_part(part, ends, str(file)))
     else:
         with finished_run(file) as run:
-            text, what = _shown(RunView.of(Stretch.of(run, *ends), str(file)))
+            text, what = _page_and_stretch(RunView.of(Stretch.of(run, *ends), str(file)))
     with whole_file(path, force=force) as written:
         written.write_text(text, encoding="utf-8")
     print(sentence(f"{path}: {what}, {size(path.stat().st_size)}; a browser opens it, with or without a network"))
 
 
-def _shown(view: "RunView") -> tuple[str, str]:
+def _page_and_stretch(view: "RunView") -> tuple[str, str]:
     return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um"

@@ -73,7 +73,8 @@ def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
     values = motion.file.column(motion.group, motion.present(quantity.column), motion.first, last).astype(np.float64)
     if float(np.ptp(values)) <= NEAREST * quantity.still(motion):
         raise Refused(f"the {whose(heard)} does not vary in this stretch, so it has no histogram")
-    shown = quantity.scale * (values[values > 0.0] if _may_be_none(motion, heard) else values)
+    may_bear_nothing = heard == "load" and motion.model.free is not None
+    shown = quantity.scale * (values[values > 0.0] if may_bear_nothing else values)
     figure = new_figure(7.2, 3.6)
     add_title(figure, stretch, _title(heard, quantity.scale * values, motion))
     axes = figure.subplots(1, 2, sharex=True)
@@ -82,11 +83,6 @@ def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
     logarithmic(axes[1].yaxis)
     legend_above(axes[0])
     return figure
-
-
-def _may_be_none(motion: Motion, heard: Heard) -> bool:
-    """Whether there are times in which the slider bears nothing at all."""
-    return heard == "load" and motion.model.free is not None
 
 
 def _title(heard: Heard, values: Doubles, motion: Motion) -> str:

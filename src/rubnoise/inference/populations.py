@@ -56,15 +56,12 @@ class Population:
         return LAWS[self.name].make(centre, shape * centre, {})
 
 
-def _positive_part(shape: float) -> float:
-    return 0.5 * (1.0 + erf(1.0 / (shape * sqrt(2.0))))
-
-
 def _normal_mean(shape: float) -> float:
     """Return the mean of Normal(1, s), drawn again while not positive."""
     if shape == 0.0:
         return 1.0
-    return 1.0 + shape * exp(-0.5 / shape**2) / (sqrt(2.0 * pi) * _positive_part(shape))
+    positive = 0.5 * (1.0 + erf(1.0 / (shape * sqrt(2.0))))
+    return 1.0 + shape * exp(-0.5 / shape**2) / (sqrt(2.0 * pi) * positive)
 
 
 def _normal_moment(power: int, shape: float) -> float:

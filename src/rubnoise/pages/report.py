@@ -104,7 +104,9 @@ def sweep_report(sweep: SweepResult, between: Between) -> str:
         ),
         _section("Pictures", "".join(_studies(sweep, quantities, between))),
         _section("Every point", _points(sweep, quantities)),
-        _section("Failed runs", _failures(sweep)),
+        _section(
+            "Failed runs", "".join(f"<p>{escape(run.run_id)}: {escape(run.reason)}</p>" for run in sweep.failures)
+        ),
         _section("Scenario", f"<pre>{escape(str(origin['scenario_toml']))}</pre>"),
         _section("How to repeat this sweep", _repeat(origin, "rubnoise sweep scenario.toml -o folder", origin)),
     ]
@@ -124,7 +126,7 @@ def _paragraphs(sentences: Sequence[str]) -> str:
     return "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
 
 
-def _table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def _html_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in heading)
     body = "".join(
         f'<tr><th scope="row">{escape(row[0])}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in row[1:])}</tr>'
@@ -145,7 +147,7 @@ def _agreement(figures: Sequence[Agreement]) -> str:
         for each in figures
     ]
     note = "<p>The unit of an area is µm², of a force µN, of a length µm and of a velocity µm/s.</p>"
-    return _table(("figure", "measured", "exact", "standard error", "z"), rows) + note
+    return _html_table(("figure", "measured", "exact", "standard error", "z"), rows) + note
 
 
 def _normal_motion(file: Reader, model: Model) -> str:
@@ -160,7 +162,7 @@ def _normal_motion(file: Reader, model: Model) -> str:
         (number(frequency, 3), f"{level:.1f}", f"{known:.1f}" if isfinite(known) else "")
         for frequency, level, known in zip(heard.frequency, heard.level, exact, strict=True)
     ]
-    return _paragraphs([words]) + _table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
+    return _paragraphs([words]) + _html_table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
 
 
 def _picture(content: bytes, caption: str) -> str:
@@ -259,8 +261,4 @@ def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
             cells.append(f"{number(pooled.value, 5)}{reach}")
         rows.append(cells)
     heading = [*(key.rpartition(".")[2].replace("_", " ") for key in sweep.keys), *map(quantity_words, quantities)]
-    return _table(heading, rows)
-
-
-def _failures(sweep: SweepResult) -> str:
-    return "".join(f"<p>{escape(each.run_id)}: {escape(each.reason)}</p>" for each in sweep.failures)
+    return _html_table(heading, rows)

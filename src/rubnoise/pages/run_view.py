@@ -10,7 +10,6 @@ from math import ceil
 from typing import Any, Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.landmarks import Flights, StickSlip, first_landmark
 from rubnoise.analysis.selection import neighbours
@@ -146,7 +145,12 @@ class RunView:
         return {
             "first": first,
             "columns": {
-                column.name: _column_data(column, file.column(group, column.name, first, last)) for column in kept
+                column.name: {
+                    "units": column.units,
+                    "means": column.long_name,
+                    **packed(file.column(group, column.name, first, last)),
+                }
+                for column in kept
             },
         }
 
@@ -201,10 +205,6 @@ def _tick_bytes(stretch: Stretch) -> float:
 
 def _column(name: str) -> Dataset:
     return next(column for column in JUNCTIONS.columns if column.name == name)
-
-
-def _column_data(column: Dataset, values: NDArray[Any]) -> dict[str, Any]:
-    return {"units": column.units, "means": column.long_name, **packed(values)}
 
 
 def _units() -> dict[str, dict[str, int]]:

@@ -83,7 +83,7 @@ class Measure(Field):
         """Read a bare number in working units when it comes from Python, never from a file."""
         if info.context == FROM_PYTHON and is_of_pint(value):
             return self._within(self._of_pint(value))
-        number = self._number(value) if info.context == FROM_PYTHON else None
+        number = self._of_number(value) if info.context == FROM_PYTHON else None
         return self.read(value) if number is None else self._within(number)
 
     def read(self, value: Any) -> Quantity:
@@ -95,7 +95,7 @@ class Measure(Field):
             raise Unfit(*self._out_of_range(quantity))
         return quantity
 
-    def _number(self, value: Any) -> Quantity | None:
+    def _of_number(self, value: Any) -> Quantity | None:
         if isinstance(value, Quantity) and value.kind in self.kinds:
             return value
         if isinstance(value, bool) or not isinstance(value, (int, float)):

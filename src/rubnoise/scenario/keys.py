@@ -8,7 +8,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from rubnoise.contact.births import BIRTHS
-from rubnoise.contact.laws import LAWS, LawEntry
+from rubnoise.contact.laws import LAWS
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
 from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
@@ -106,7 +106,7 @@ def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
     for table, key in paths:
         about = SECTIONS[str(table)].model_fields.get(str(key)) if table in SECTIONS else None
         measure = next((each for each in about.metadata if isinstance(each, Measure)), None) if about else None
-        value = _table(layers, str(table)).get(str(key))
+        value = _table_or_empty(layers, str(table)).get(str(key))
         if measure is not None and isinstance(value, int | float) and not isinstance(value, bool):
             problems += _explained(layers, (table, key), "value_error", measure.refusal(value))
     return problems
@@ -161,7 +161,7 @@ def _suggestion(path: Path) -> str:
 
 def _rule_problems(layers: Layers) -> Iterator[Problem]:
     """What keys ask of one another, from what the file holds, whether or not their values are right."""
-    slider, sliding = (_table(layers, name) for name in ("slider", "sliding"))
+    slider, sliding = (_table_or_empty(layers, name) for name in ("slider", "sliding"))
     if isinstance(layers.data.get("slider"), dict):
         yield from _excitation_problems(layers, slider)
         if "strength" not in layers.data and slider.get("excitation") != "base":
@@ -175,7 +175,7 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
     if isinstance(layers.data.get("load"), dict):
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
-        if _table(layers, "interface").keys().isdisjoint({"load", "hardness"}):
+        if _table_or_empty(layers, "interface").keys().isdisjoint({"load", "hardness"}):
             yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
         yield from _loss_problems(layers)
     if isinstance(layers.data.get("interface", {}), dict):
@@ -192,7 +192,7 @@ def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
 
 
 def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
-    table = _table(layers, name)
+    table = _table_or_empty(layers, name)
     given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
     if len(given) > 1:
         yield _said_twice(layers, [(name, key) for key in given])
@@ -206,7 +206,7 @@ def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, nee
 
 def _loss_problems(layers: Layers) -> Iterator[Problem]:
     """Compare what a load that weighs loses with its motion."""
-    load = _table(layers, "load")
+    load = _table_or_empty(layers, "load")
     free = load.get("motion") == "free"
     yield from _one_of(layers, "load", DAMPINGS, needed=not free)
     if free:
@@ -262,13 +262,16 @@ def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Prob
 
 def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     """Compare the keys of a table with its law: those that the law needs, and those that would do nothing."""
-    table, about = _table(layers, name), SECTIONS[name].model_fields["law"]
+    table, about = _table_or_empty(layers, name), SECTIONS[name].model_fields["law"]
     law = table.get("law", about.default)
     entry = LAWS.get("fixed" if law == ONE_STRENGTH else law) if isinstance(law, str) else None
     if entry is None or not (table or SECTIONS[name] is Diameter):
         return
     taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys]
-    homes = {key: next(n for n, e in LAWS.items() if _takes(e, key)) for key in LAW_SAMPLES}
+    homes = {
+        key: next(law for law, entry in LAWS.items() if any(each.name == key for each in entry.parameters))
+        for key in LAW_SAMPLES
+    }
     if SECTIONS[name] is Diameter:
         homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
         yield from _unequal_lists(layers)
@@ -277,14 +280,14 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
 
 
 def _unequal_lists(layers: Layers) -> Iterator[Problem]:
-    weights, parts = (_table(layers, "diameter").get(key) for key in ("weights", "parts"))
+    weights, parts = (_table_or_empty(layers, "diameter").get(key) for key in ("weights", "parts"))
     if isinstance(weights, list | tuple) and isinstance(parts, list | tuple) and len(weights) != len(parts):
         message, path = f"{len(weights)} weights for {len(parts)} parts", ("diameter", "weights")
         yield Problem(path=path, message=message, place=layers.value_place(path), hint="one weight for each part")
 
 
 def _birth_problems(layers: Layers) -> Iterator[Problem]:
-    law = _table(layers, "birth").get("law", SECTIONS["birth"].model_fields["law"].default)
+    law = _table_or_empty(layers, "birth").get("law", SECTIONS["birth"].model_fields["law"].default)
     if isinstance(law, str) and law in BIRTHS:
         homes = {each.name: name for name, entry in BIRTHS.items() for each in entry.keys}
         yield from _own_keys(layers, "birth", law, [each.name for each in BIRTHS[law].keys], homes)
@@ -299,7 +302,7 @@ def _own_keys(
     optional: Collection[str] = (),
 ) -> Iterator[Problem]:
     """Refuse keys that a law does not take, with the law that does, and ask for those that it needs."""
-    table = _table(layers, name)
+    table = _table_or_empty(layers, name)
     for key, instead in homes.items():
         path = (name, key)
         if key in table and key not in taken:
@@ -310,13 +313,9 @@ def _own_keys(
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
 
 
-def _takes(entry: LawEntry, key: str) -> bool:
-    return any(each.name == key for each in entry.parameters)
-
-
 def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> Iterator[Problem]:
     """Refuse parameters that have to grow from one to the next and do not."""
-    table = _table(layers, name)
+    table = _table_or_empty(layers, name)
     for low, high in pairwise(ascending):
         least, most = table.get(low), table.get(high)
         if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
@@ -324,7 +323,7 @@ def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> It
             yield Problem(path=path, message=message, place=layers.value_place(path))
 
 
-def _table(layers: Layers, name: str) -> dict[str, Any]:
+def _table_or_empty(layers: Layers, name: str) -> dict[str, Any]:
     """Return a table; an empty one if there is none, or something else in its place."""
     table = layers.data.get(name)
     return table if isinstance(table, dict) else {}

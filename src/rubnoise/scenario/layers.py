@@ -128,13 +128,13 @@ class OptionSetting(Setting):
 
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
         """Return the value behind the option."""
-        return self._shown(len(self.name) + 1, None)
+        return self._place_between(len(self.name) + 1, None)
 
     def key_place(self, path: Path) -> Place:  # noqa: ARG002  (one key)
         """Return the option."""
-        return self._shown(0, len(self.name))
+        return self._place_between(0, len(self.name))
 
-    def _shown(self, start: int, end: int | None) -> Place:
+    def _place_between(self, start: int, end: int | None) -> Place:
         text = f"{self.name} {self._halves[1]}"
         return Place(source=self.name, line=0, text=text, start=start, end=end or len(text), rank=self.rank)
 
@@ -207,11 +207,11 @@ def _setting(text: str, rank: int) -> Setting:
 
 def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
     """Return a file's sources, basic first, and what is wrong with how they extend one another."""
-    sources, seen = [Source(name, _read(path, name))], [_identity(path)]
+    sources, seen = [Source(name, _text_of_file(path, name))], [_identity(path)]
     while isinstance(base := sources[0].data.get("extends"), str):
         path = _extended(path.parent, base)
         try:
-            text, identity = _read(path, base), _identity(path)
+            text, identity = _text_of_file(path, base), _identity(path)
         except ScenarioRefused as refusal:
             return sources, _not_extended(sources[0], str(refusal))
         if identity in seen:
@@ -247,7 +247,7 @@ def _identity(path: FilePath) -> str:
     return os.path.realpath(path)
 
 
-def _read(path: FilePath, name: str) -> str:
+def _text_of_file(path: FilePath, name: str) -> str:
     """Return the text of a regular file within the limits; raises ScenarioRefused."""
     try:
         content = read_at_most(path, limits.FILE_BYTES + 1)

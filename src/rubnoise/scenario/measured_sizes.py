@@ -53,11 +53,13 @@ def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Pro
         return given, [_wrong(given, key, f"a {key} needs a file", 'file = "sizes.csv"')]
     if "values" in table:
         return given, _unlike(given, table)
-    values, problems = _read(given, table, read)
+    values, problems = _sizes_of_file(given, table, read)
     return _filled(given, values), problems
 
 
-def _read(given: Layers, table: Mapping[str, Any], read: ReadSizes | None) -> tuple[Sequence[float], list[Problem]]:
+def _sizes_of_file(
+    given: Layers, table: Mapping[str, Any], read: ReadSizes | None
+) -> tuple[Sequence[float], list[Problem]]:
     """Return the values of a file, which lies relative to the scenario file that names it; or why there are none."""
     if not all(isinstance(table.get(key, ""), str) for key in ("file", "column", "hash")):
         return _STANDS_IN, []  # said where these keys are read

@@ -38,7 +38,7 @@ def _sweep() -> dict[str, Any]:
         "grid": _lists() | {"description": "Lists of values; every combination is a point."},
         "zip": _lists() | {"description": "Lists of equal length, in parallel."},
     }
-    return _table(properties) | {"description": "Many runs from one file: the values that vary."}
+    return _object_with(properties) | {"description": "Many runs from one file: the values that vary."}
 
 
 def _lists() -> dict[str, Any]:
@@ -47,10 +47,10 @@ def _lists() -> dict[str, Any]:
     for name, _, key in (known.partition(".") for known in known_keys()):
         items = {"$ref": f"#/$defs/{SECTIONS[name].__name__}/properties/{key}"}
         tables[name][key] = {"type": "array", "minItems": 1, "items": items}
-    return _table({name: _table(keys) for name, keys in tables.items() if keys})
+    return _object_with({name: _object_with(keys) for name, keys in tables.items() if keys})
 
 
-def _table(properties: dict[str, Any]) -> dict[str, Any]:
+def _object_with(properties: dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "additionalProperties": False, "properties": properties}
 
 

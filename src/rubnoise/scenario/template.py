@@ -88,11 +88,11 @@ def template() -> str:
     lines += [*_comment(EXTENDS), '#extends = "base.toml"']
     lines += _key("title", "", Document.model_fields["title"])
     for name, section in SECTIONS.items():
-        lines += ["", *_table(name, section)]
+        lines += ["", *_section_lines(name, section)]
     return "\n".join([*lines, "", *_sweep()]) + "\n"
 
 
-def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
+def _section_lines(name: str, section: type[Section] | Any) -> Iterator[str]:
     """Yield a table; one that may be left out is a comment as a whole."""
     optional = Document.model_fields[name].default is None
     off = optional and name not in WITH_SLIDER

@@ -18,18 +18,20 @@ def as_toml(path: Path) -> str:
 def text_of(scenario: Mapping[str, Any]) -> str:
     """Return the keys of a scenario as the text of a file."""
     top = [f"{key} = {toml_value(value)}" for key, value in scenario.items() if not isinstance(value, Mapping)]
-    tables = [line for name, table in scenario.items() if isinstance(table, Mapping) for line in _table(name, table)]
+    tables = [
+        line for name, table in scenario.items() if isinstance(table, Mapping) for line in _table_lines(name, table)
+    ]
     return "\n".join([*top, *tables]) + "\n"
 
 
-def _table(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+def _table_lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
     """Yield a table of keys with simple values, then the tables in it; no key needs quotes."""
     inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
     plain = {key: value for key, value in table.items() if key not in inner}
     if plain or not inner:
         yield from ("", f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in plain.items()))
     for key, value in inner.items():
-        yield from _table(f"{name}.{key}", value)
+        yield from _table_lines(f"{name}.{key}", value)
 
 
 _IN_A_LINE: Final = 32  # lines of a file have a length at most

@@ -96,7 +96,7 @@ class ColumnFile:
         for number, (before, mark) in enumerate(pairwise([Mark(rows=0, digest=b""), *marks])):
             if not before.rows <= mark.rows <= self._place.held:
                 return number
-            for chunk in self._read(before.rows, mark.rows):
+            for chunk in self._pieces(before.rows, mark.rows):
                 running.update(chunk.data)
             if running.digest() != mark.digest:
                 return number
@@ -129,7 +129,7 @@ class ColumnFile:
     def chunks(self, size: int, rows: int | None = None) -> Iterator[NDArray[Any]]:
         """Read the column back, or its first ``rows``, ``size`` rows at a time."""
         self.flush()
-        yield from self._read(0, self.rows if rows is None else rows, size)
+        yield from self._pieces(0, self.rows if rows is None else rows, size)
 
     def _append(self, data: Bytes) -> None:
         offset = self._bytes(self.rows_written)
@@ -176,7 +176,7 @@ class ColumnFile:
         """Return the hash of the rows so far, read once more if some were replaced."""
         if self._hash is None:
             running = xxhash.xxh3_128()
-            for chunk in self._read(0, self.rows_written):
+            for chunk in self._pieces(0, self.rows_written):
                 running.update(chunk.data)
             self._hash = running
         return self._hash
@@ -185,11 +185,11 @@ class ColumnFile:
         """Return the hash of the first rows, from the last mark on unless rows before it may have been replaced."""
         first, hashed = self._marked if self._hash is not None else (0, xxhash.xxh3_128())
         running = hashed.copy()
-        for chunk in self._read(first, rows):
+        for chunk in self._pieces(first, rows):
             running.update(chunk.data)
         return running
 
-    def _read(self, first: int, end: int, size: int | None = None) -> Iterator[NDArray[Any]]:
+    def _pieces(self, first: int, end: int, size: int | None = None) -> Iterator[NDArray[Any]]:
         size = size or PIECE_BYTES // self._dtype.itemsize
         for part in slices(first, end, size):
             chunk = np.empty(part.stop - part.start, dtype=self._dtype)

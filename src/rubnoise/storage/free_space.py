@@ -70,7 +70,7 @@ def _left_in_groups(root: Path) -> Iterator[int]:
     """Yield what each control group with a limit leaves; the pages of files in it can be dropped at any time."""
     for folder, version, most in _limits(root):
         _, used, prefix = _NAMES[version]
-        now = _number(folder / used)
+        now = _number_in_file(folder / used)
         if now is not None:
             counts = _numbers(folder / "memory.stat")
             droppable = counts.get(f"{prefix}inactive_file", 0) + counts.get(f"{prefix}active_file", 0)
@@ -87,7 +87,7 @@ _NAMES = {
 @cache
 def _limits(root: Path) -> tuple[tuple[Path, int, int], ...]:
     """Return folder, version and limit of the groups that have one; looked for once, as runs of a sweep are many."""
-    found = ((folder, version, _number(folder / _NAMES[version][0])) for folder, version in _groups(root))
+    found = ((folder, version, _number_in_file(folder / _NAMES[version][0])) for folder, version in _groups(root))
     return tuple((folder, version, most) for folder, version, most in found if most is not None and most < _NO_LIMIT)
 
 
@@ -118,7 +118,7 @@ def _numbers(path: Path) -> dict[str, int]:
     return {words[0]: int(words[1]) for words in entries if len(words) == 2}
 
 
-def _number(path: Path) -> int | None:
+def _number_in_file(path: Path) -> int | None:
     """Return the number that a file holds; None if it is missing or says "max"."""
     text = _text(path).strip()
     return int(text) if text.isdecimal() else None

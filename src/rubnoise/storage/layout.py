@@ -91,14 +91,10 @@ def stored_extent(rows: Mapping[str, int], features: frozenset[Feature]) -> Exte
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
     """Return the size of an uncompressed result file within a few kilobytes, its scenario not counted."""
     return STRUCTURE_BYTES + sum(
-        row_count(group, extent) * np.dtype(column.dtype).itemsize for group, column in _all_columns(features)
+        row_count(group, extent) * np.dtype(column.dtype).itemsize
+        for group in stored_groups(features)
+        for column in stored_columns(group, features)
     )
-
-
-def _all_columns(features: frozenset[Feature]) -> Iterator[tuple[Group, Dataset]]:
-    for group in stored_groups(features):
-        for column in stored_columns(group, features):
-            yield group, column
 
 
 DTYPES: Final = {(group.name, column.name): column.dtype for group in GROUPS for column in group.columns}

@@ -72,7 +72,7 @@ class Piece:
         """Read the rows."""
         self._layout, self._rows = table.layout, rows
         self.numbers = [number for number, _ in rows]
-        self.values = _read(table, rows)
+        self.values = _parsed_rows(table, rows)
         self._path = table.path
 
     def column(self, number: int) -> Doubles:
@@ -92,7 +92,7 @@ class Piece:
         return (max if any(each[2] for each in digits) else min)(powers, default=0.0)
 
 
-def _read(table: TextTable, rows: Sequence[Line]) -> Doubles:
+def _parsed_rows(table: TextTable, rows: Sequence[Line]) -> Doubles:
     layout = table.layout
     texts = [text for _, text in rows]
     if texts[0].count(layout.separator) == len(layout.heads):  # one more behind the last cell

@@ -115,10 +115,10 @@ def _changes(kept: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:
     # The tick comes last, since without one in the file it follows from the others.
     for key in sorted(before.keys() | now.keys(), key=lambda key: (key == "output.tick", key)):
         if key not in swept and before.get(key) != now.get(key):
-            yield f"{key} is {_shown(before.get(key))} there, and {_shown(now.get(key))} here"
+            yield f"{key} is {_or_not_given(before.get(key))} there, and {_or_not_given(now.get(key))} here"
 
 
-def _shown(value: Any) -> str:
+def _or_not_given(value: Any) -> str:
     return "not given" if value is None else str(value)
 
 

@@ -97,7 +97,7 @@ def greenwood_williamson(
         return 4.0 / 3.0 * whole * stiff * sqrt(r) * s**1.5 * height_integral(heights, 1.5, h)
 
     if load is None:
-        h = _number("separation", separation, LENGTH) / s
+        h = _in_working_unit("separation", separation, LENGTH) / s
     else:
         h = _separation_of(_positive("load", load, FORCE), load_at, 0.0 if heights == "exponential" else -_FARTHEST)
     if heights == "exponential" and h < 0.0:
@@ -123,13 +123,13 @@ def _separation_of(load: float, load_at: Any, least: float) -> float:
 
 
 def _positive(name: str, value: Any, kind: Any) -> float:
-    number = _number(name, value, kind)
+    number = _in_working_unit(name, value, kind)
     if not 0.0 < number < inf:
         raise Refused(f"{name}: must be above 0")
     return number
 
 
-def _number(name: str, value: Any, kind: Any) -> float:
+def _in_working_unit(name: str, value: Any, kind: Any) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
     try:

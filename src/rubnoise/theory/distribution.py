@@ -35,14 +35,10 @@ def pair_area(live: LiveArea) -> tuple[Piecewise, Piecewise]:
     From 0 to twice the largest area; within 1e-11 of their largest values, but for the density within 1e-9 of the
     largest area of equal sizes, where it has a cusp of power 2/3 (1e-6).
     """
-    breaks = _breaks(live)
+    # Every second break is as close as this rule needs them.
+    breaks = np.union1d([0.0, live.breaks[0]], live.breaks[::-2])
     edges = np.unique(np.cbrt(np.append(breaks, 2.0 * breaks)))
     return _adapted(lambda t: _pair(live, breaks, t**3), edges, _LOOSER if live.rise.infinite else _TOLERANCE)
-
-
-def _breaks(live: LiveArea) -> Doubles:
-    """Return 0 and every second break, both ends among them, which is as close as this rule needs them."""
-    return np.union1d([0.0, live.breaks[0]], live.breaks[::-2])
 
 
 def _pair(live: LiveArea, breaks: Doubles, area: Doubles) -> Doubles:

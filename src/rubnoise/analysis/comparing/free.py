@@ -70,13 +70,13 @@ def free_comparison(model: Model, free: FreeSeparation, rows: Rows, bound: float
     e^2 H A <= P <= H A with a restitution e, the same from a restitution of 1 on; live_overlap = s_0 (A/A_rm) (N/n);
     F = psi A for one strength; and the mean of P, less the momentum m [z'] + c [z] that a stretch has gained, is W.
     """
-    seen = _read(model, free, rows)
+    seen = _sums_of(model, free, rows)
     found: list[Finding] = [*_identities(model, free, seen), *_momentum(model, free, seen)]
     found.append(LeftOut(name="everything else", reason=SILENT))
     return comparison((Findings(heading="load", found=tuple(found)),), bound)
 
 
-def _read(model: Model, free: FreeSeparation, rows: Rows) -> _FreeSums:
+def _sums_of(model: Model, free: FreeSeparation, rows: Rows) -> _FreeSums:
     seen, ticks, held, length = _FreeSums(), 0, free.held, _length(rows)
     psi = model.strengths.mean if isinstance(model.strengths, Fixed) else None
     alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area

@@ -45,7 +45,7 @@ def load_findings(model: Model, rows: Rows) -> list[Finding]:
     if model.separation is None:
         return []
     first = first_still_tick(model)
-    seen = _read(model, model.separation, rows, first)
+    seen = _moments_from(model, model.separation, rows, first)
     drive = drive_of(separation_of(model))
     needed = first * model.tick + max(FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed, needed_for_mean(model))
     identities = _identities(model, model.separation, seen)
@@ -68,7 +68,7 @@ class _LoadMoments:
             self.moments.setdefault(name, Moments(powers=2)).add(values[skipped:])
 
 
-def _read(model: Model, held: Separation, rows: Rows, first: int) -> _LoadMoments:
+def _moments_from(model: Model, held: Separation, rows: Rows, first: int) -> _LoadMoments:
     seen, ticks = _LoadMoments(), 0
     psi = model.strengths.mean if isinstance(model.strengths, Fixed) else None
     alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area

@@ -48,7 +48,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     needed = first * model.tick + max(decays, needed_for_mean(model))
     if model.distance < needed:
         return [too_short("displacement", needed)]
-    return _figures(model, exact, *_read(rows, first * model.tick))
+    return _figures(model, exact, *_moments_from(rows, first * model.tick))
 
 
 def first_tick(model: Model, exact: Response) -> int:
@@ -67,7 +67,7 @@ def _forgetting(model: Model, exact: Response) -> float:
     return slowest_decay(model.slider) * log((1.0 + away / spread) / FORGOTTEN)
 
 
-def _read(rows: Rows, begin: float) -> tuple[Moments, Moments]:
+def _moments_from(rows: Rows, begin: float) -> tuple[Moments, Moments]:
     """Return the moments of displacement (um) and velocity (um/s) in the rows from a distance (um) on."""
     place, speed = Moments(powers=2), Moments(powers=2)
     for columns in checked_chunks(rows, "slider", ("distance", "displacement", "velocity")):
@@ -116,7 +116,7 @@ class Path:
             raise RunFileRefused("/balance is damaged: it has one row of finite numbers, and a time above 0")
         self.balance = Balance.of(model, {name: float(each[0]) for name, each in row.items()})
         self.sticks, self.time_stuck = 0, 0.0
-        turns = [self._read(columns) for columns in _landmark_pairs(rows)]
+        turns = [self._count_sticks(columns) for columns in _landmark_pairs(rows)]
         self.turns: Doubles = np.concatenate([np.empty((2, 0)), *turns], axis=1)
         self._work = FrictionIntegral(model.pulse, np.maximum([self.balance.distance, *self.turns.ravel()], 0.0))
 
@@ -137,7 +137,7 @@ class Path:
         begin, end = self._work.at_places()[1:].reshape(2, -1)
         return float((begin - end).sum())
 
-    def _read(self, columns: dict[str, NDArray[Any]]) -> Doubles:
+    def _count_sticks(self, columns: dict[str, NDArray[Any]]) -> Doubles:
         """Count sticks among landmarks, each with the one after it, and return begins and ends of reversals in um."""
         kind, time, distance = columns["kind"][:-1], columns["time"], columns["distance"]
         stuck = np.diff(time)[kind == LandmarkKind.STICK]

@@ -44,11 +44,6 @@ Polynomial = list[Fraction]
 """Coefficients of 1, q, q^2, ..."""
 
 
-def _nodes() -> list[Fraction]:
-    """Return the roots of P_8(2q - 1), in order."""
-    return [(1 - z) / 2 for z in _HALF] + [(1 + z) / 2 for z in reversed(_HALF)]
-
-
 def _times(one: Polynomial, other: Polynomial) -> Polynomial:
     product = [Fraction(0)] * (len(one) + len(other) - 1)
     for i, a in enumerate(one):
@@ -97,8 +92,9 @@ def _in_z(polynomial: Polynomial) -> Polynomial:
     return found[: len(polynomial)]
 
 
-def _table() -> NDArray[np.float64]:
-    nodes, legendre = _nodes(), _legendre(NODES)
+def _all_matrices() -> NDArray[np.float64]:
+    nodes = [(1 - z) / 2 for z in _HALF] + [(1 + z) / 2 for z in reversed(_HALF)]  # roots of P_8(2q - 1), in order
+    legendre = _legendre(NODES)
     basis = [_through(nodes, j) for j in range(NODES)]
     areas = [_integrated(polynomial) for polynomial in basis]
     weights = [_value(area, Fraction(1)) for area in areas]
@@ -115,7 +111,7 @@ def _table() -> NDArray[np.float64]:
     return np.array([float(number) for number in numbers])
 
 
-TABLE: Final = _table()
+TABLE: Final = _all_matrices()
 """All matrices, one after the other."""
 
 
