@@ -17,10 +17,9 @@ from pydantic_core import PydanticUndefined
 from scipy.stats import t as student
 
 from rubnoise.scenario.document import Document
-from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
+from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number, Parts, Sizes
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.limits import TITLE_CHARACTERS
-from rubnoise.scenario.lists import Parts, Sizes
 from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 

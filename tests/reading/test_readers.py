@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import rubnoise
+from rubnoise.storage.read_structure import INTERVENTION
 from rubnoise.storage.schema import LANDMARKS
-from rubnoise.storage.seal import INTERVENTION
 from tests.docs.test_plain_words import listed
 
 # The file that the page is about, made by the program as it is.

@@ -9,10 +9,9 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused, RunStopped
-from rubnoise.scenario.lists import MOST
-from rubnoise.scenario.measured_sizes import hash_of
+from rubnoise.scenario.fields import MOST
 from rubnoise.scenario.points import run_id
-from rubnoise.scenario.reading import loads
+from rubnoise.scenario.reading import hash_of, loads
 from rubnoise.simulation import draws
 from rubnoise.storage import writer
 from tests.cli.terminal import call

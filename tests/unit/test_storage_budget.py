@@ -13,7 +13,7 @@ from rubnoise.api.running import run, simulate
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario import Scenario, loads
 from rubnoise.simulation.cost import PROGRAM_BYTES
-from rubnoise.storage import forecast, free_space
+from rubnoise.storage import forecast
 from rubnoise.storage.forecast import (
     Budget,
     check_disk_space,
@@ -21,9 +21,11 @@ from rubnoise.storage.forecast import (
     check_sweep_space,
     counted,
     expected,
+    free_disk_bytes,
+    free_memory_bytes,
+    memory_in_use,
     together,
 )
-from rubnoise.storage.free_space import free_disk_bytes, free_memory_bytes, memory_in_use
 from tests.unit.scenarios import BARE, WHOLE, whole
 
 # The forecast of a run: a run that does not fit on this machine is refused with the keys to change.
@@ -265,7 +267,7 @@ def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def _left(machine: Path) -> int | None:
-    free_space._limits.cache_clear()  # a process keeps the limits that it finds first
+    forecast._limits.cache_clear()  # a process keeps the limits that it finds first
     return free_memory_bytes(machine)
 
 

@@ -17,8 +17,8 @@ from rubnoise.analysis.verifying.attributes import INDEX_RULES, compare_attribut
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.analysis.verifying.origin import asked_by
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
-from rubnoise.scenario.measured_sizes import stored_sizes
 from rubnoise.scenario.points import Case, Point, points_of
+from rubnoise.scenario.reading import stored_sizes
 from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Sweep, loads_sweep

@@ -13,8 +13,7 @@ from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, spread_of
-from rubnoise.scenario.under_load import load_problems
+from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, load_problems, model_of, spread_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")

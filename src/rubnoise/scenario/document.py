@@ -8,8 +8,7 @@ from pydantic import Field as About
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import limits
-from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
-from rubnoise.scenario.lists import Parts, Sizes
+from rubnoise.scenario.fields import Choice, Line, Measure, Number, Parts, Range, Sizes
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, FORCE, INVERSE_SPEED, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 

@@ -13,7 +13,7 @@ from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
 from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.under_load import FREE_MOTION, completed
+from rubnoise.scenario.scenario import FREE_MOTION, completed
 
 SECTIONS: dict[str, type[BaseModel]] = {
     name: kind

@@ -7,10 +7,9 @@ from typing import Any, Final
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
-from rubnoise.scenario.measured_sizes import ReadSizes, stored_sizes
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
-from rubnoise.scenario.reading import examined, replaced
+from rubnoise.scenario.reading import ReadSizes, examined, replaced, stored_sizes
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import PointOverlay, Sweep

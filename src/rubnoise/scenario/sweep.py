@@ -12,10 +12,9 @@ from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import layers
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Overlay
-from rubnoise.scenario.measured_sizes import ReadSizes
 from rubnoise.scenario.points import Case, Point, points_of, run_id
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
-from rubnoise.scenario.reading import examined, load
+from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_table import ONE_WAY_ONLY, QUANTITIES, Axis, Keep, Precision, Table, read_table
 

@@ -1,7 +1,7 @@
 """The index of a sweep as HDF5: one row a run, and the traces of like runs seen as one array."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -12,10 +12,12 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.arrays import slices
+from rubnoise.errors import RunFileRefused
 from rubnoise.storage.layout import stored_columns
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.provenance import now, package_version
-from rubnoise.storage.schema import CONVENTIONS, HASH, LOAD, SLIDER, TRACE, Dataset, Feature, Group
+from rubnoise.storage.read_structure import has_hard_link, read_attribute, read_integer, read_text, sound_group
+from rubnoise.storage.schema import CONVENTIONS, HASH, LOAD, SLIDER, TRACE, Dataset, Feature, Group, Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text, text_bytes
 
 FORMAT: Final = "rubnoise-sweep"
@@ -236,3 +238,43 @@ def _put_hash(dataset: h5py.Dataset) -> None:
     for part in slices(0, dataset.shape[0], ROWS_AT_ONCE):
         digest.update(np.ascontiguousarray(dataset[part]).data)
     put_text(dataset, HASH, digest.hexdigest())
+
+
+def index_structure(file: h5py.File, size: int) -> dict[str, Any]:
+    """Return where the columns of an index lie and what its attributes say; raises RunFileRefused for one unsound."""
+    version = read_integer(file, "format_version")
+    if version > FORMAT_VERSION:
+        return {"too_new": version, "source": read_text(file, "source")}
+    attributes: dict[str, Scalar] = {name: read_text(file, name) for name in TEXTS}
+    groups = {name: dict(_index_columns(sound_group(file, name), size)) for name in (POINTS, RUNS)}
+    if has_hard_link(file, SUMMARIES):
+        groups[SUMMARIES] = dict(_index_columns(sound_group(file, SUMMARIES), size))
+    seal = read_text(file, HASH) if h5py.h5a.exists(file.id, HASH.encode()) else None
+    return {"index": attributes, "columns": groups, "seal": seal}
+
+
+def _index_columns(owner: h5py.Group, size: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    for name in owner:
+        yield name, _index_column(owner, name, size)
+
+
+def _index_column(owner: h5py.Group, name: str, size: int) -> dict[str, Any]:
+    path = f"{owner.name}/{name}"
+    dataset = owner[name] if has_hard_link(owner, name) else None
+    if not isinstance(dataset, h5py.Dataset) or not dataset.ndim:
+        raise RunFileRefused(f"{path} is no column")
+    creation, kind = dataset.id.get_create_plist(), dataset.dtype
+    if creation.get_layout() != h5py.h5d.CONTIGUOUS or creation.get_external_count() or not _is_plain(kind):
+        raise RunFileRefused(f"{path} is not stored as an index stores it")
+    offset = dataset.id.get_offset() or 0
+    if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= size - offset:
+        raise RunFileRefused(f"{path} has rows that are not in the file")
+    attributes = {
+        about: read_attribute(dataset, about) for about in ("units", "long_name", HASH) if about in dataset.attrs
+    }
+    return {"offset": offset, "shape": list(dataset.shape), "dtype": kind.str} | attributes
+
+
+def _is_plain(kind: Any) -> bool:
+    """Whether values are doubles, whole numbers of 64 bits or texts of fixed length."""
+    return kind.str in {"<f8", "<i8"} or (kind.kind == "S" and not kind.names and kind.itemsize > 0)

@@ -13,11 +13,10 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.checks import ATTRIBUTE_BYTES
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
 from rubnoise.storage.layout import Name, RunDescription
 from rubnoise.storage.pages import PagedFile
-from rubnoise.storage.read_structure import structure_read_by
+from rubnoise.storage.read_structure import ATTRIBUTE_BYTES, structure_read_by
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, put_text
 

@@ -9,7 +9,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import read_at_most
-from rubnoise.scenario.lists import MOST
+from rubnoise.scenario.fields import MOST
 from rubnoise.storage.measured import HDF5, pieces_of_dataset, refusing_files
 from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import check_values, chosen_column

@@ -6,20 +6,175 @@ process has just made the file itself. Everything is asked for by name, and chec
 
 import json
 import os
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Final
 
 import h5py
+import numpy as np
+import xxhash
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage import index
-from rubnoise.storage.checks import has_hard_link, read_attribute, read_integer, read_text, sound_dataset, sound_group
-from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, TEXTS
 from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.rows import REMEDY
-from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Dataset, Feature, Scalar
-from rubnoise.storage.seal import read_provenance, read_root, read_seal, read_summary
+from rubnoise.storage.schema import CHUNK_ROWS, FORMAT, FORMAT_VERSION, HASH, Dataset, Feature, Scalar
+
+ROOT_ATTRIBUTES: Final = ("Conventions", "format", "format_version", "title", "source", "junction_area_formula")
+PROVENANCE_TEXTS: Final = (
+    "scenario_toml",
+    "scenario_resolved",
+    "software",
+    "environment",
+    "propagator_constants",
+    "command",
+    "started",
+    "finished",
+)
+INTERVENTION: Final = "intervention"
+"""What only a run has whose lives were ended from outside: the name of the function."""
+
+PROVENANCE_NUMBERS: Final = ("seed", "stream_version", "calibrated_diameter")
+
+
+def read_root(file: h5py.File) -> dict[str, Scalar]:
+    """Return the attributes of the root by name; raises RunFileRefused if one is missing or no plain value."""
+    return {name: read_attribute(file, name) for name in ROOT_ATTRIBUTES}
+
+
+def read_summary(file: h5py.File) -> dict[str, Scalar]:
+    """Return the figures of /summary by name; raises RunFileRefused for one that is no plain value."""
+    group = sound_group(file, "summary")
+    count = h5py.h5a.get_num_attrs(group.id)
+    if count > ATTRIBUTES_LIMIT:
+        raise RunFileRefused(f"/summary has {count} attributes")
+    return {name: read_attribute(group, name) for name in group.attrs if name != "NX_class"}
+
+
+def read_provenance(file: h5py.File) -> dict[str, Scalar]:
+    """Return the attributes of /provenance by name; raises RunFileRefused if one is missing or no plain value."""
+    group = sound_group(file, "provenance")
+    names = [*PROVENANCE_TEXTS, *[INTERVENTION] * h5py.h5a.exists(group.id, INTERVENTION.encode())]
+    texts: dict[str, Scalar] = {name: read_text(group, name) for name in names}
+    return texts | {name: read_attribute(group, name) for name in PROVENANCE_NUMBERS}
+
+
+def read_seal(file: h5py.File) -> str | None:
+    """Return the hash that a file keeps of its attributes; None if it has none."""
+    group = sound_group(file, "provenance")
+    return read_text(group, HASH) if h5py.h5a.exists(group.id, HASH.encode()) else None
+
+
+def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
+    """Return the xxh3_128 of what a file says of itself, in hexadecimal: that of a JSON text of the three.
+
+    Names are sorted, characters beyond ASCII are escaped, and numbers have the digits that bring back their bits.
+    """
+    text = json.dumps([root, summary, provenance], sort_keys=True, separators=(",", ":"))
+    return xxhash.xxh3_128_hexdigest(text.encode())
+
+
+ATTRIBUTE_BYTES = 1 << 22
+ATTRIBUTES_LIMIT = 256
+LINKS_LIMIT = 256
+"""More of either is in no file of ours; some room is left for what others add to it."""
+
+DEFLATE_RATIO = 1032
+"""The most that deflate can expand: more rows than that were never in the file."""
+
+
+def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
+    """Return a group held by a hard link; raises RunFileRefused otherwise."""
+    found = owner[name] if has_hard_link(owner, name) else None
+    if not isinstance(found, h5py.Group):
+        raise RunFileRefused(f"/{name} is missing")
+    if found.id.get_num_objs() > LINKS_LIMIT:
+        raise RunFileRefused(f"/{name} holds {found.id.get_num_objs()} objects")
+    return found
+
+
+def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> h5py.Dataset:
+    """Return the dataset of a column, its type, shape and storage as the schema has them.
+
+    Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
+    shuffle and deflate, more rows than the file's bytes can hold.
+    """
+    path = f"{owner.name}/{column.name}"
+    dataset = owner[column.name] if has_hard_link(owner, column.name) else None
+    if not isinstance(dataset, h5py.Dataset):
+        raise RunFileRefused(f"{path} is missing")
+    _check_layout(dataset, path)
+    if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
+        raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
+    if not (_is_contiguous(dataset, file_size) or _is_gzip(dataset, file_size)):
+        raise RunFileRefused(f"{path} is not stored as a run file stores it")
+    return dataset
+
+
+def read_attribute(owner: h5py.HLObject, name: str) -> Scalar:
+    """Return a scalar attribute: text of fixed length, an integer or a double; raises RunFileRefused otherwise."""
+    raw = name.encode()
+    if not h5py.h5a.exists(owner.id, raw):
+        raise RunFileRefused(f"{owner.name} attribute {name} is missing")
+    attribute = h5py.h5a.open(owner.id, raw)
+    kind = attribute.get_type()
+    if attribute.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not _is_plain(kind):
+        raise RunFileRefused(f"{owner.name} attribute {name} is not a plain number or text")
+    value = np.empty((), dtype=kind.dtype)
+    attribute.read(value)  # by HDF5's own call: h5py's takes longer than all the rest of opening a file
+    return value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
+
+
+def read_text(owner: h5py.HLObject, name: str) -> str:
+    """Return a text attribute; raises RunFileRefused for a number."""
+    value = read_attribute(owner, name)
+    if not isinstance(value, str):
+        raise RunFileRefused(f"{owner.name} attribute {name} is not a text")
+    return value
+
+
+def read_integer(owner: h5py.HLObject, name: str) -> int:
+    """Return an integer attribute; raises RunFileRefused for anything else."""
+    value = read_attribute(owner, name)
+    if not isinstance(value, int):
+        raise RunFileRefused(f"{owner.name} attribute {name} is not an integer")
+    return value
+
+
+def has_hard_link(owner: h5py.Group, name: str) -> bool:
+    """Return whether a group itself holds an object of this name, not a link to elsewhere."""
+    raw = name.encode()
+    return bool(owner.id.links.exists(raw)) and bool(owner.id.links.get_info(raw).type == h5py.h5l.TYPE_HARD)
+
+
+def _is_plain(kind: h5py.h5t.TypeID) -> bool:
+    if isinstance(kind, h5py.h5t.TypeStringID):
+        return not kind.is_variable_str()
+    return isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
+
+
+def _check_layout(dataset: h5py.Dataset, path: str) -> None:
+    """Look at the layout before the shape: that of a virtual dataset may be found in other files only."""
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
+        raise RunFileRefused(f"{path} is not stored as a run file stores it")
+
+
+def _is_contiguous(dataset: h5py.Dataset, file_size: int) -> bool:
+    if dataset.id.get_create_plist().get_layout() != h5py.h5d.CONTIGUOUS:
+        return False
+    offset = dataset.id.get_offset() or 0
+    return dataset.size == 0 or bool(dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset)
+
+
+def _is_gzip(dataset: h5py.Dataset, file_size: int) -> bool:
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() != h5py.h5d.CHUNKED or creation.get_chunk() != (min(dataset.size, CHUNK_ROWS),):
+        return False
+    filters = [creation.get_filter(i)[0] for i in range(creation.get_nfilters())]
+    stored = dataset.id.get_storage_size()
+    return filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE] and bool(
+        dataset.nbytes <= DEFLATE_RATIO * stored <= DEFLATE_RATIO * file_size
+    )
 
 
 def read_structure(descriptor: int) -> bytes:
@@ -39,7 +194,11 @@ def structure_read_by(descriptor: int, find: Callable[[h5py.File], dict[str, Any
 
 def found_in(file: h5py.File, size: int) -> dict[str, Any]:
     """Return what there is in a file of so many bytes; raises RunFileRefused and whatever HDF5 raises."""
-    if _format(file) == index.FORMAT:
+    # Loaded already by who looks: the sandbox can open no file.
+    from rubnoise.storage.index import FORMAT as INDEX
+    from rubnoise.storage.index import index_structure
+
+    if _format(file) == INDEX:
         return index_structure(file, size)
     version = _version(file)
     if version > FORMAT_VERSION:
@@ -142,43 +301,3 @@ def _reason(problem: Exception) -> str:
         return str(problem)
     what = "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
     return f"{what}; {REMEDY}"
-
-
-def index_structure(file: h5py.File, size: int) -> dict[str, Any]:
-    """Return where the columns of an index lie and what its attributes say; raises RunFileRefused for one unsound."""
-    version = read_integer(file, "format_version")
-    if version > index.FORMAT_VERSION:
-        return {"too_new": version, "source": read_text(file, "source")}
-    attributes: dict[str, Scalar] = {name: read_text(file, name) for name in TEXTS}
-    groups = {name: dict(_index_columns(sound_group(file, name), size)) for name in (POINTS, RUNS)}
-    if has_hard_link(file, SUMMARIES):
-        groups[SUMMARIES] = dict(_index_columns(sound_group(file, SUMMARIES), size))
-    seal = read_text(file, HASH) if h5py.h5a.exists(file.id, HASH.encode()) else None
-    return {"index": attributes, "columns": groups, "seal": seal}
-
-
-def _index_columns(owner: h5py.Group, size: int) -> Iterator[tuple[str, dict[str, Any]]]:
-    for name in owner:
-        yield name, _index_column(owner, name, size)
-
-
-def _index_column(owner: h5py.Group, name: str, size: int) -> dict[str, Any]:
-    path = f"{owner.name}/{name}"
-    dataset = owner[name] if has_hard_link(owner, name) else None
-    if not isinstance(dataset, h5py.Dataset) or not dataset.ndim:
-        raise RunFileRefused(f"{path} is no column")
-    creation, kind = dataset.id.get_create_plist(), dataset.dtype
-    if creation.get_layout() != h5py.h5d.CONTIGUOUS or creation.get_external_count() or not _is_plain(kind):
-        raise RunFileRefused(f"{path} is not stored as an index stores it")
-    offset = dataset.id.get_offset() or 0
-    if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= size - offset:
-        raise RunFileRefused(f"{path} has rows that are not in the file")
-    attributes = {
-        about: read_attribute(dataset, about) for about in ("units", "long_name", HASH) if about in dataset.attrs
-    }
-    return {"offset": offset, "shape": list(dataset.shape), "dtype": kind.str} | attributes
-
-
-def _is_plain(kind: Any) -> bool:
-    """Whether values are doubles, whole numbers of 64 bits or texts of fixed length."""
-    return kind.str in {"<f8", "<i8"} or (kind.kind == "S" and not kind.names and kind.itemsize > 0)

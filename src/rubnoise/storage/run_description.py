@@ -11,9 +11,9 @@ from rubnoise.storage.inventory import OF_HDF5, Inventory, expected_inventory
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.provenance import Provenance
+from rubnoise.storage.read_structure import INTERVENTION
 from rubnoise.storage.reader import RunFile, refusing
 from rubnoise.storage.schema import HASH, Feature, Scalar
-from rubnoise.storage.seal import INTERVENTION
 
 SHOWN = 40
 """Characters of a value that are shown when it is refused."""

@@ -15,6 +15,7 @@ from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
+from rubnoise.storage.read_structure import INTERVENTION, read_provenance, read_root, seal_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -28,7 +29,6 @@ from rubnoise.storage.schema import (
     Scalar,
     motion_of,
 )
-from rubnoise.storage.seal import INTERVENTION, read_provenance, read_root, seal_of
 
 LIBRARY_VERSIONS = ("v110", "v110")
 GZIP_LEVEL = 4

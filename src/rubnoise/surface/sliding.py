@@ -12,7 +12,7 @@ from scipy import ndimage
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, loads
-from rubnoise.scenario.under_load import RAYLEIGH
+from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.scenario.writing import text_of
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap

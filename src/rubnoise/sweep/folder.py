@@ -12,8 +12,8 @@ from typing import Any, Final, Self
 from rubnoise.errors import OutputRefused, Refused, ScenarioRefused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import build
-from rubnoise.scenario.measured_sizes import ReadSizes, stored_sizes
 from rubnoise.scenario.points import Case, Point, run_id
+from rubnoise.scenario.reading import ReadSizes, stored_sizes
 from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep, in_words
