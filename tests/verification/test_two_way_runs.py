@@ -10,7 +10,7 @@ import pytest
 from scipy.special import stdtrit
 
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
-from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.summary import expected_figure, summarise
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -315,11 +315,36 @@ def test_another_slider_is_told_from_that_of_the_reference() -> None:
     assert not _score("displacement_std", point["displacement_std"], pooled("displacement_std", one_way)).agrees
 
 
+MANY, SHARE = 24, 0.08
+"""So many fields, each of this share of the length of one of the reference; Student's law of few would be wider."""
+FAST = 1e5
+"""From this speed (um/s) on one-way coupling, whose figures are exact, moves the slider alike on the same junctions."""
+
+
 @pytest.mark.parametrize("point", POINTS, ids=NAMES)
 def test_longer_fields_agree_with_the_reference(point: dict[str, Any]) -> None:
-    """Many fields a quarter as long tell more than a few as long: Student's law of a few is wide."""
-    distance = 0.25 * point["seconds"] * point["speed"] / point["runs"]
-    found, one_way = (figures_of(case_of(point, distance, coupling), FIELDS) for coupling in ("two-way", "one-way"))
+    distance = SHARE * point["seconds"] * point["speed"] / point["runs"]
+    cases = [case_of(point, distance, coupling, "output.tick=5 um") for coupling in ("two-way", "one-way")]
+    found, one_way = (figures_of(case, MANY) for case in cases)
     ratio = ratio_of_pairs("displacement_std", found["displacement_std"], one_way["displacement_std"])
     told = [*scores(point, found), _score(reference.RATIO, point[reference.RATIO], ratio)]
+    if point["speed"] >= FAST:
+        model = cases[1].scenario.model()
+        beside = {name: _beside(name, found, one_way, model) for name in EXACT}
+        told += [_score(name, point[name], each) for name, each in beside.items()]
+        wrong = {name: [1.2 * point[name][0], point[name][1]] for name in EXACT}
+        assert not any(_score(name, wrong[name], each).agrees for name, each in beside.items())
     assert [score for score in told if not score.agrees] == []
+
+
+EXACT = ("displacement_mean", "displacement_std", "velocity_std")
+
+
+def _beside(name: str, found: dict[str, list[float]], one_way: dict[str, list[float]], model: Model) -> PooledEstimate:
+    """Return a figure from how it differs from that of one-way coupling on the same fields, which is known."""
+    exact = expected_figure(model, name)
+    if name == "displacement_mean":
+        apart = pooled(name, np.subtract(found[name], one_way[name]).tolist())
+        return replace(apart, value=apart.value + exact)
+    ratio = ratio_of_pairs(name, found[name], one_way[name])
+    return replace(ratio, value=ratio.value * exact, standard_error=ratio.standard_error * exact)
