@@ -4,15 +4,17 @@ Births of density S_N(k) make the spectrum lam E[|A^|^2] + (S_N - lam) |E[A^]|^2
 that of births at random; this file has the rest.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import comb, nan, pi
+from typing import Any, cast
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import ClusteredBirths, JitteredBirths, PoissonBirths, RegularBirths
+from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.mean_life import ORDERS, area_by_age, cumulants_by_age
 from rubnoise.theory.pulse_energy import mean_energy, mean_life_transform, mean_transform
@@ -61,25 +63,26 @@ class Excess:
 
 def excess_of_area(model: Model) -> Excess:
     """Return what births add to the covariance of real contact area, in um^4; error some 1e-9 of the variance."""
-    return _excess(model, of_count=False)
+    return _excess(cast("Hashable", model.sizes), cast("Hashable", model.births), model.pulse)
 
 
 def excess_of_count(model: Model) -> Excess:
     """Return what births add to the covariance of the live count; error some 1e-6 of it, since a count jumps."""
-    return _excess(model, of_count=True)
+    return _excess(cast("Hashable", model.sizes), cast("Hashable", model.births), None)
 
 
-@lru_cache(maxsize=8)
-def _excess(model: Model, *, of_count: bool) -> Excess:
+@lru_cache(maxsize=16)
+def _excess(sizes: Any, births: Any, pulse: Pulse | None) -> Excess:
+    """Return the excess of the area; of the count where no pulse is given."""
     from scipy.interpolate import CubicSpline
 
-    one_size = np.ptp(size_range(model.sizes)) == 0.0
-    reach = 2.0 * size_range(model.sizes)[1] + model.births.memory
+    one_size = np.ptp(size_range(sizes)) == 0.0
+    reach = 2.0 * size_range(sizes)[1] + births.memory
     modes = _MOST_OF_ONE_SIZE if one_size else _MOST
     k = pi / reach * np.arange(modes + 1, dtype=np.float64)
     k[0] = _FINEST * k[1]
-    transform = mean_life_transform(model.sizes, k) if of_count else mean_transform(model.sizes, model.pulse, k)
-    density = model.birth_rate * model.births.excess(k) * np.square(np.abs(transform))
+    transform = mean_transform(sizes, pulse, k) if pulse else mean_life_transform(sizes, k)
+    density = (1.0 / births.mean) * births.excess(k) * np.square(np.abs(transform))
     lags = reach / modes * np.arange(modes + 1, dtype=np.float64)
     values = np.fft.irfft(density, 2 * modes)[: modes + 1] * modes / reach
     power = density / reach
