@@ -346,7 +346,7 @@ def test_the_sidebar_shows_few_links_at_once() -> None:
         ("[a](nowhere.md)", "nowhere.md: no such file"),
         ("[a](model.md#nothing-here)", "model.md#nothing-here: no such heading"),
         ("[a](#nothing-here)", "#nothing-here: no such heading"),
-        ("![](pictures/fig5.png)", "pictures/fig5.png: a picture without a text"),
+        ("![](pictures/gallery/overview.png)", "pictures/gallery/overview.png: a picture without a text"),
         ("[a](../../etc)", "../../etc: no such file"),
     ],
 )

@@ -366,6 +366,6 @@ def test_a_junction_that_is_not_there_is_refused(run):
 
 
 def test_the_readme_shows_it():
-    picture = "docs/pictures/fig5.png"
+    picture = "docs/pictures/gallery/overview.png"
     assert f"]({picture})" in (ROOT / "README.md").read_text(encoding="utf-8")
     assert (ROOT / picture).read_bytes().startswith(PNG)

@@ -14,7 +14,7 @@ from rubnoise.model import Model
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import separation_of
 from rubnoise.theory.exact import exact
-from rubnoise.theory.load import level, load_motion, load_spectrum, overlap_scale, third_octaves
+from rubnoise.theory.load import level, load_errors, load_motion, load_spectrum, overlap_scale, third_octaves
 from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
 from tests.models import loaded
 
@@ -120,7 +120,7 @@ def test_limits_are_constant_load_and_constant_gap() -> None:
     assert (load_motion(slow).regime, load_motion(fast).regime) == ("constant load", "constant gap")
     still = replace(fast, separation=None)
     assert response(fast).displacement_std == pytest.approx(response(still).displacement_std, rel=1e-3)
-    assert load_motion(loaded(relative_speed=1.0)).regime == "resonance"
+    assert [load_motion(loaded(relative_speed=v)).regime for v in (0.5, 1.0)] == ["resonance", "resonance"]
     bounces = load_motion(loaded(relative_speed=1.0, count=5.0))
     assert (bounces.regime, bounces.error) == ("bouncing", inf)
 
@@ -178,6 +178,25 @@ def test_exponents_of_height_and_speed_belong_together(v: float, ratio: float) -
         assert n == pytest.approx(1.0, abs=0.05)
     if v == 5.0 and ratio == 0.05:
         assert n == pytest.approx(-0.5, abs=0.05)
+
+
+def test_without_a_slider_suppression_is_that_of_the_force_and_without_strengths_of_the_load() -> None:
+    unequal = replace(loaded(slider=None), strengths=Lognormal(mean=250.0, std=50.0))
+    motion = load_motion(unequal)
+    still = force_cumulants(replace(unequal, separation=None)).std
+    assert motion.suppression == pytest.approx(still / motion.covariance("friction_force", "friction_force") ** 0.5)
+    bare = load_motion(loaded(slider=None, strength=None, weight=2e5))
+    assert bare.suppression == pytest.approx(2e5 * sqrt(2.0 / 20.0) / bare.load_std)
+
+
+@pytest.mark.parametrize(("count", "apart"), [(2000.0, 4e-4), (20.0, 4e-2)])
+def test_the_error_of_the_loads_spread_is_that_of_a_gaussian_process_and_of_lives(count: float, apart: float) -> None:
+    """Var of a mean square over T is 2/(pi T) int S^2 domega; what lives add to it goes as 1/N_jm."""
+    model, distance, omega = loaded(count=count, relative_speed=0.5, ratio=0.3), 1e5, np.geomspace(1e-1, 1e7, 2_001)
+    square = np.trapezoid(load_spectrum(model, omega) ** 2, omega) * 2.0 / pi * (model.sliding_speed or 0.0) / distance
+    gaussian = sqrt(square) / (2.0 * load_motion(model).load_std)
+    found = load_errors(model, distance, from_start=False).load_std
+    assert found / gaussian - 1.0 == pytest.approx(apart, rel=0.1)
 
 
 def test_what_is_not_known_is_refused() -> None:
