@@ -180,7 +180,7 @@ def copy_into(folder: Path) -> Path:
         source = ROOT / name
         (shutil.copytree(source, folder / name, ignore=LEFT) if source.is_dir() else shutil.copy(source, folder))
     # Tests read scenarios and pages, and change neither.
-    for name in ("docs", "scenarios", "tools"):
+    for name in ("docs", "notebooks", "scenarios", "tools"):
         (folder / name).symlink_to(ROOT / name)
     return folder
 
