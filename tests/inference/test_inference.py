@@ -1,14 +1,17 @@
 """From a trace back to its junctions: expectations against theory, intervals against the truth, and what is refused."""
 
+import json
 import re
 import tracemalloc
 from dataclasses import replace
+from math import inf
 from statistics import NormalDist
 from typing import Any, Literal
 
 import numpy as np
 import pytest
 
+from rubnoise.cli.infer import contents
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
@@ -275,6 +278,16 @@ def test_laws_that_differ_by_much_reach_beyond_one_end_only() -> None:
         assert NORMAL.cdf(reach_beyond(apart) + apart) - NORMAL.cdf(-reach_beyond(apart)) == pytest.approx(
             0.95, abs=1e-5
         )
+
+
+def test_json_has_null_for_an_end_that_an_interval_lacks(found: InferenceResult) -> None:
+    number = found.estimates["junction_count"]
+    endless = replace(number, standard_error=inf, interval=(number.interval[0], inf))
+    answer = contents(replace(found, estimates={**found.estimates, "junction_count": endless}), "trace.csv")
+    read = json.loads(json.dumps(answer, allow_nan=False))["estimates"]
+    assert read["junction_count"]["interval"] == [number.interval[0], None]
+    assert read["junction_count"]["standard_error"] is None
+    assert read["diameter"]["interval"] == list(found.estimates["diameter"].interval)
 
 
 def test_noise_is_found_and_none_where_there_is_none(found: InferenceResult, normal: Signal) -> None:

@@ -12,6 +12,7 @@ import typer
 
 from rubnoise.cli.layout import line, printable, remark
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import finite
 from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
@@ -187,8 +188,8 @@ def command(
 
 
 def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
-    """Return an inference by name."""
-    return {
+    """Return an inference by name, as JSON has it."""
+    answer = {
         "trace": trace,
         "law": found.law,
         "estimates": _in_order(found.estimates),
@@ -216,6 +217,7 @@ def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
         "bootstrap": {name: asdict(each) for name, each in found.bootstrap.items()},
     }
+    return dict(finite(answer))
 
 
 def _in_order(estimates: Mapping[str, "Estimate"]) -> dict[str, Any]:
