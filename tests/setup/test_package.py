@@ -133,6 +133,20 @@ def test_the_gallery_is_in_it_with_its_pictures(site: Path) -> None:
     assert "rubnoise plot fig5.h5 lifelines" in page
 
 
+@pytest.mark.parametrize("javascript", [True, False])
+def test_no_page_of_the_first_scrolls_sideways_on_a_phone(site: Path, browser: Any, javascript: bool) -> None:  # noqa: FBT001
+    """Without the script, tables do scroll: those of symbols and of keys are wider than a phone."""
+    phone = browser.new_context(viewport={"width": 390, "height": 844}, java_script_enabled=javascript)
+    page, wide = phone.new_page(), {}
+    for name in ("start", "model", "scenarios", "reading", "your-data"):
+        page.goto((site / "docs" / f"{name}.html").as_uri())
+        tables = page.locator(".table-wrapper").all()
+        wide[name] = sum(each.evaluate("it => it.scrollWidth > it.clientWidth + 1") for each in tables)
+    phone.close()
+    assert bool(wide["model"] and wide["scenarios"]) is not javascript
+    assert not javascript or sum(wide.values()) == 0
+
+
 def test_nothing_but_a_site_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine", encoding="utf-8")
     command = [sys.executable, str(ROOT / "tools" / "build_site.py"), str(tmp_path)]

@@ -1,5 +1,5 @@
-// A long name in a table breaks where its parts begin.
-for (const name of document.querySelectorAll("td code .pre")) {
+// A long name in the last columns of a wide table breaks where its parts begin.
+for (const name of document.querySelectorAll("td:nth-child(n + 4) code .pre")) {
   name.innerHTML = name.innerHTML.replace(/(?<=.)(?=[.[(])|(?<=[^/]_|.\/)(?=.)/g, "<wbr>");
 }
 
