@@ -1,9 +1,10 @@
 """Quantities as text, `NUMBER UNIT`: the number is read here, the size of a unit is pint's; inside all is um, s, kg.
 
 pint never sees the number: given the whole text it turns "1,5 mm" into 15 mm, drops a Unicode minus, evaluates
-"5 mm + 3 mm" and hangs on powers of powers. Nor does it choose the units (see unit_names). The usual ones stand in
-a table with their sizes, so that reading an ordinary scenario does not pay the half second of loading pint; tests hold
-the table equal to pint.
+"5 mm + 3 mm" and hangs on powers of powers. Nor does it choose the units: to it a bit, a count and a radian are 1, so
+that an area may hold one; pa is a picoyear, kt a knot, and Kim 1024 m. The usual ones stand in a table with their
+sizes, so that reading an ordinary scenario does not pay the half second of loading pint; tests hold the table equal to
+pint.
 """
 
 import re
@@ -17,8 +18,6 @@ from math import isfinite
 from numbers import Real
 from typing import Any, Self
 
-from rubnoise.unit_names import RATIOS, UNITS, like
-
 _MANTISSA = r"[+-]?[0-9]+(?:\.[0-9]+)?"
 NUMBER = rf"{_MANTISSA}(?:[eE][+-]?[0-9]{{1,3}})?"
 MAX_UNIT_LENGTH = 40
@@ -31,6 +30,40 @@ _FOREIGN = re.compile(r"[^A-Za-z0-9\u00b5\u03bc%*/^. \-]")
 _MINUS_SIGNS = "\u2212\u2010\u2011\u2012\u2013\u2014\ufe63\uff0d"
 _COMMA = re.compile(r"(?<=[0-9]),(?=[0-9])")
 _BARE_POWER = re.compile(r"(?<=[A-Za-z\u00b5\u03bc])(-?[0-9])")
+
+_SI = ("m", "g", "s", "N", "Pa")
+_PREFIXES = ("", "f", "p", "n", "u", "\u00b5", "\u03bc", "m", "c", "d", "da", "h", "k", "M", "G", "T")
+_SI_WORDS = tuple(word + end for word in ("meter", "metre", "gram", "second", "newton", "pascal") for end in ("", "s"))
+_PREFIX_WORDS = (
+    "",
+    "femto",
+    "pico",
+    "nano",
+    "micro",
+    "milli",
+    "centi",
+    "deci",
+    "hecto",
+    "kilo",
+    "mega",
+    "giga",
+    "tera",
+)
+OTHERS = (
+    *("micron", "angstrom", "thou", "in", "inch", "ft", "foot", "feet", "yard", "mile"),
+    *("sec", "min", "minute", "h", "hr", "hour", "day", "t", "tonne", "oz", "ounce", "lb", "pound"),
+    *("lbf", "kgf", "dyn", "dyne", "bar", "mbar", "kbar", "atm", "psi", "ksi"),
+)
+"""Those beside the SI, which take no prefixes."""
+
+UNITS: frozenset[str] = frozenset(
+    (
+        *(prefix + unit for prefix in _PREFIXES for unit in _SI),
+        *(prefix + unit for prefix in _PREFIX_WORDS for unit in _SI_WORDS),
+        *OTHERS,
+    )
+)
+RATIOS = ("%", "percent", "ppm")
 
 
 class QuantityError(ValueError):
@@ -189,8 +222,15 @@ def _read_unit(text: str, number: str) -> Unit:
         if name in RATIOS:
             raise QuantityError(f'"{name}" is part of no other unit', f'right form: "{RATIO.example}"')
         if name not in UNITS:
-            raise QuantityError(f'unknown unit "{name}"', _power_hint(text, number) or like(name))
+            raise QuantityError(f'unknown unit "{name}"', _power_hint(text, number) or _name_hint(name))
     return _sized_by_pint(text)
+
+
+def _name_hint(name: str) -> str:
+    """Return advice on a name that is none: MPa for Mpa, and else what there is."""
+    meant = sorted(known for known in UNITS if known.casefold() == name.casefold())
+    quoted = " or ".join(f'"{known}"' for known in meant)
+    return f"did you mean {quoted}?" if meant else "a length, time, mass, force or pressure, such as um, s, kg, N, MPa"
 
 
 def _power_hint(text: str, number: str) -> str:

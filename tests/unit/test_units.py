@@ -9,18 +9,20 @@ from fractions import Fraction
 import pint
 import pytest
 
-from rubnoise.unit_names import OTHERS, RATIOS, UNITS
 from rubnoise.units import (
     AREA,
     DAMPING,
     KINDS,
     LENGTH,
     MASS,
+    OTHERS,
     RATIO,
+    RATIOS,
     SPEED,
     STIFFNESS,
     STRESS,
     TIME,
+    UNITS,
     USUAL_UNITS,
     Kind,
     Quantity,
