@@ -153,8 +153,8 @@ def compare_statistics(name: str, fields: int, longer: float) -> None:
     given = {"start": start, "end": longer * distance, "fields": fields, "seed": seed + 10**6}
     here = np.array(answer(MANY, world=world, **given))
     assert np.abs(z_scores(here, there)).max() <= LARGEST_Z
-    # Weaker by a half, a contact lets the slider swing less: it would be noticed.
-    weaker = np.array(answer(MANY, world=world | {"strength": 125.0}, **given))
+    # Weaker by a half, a contact lets the slider swing less: a few fields notice it.
+    weaker = np.array(answer(MANY, world=world | {"strength": 125.0}, **given | {"fields": 8}))
     assert np.abs(z_scores(weaker, there)).max() > LARGEST_Z
 
 
