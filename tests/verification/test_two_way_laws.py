@@ -311,7 +311,7 @@ class Point:
     @property
     def model(self) -> Model:
         """The run of one field."""
-        return model(speed=self.speed, slider=slider(self.damping), count=self.count, distance=self.distance, tick=4.0)
+        return model(speed=self.speed, slider=slider(self.damping), count=self.count, distance=self.distance, tick=10.0)
 
 
 POINTS = (
