@@ -10,7 +10,6 @@ import argparse
 import os
 import sys
 import tempfile
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import redirect_stderr, redirect_stdout
@@ -24,11 +23,11 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
 from fuzz.damage import SEALED, damaged  # noqa: E402
 from fuzz.hostile import CONSTRUCTIONS, make, make_canary  # noqa: E402
-from fuzz.isolated import Outcome, called, isolated, watched  # noqa: E402
+from fuzz.isolated import Outcome as Ending  # noqa: E402
+from fuzz.isolated import called, isolated, watched  # noqa: E402
 from fuzz.truth import values  # noqa: E402
 from survival.moments import OTHER, Stage, resumed, stages_of  # noqa: E402
-from survival.stories import SMALL, Story  # noqa: E402
-from survival.stories import Outcome as Resumed  # noqa: E402
+from survival.stories import SMALL, Outcome, Story  # noqa: E402
 
 SCENARIO = """\
 format = 1
@@ -85,7 +84,7 @@ ENDS = (0, 2, 3)
 RESUMED = 0.75
 """Share of the damaged parts that `resume` is given; the others are left to the same `run`."""
 
-Task = Callable[[int, Sequence[int]], "tuple[Counter[str], list[Finding]]"]
+Task = Callable[[int, Sequence[int]], Outcome]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +95,9 @@ class Finding:
     file: str
     command: str
     said: str
+
+    def __str__(self) -> str:
+        return f"{self.file}, {self.command}: {self.fault}: {self.said[-400:]}"
 
 
 class Judge:
@@ -149,10 +151,9 @@ class Judge:
             os.chdir(here)
 
 
-def mutations(seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Finding]]:
+def mutations(seed: int, numbers: Sequence[int]) -> Outcome:
     """Judge damaged files by their numbers; return how many of each damage there were, and what was found."""
-    counts: Counter[str] = Counter()
-    found: list[Finding] = []
+    outcome = Outcome()
     with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
         judge = Judge(Path(name))
         content = {kind: path.read_bytes() for kind, path in judge.good.items()}
@@ -163,50 +164,52 @@ def mutations(seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Fin
             path = judge.folder / "changed.h5"
             damage, changed = damaged(content[kind], content[kinds[(number + 1) % len(kinds)]], random)
             path.write_bytes(changed)
-            counts[damage] += 1
-            found += judge.judged(path, f"{damage} {number}", kind, number // len(KINDS), forged=damage in SEALED)
-    return counts, found
+            outcome.count(damage)
+            for finding in judge.judged(
+                path, f"{damage} {number}", kind, number // len(KINDS), forged=damage in SEALED
+            ):
+                outcome.find(str(finding))
+    return outcome
 
 
-def constructions(_seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Finding]]:
+def constructions(_seed: int, numbers: Sequence[int]) -> Outcome:
     """Judge every hostile construction with every command."""
-    counts: Counter[str] = Counter()
-    found: list[Finding] = []
+    outcome = Outcome()
     with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
         judge = Judge(Path(name))
         path = judge.folder / "hostile.h5"
         for number in numbers:
             construction = CONSTRUCTIONS[number]
             make(construction, judge.good["none"], path, judge.canary)
-            counts["hostile"] += 1
+            outcome.count("hostile")
             for command in range(len(COMMANDS)):
-                found += judge.judged(path, construction.__name__, "none", command, forged=True)
-    return counts, found
+                for finding in judge.judged(path, construction.__name__, "none", command, forged=True):
+                    outcome.find(str(finding))
+    return outcome
 
 
-def parts(seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Finding]]:
+def parts(seed: int, numbers: Sequence[int]) -> Outcome:
     """Damage the part or the journal of runs that did not finish, by numbers, and resume them."""
-    counts: Counter[str] = Counter()
-    found: list[Finding] = []
+    outcome = Outcome()
     stages: list[tuple[Story, Stage]] = [(story, stage) for story in SMALL for stage in stages_of(story)]
     for number in numbers:
         random = Random(f"{seed}/part/{number}")  # noqa: S311  (damage is no secret)
         story, stage = stages[number % len(stages)]
         name = random.choice(sorted(stage.files))
         damage, changed = damaged(stage.files[name], stages[(number + 1) % len(stages)][1].files[stage.part], random)
-        again, outcome = random.random() < RESUMED, Resumed()
-        counts[f"part: {damage}"] += 1
+        again, endings = random.random() < RESUMED, Outcome()
+        outcome.count(f"part: {damage}")
         with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as folder:
-            for wrong in resumed(outcome, story, stage, {name: changed}, Path(folder), again=again):
+            for wrong in resumed(endings, story, stage, {name: changed}, Path(folder), again=again):
                 if damage not in SEALED or not wrong.startswith(OTHER):
-                    file = f"{damage} {number} of {name}, {story.name}, {stage.name}"
-                    found.append(Finding(fault=wrong, file=file, command="resume" if again else "run", said=""))
-    return counts, found
+                    by = "resume" if again else "run"
+                    outcome.find(f"{damage} {number} of {name}, {story.name}, {stage.name}, {by}: {wrong}")
+    return outcome
 
 
-def _findings(outcome: Outcome, name: str, words: Sequence[str]) -> Iterator[Finding]:
-    if fault := outcome.fault(*ENDS):
-        yield Finding(fault=fault, file=name, command=words[0], said=outcome.err.strip())
+def _findings(ending: Ending, name: str, words: Sequence[str]) -> Iterator[Finding]:
+    if fault := ending.fault(*ENDS):
+        yield Finding(fault=fault, file=name, command=words[0], said=ending.err.strip())
 
 
 def main() -> int:
@@ -223,26 +226,13 @@ def main() -> int:
     if asked.only is None:
         tasks += [(parts, list(range(asked.parts))[job :: asked.jobs]) for job in range(asked.jobs)]
         tasks += [(constructions, list(range(len(CONSTRUCTIONS)))[job :: asked.jobs]) for job in range(asked.jobs)]
-    counts: Counter[str] = Counter()
-    found: list[Finding] = []
+    outcome = Outcome()
     with ProcessPoolExecutor(asked.jobs) as pool:
-        for some, more in [each.result() for each in [pool.submit(task, asked.seed, part) for task, part in tasks]]:
-            counts += some
-            found += more
-    return told(counts, found)
-
-
-def told(counts: Counter[str], found: Sequence[Finding]) -> int:
-    """Print the counts and every finding; return the exit code."""
-    for name, count in sorted(counts.items()):
-        print(f"{name:<20}{count:>8}")
-    print(f"{'files':<20}{counts.total():>8}")
-    for fault, count in Counter(each.fault for each in found).items():
-        print(f"{fault:<40}{count:>8}")
-    for each in found:
-        print(f"- {each.file}, {each.command}: {each.fault}: {each.said[-400:]}")
-    print(f"{len(found)} found")
-    return int(bool(found))
+        for each in [pool.submit(task, asked.seed, part) for task, part in tasks]:
+            outcome.add(each.result())
+    print(f"{outcome.counts.total()} files")
+    print(outcome.told())
+    return int(bool(outcome.findings))
 
 
 if __name__ == "__main__":

@@ -32,9 +32,9 @@ def judge(tmp_path_factory: pytest.TempPathFactory) -> Judge:
 
 @ON_LINUX
 def test_damage_is_refused_or_found() -> None:
-    counts, found = mutations(1, range(FEW))
-    assert counts.total() == FEW
-    assert found == []
+    outcome = mutations(1, range(FEW))
+    assert outcome.counts.total() == FEW
+    assert outcome.findings == []
 
 
 @ON_LINUX
@@ -57,9 +57,9 @@ def test_a_change_that_verify_missed_would_be_seen(judge: Judge) -> None:
 
 @ON_LINUX
 def test_damaged_parts_are_refused_or_resumed() -> None:
-    counts, found = parts(1, range(FEW))
-    assert counts.total() == FEW
-    assert found == []
+    outcome = parts(1, range(FEW))
+    assert outcome.counts.total() == FEW
+    assert outcome.findings == []
 
 
 @ON_LINUX
