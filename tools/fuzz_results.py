@@ -7,7 +7,6 @@ not finish go to `resume`, or to the same `run`; what it publishes has to be the
 """
 
 import argparse
-import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -24,7 +23,7 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 from fuzz.damage import SEALED, damaged  # noqa: E402
 from fuzz.hostile import CONSTRUCTIONS, make, make_canary  # noqa: E402
 from fuzz.isolated import Outcome as Ending  # noqa: E402
-from fuzz.isolated import called, isolated, watched  # noqa: E402
+from fuzz.isolated import called, command, isolated, watched  # noqa: E402
 from fuzz.truth import values  # noqa: E402
 from survival.moments import OTHER, Stage, resumed, stages_of  # noqa: E402
 from survival.stories import SMALL, Outcome, Story  # noqa: E402
@@ -136,19 +135,10 @@ class Judge:
         return [word.format(path.name) for word in words]
 
     def _load(self, words: Sequence[str]) -> None:
-        from rubnoise.cli.app import main
-
-        here = Path.cwd()
-        os.chdir(self.folder)
-        sys.argv = ["rubnoise", *words]
-        try:
-            with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
-                main()
-        except SystemExit as left:
-            if left.code not in {None, *ENDS}:
-                raise RuntimeError(f"{words}: {said.getvalue()}") from left
-        finally:
-            os.chdir(here)
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
+            code = command(words, self.folder)
+        if code not in ENDS:
+            raise RuntimeError(f"{words}: {said.getvalue()}")
 
 
 def mutations(seed: int, numbers: Sequence[int]) -> Outcome:
