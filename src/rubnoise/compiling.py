@@ -126,7 +126,7 @@ class CodeNotKept(UserWarning):
 
 
 def _keep(save: Callable[[Any, Any], None], folder: str, signature: Any, code: Any) -> None:
-    """Keep code for later processes; if the disk fails, the process goes on with it and says so once."""
+    """Keep code for later processes; if the disk fails, this process still uses the code, and warns once."""
     try:
         save(signature, code)
     except OSError as problem:

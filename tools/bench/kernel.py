@@ -18,7 +18,6 @@ CASE = Case(junctions=20_000)
 REPETITIONS = 3
 """Rounds in one repeat, so that a repeat is long beside the clock's step."""
 
-C_PREFIX = "C, "
 ROOTS = "C, square roots alone"
 WAYS = {"C, the same polynomial": "polynomial", "C, textbook formula": "textbook", ROOTS: "roots"}
 OURS = "rubnoise"

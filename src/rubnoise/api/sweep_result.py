@@ -323,7 +323,7 @@ def _rows_of(sweep: "SweepResult") -> tuple[NDArray[Any], NDArray[np.int64]]:
 
 
 def _spread(values: NDArray[Any], shape: Mapping[str, int], places: Mapping[str, NDArray[np.int64]]) -> NDArray[Any]:
-    """Return values on the grid; if no run is, nan, an empty text, or -1."""
+    """Return values on the grid; places without a run have nan, an empty text, or -1."""
     missing: Any = np.nan if values.dtype.kind == "f" else "" if values.dtype.kind == "U" else -1
     grid: NDArray[Any] = np.full(tuple(shape.values()), missing, dtype=values.dtype)
     grid[tuple(places[name] for name in shape)] = values

@@ -80,7 +80,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         module_name, _, function = COMMANDS[name].partition(".")
         module = import_module(f"rubnoise.cli.{module_name}")
         command = getattr(module, function)
-        panel = next(panel for panel, names_of_panel in PANELS.items() if name in names_of_panel)
+        panel = next(panel for panel, commands in PANELS.items() if name in commands)
         settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
         app.command(name, **settings)(command)
         for annotation in command.__annotations__.values():

@@ -46,7 +46,7 @@ NOTHING: Final = Assumed()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IfSpread:
-    """Number and strength (if it is told, in MPa) if strengths had another relative spread."""
+    """Junction count and shear strength (MPa, if known) for another relative spread of strengths."""
 
     strength_spread: float
     junction_count: float

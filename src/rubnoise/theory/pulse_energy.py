@@ -27,7 +27,7 @@ _PANEL_PHASE = 20.0
 _FIRST_PHASES = (5.0, 10.0)
 _NODES = 24
 _AT_ONCE = 256
-_MOST_KEPT = 1 << 14  # wavenumbers whose energies are kept for whoever asks next
+_MOST_KEPT = 1 << 14  # wavenumbers whose energies are kept for later calls
 _ROUNDING = 1e-12  # by which probabilities may miss 1 without any size being left out
 
 

@@ -100,7 +100,7 @@ def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> l
 
 
 FIELD: Final = 1e-11
-"""Relative: if a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
+"""Relative: when a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
 
 _ROUNDING: Final = 2.0**-49
 _STEPS: Final = 100.0  # in a diameter, about
