@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.lesson.node import lessons
-from tests.lesson.walk import CALM, UNFOLD, UNHURRIED, Walk, opened, until
+from tests.lesson.walk import CALM, UNFOLD, UNHURRIED, Walk, opened, painted, until
 
 # The lessons in a real browser: what opens when, which answers are right, and what is kept.
 LESSONS = lessons()
@@ -330,16 +330,16 @@ def test_an_answer_that_leaks_would_be_noticed(browser: Any, lesson_file: str) -
 @pytest.mark.parametrize("lesson", ["3. The live count", "5. The sum"])
 def test_the_lines_of_the_law_wait_for_the_prediction(browser: Any, lesson_file: str, lesson: str) -> None:
     inked = "document.getElementById('count').toDataURL()"
-    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
+    with opened(browser, lesson_file, **CALM) as page:
         Walk(page).open(lesson)
         page.locator("#unfold").click()
-        page.wait_for_timeout(300)
+        painted(page)
         before = page.evaluate(inked)
         page.evaluate("rub.emit('veil')")
-        page.wait_for_timeout(300)
+        painted(page)
         assert page.evaluate(inked) == before
         page.locator("#reveal").click()
-        page.wait_for_timeout(300)
+        painted(page)
         assert page.evaluate(inked) != before
 
 

@@ -13,7 +13,7 @@ from rubnoise.lesson.settings import settings_of
 from rubnoise.scenario import load
 from tests.architecture.sources import ROOT
 from tests.lesson.node import pushing_back
-from tests.lesson.walk import CALM, Walk, opened, until
+from tests.lesson.walk import CALM, Walk, opened, painted, until
 
 TWO_WAY = ROOT / "scenarios" / "paper" / "fig5_two_way.toml"
 GIVEAWAYS = ("stick", "stuck", "slips", "friction would turn round")
@@ -154,14 +154,14 @@ def test_sticks_are_shaded_and_the_velocity_is_clipped(page: Any) -> None:
     page.locator("#reveal").click()
     page.evaluate("rub.run.goTo(300)")
     until(page, "rub.run.goal < 0")
-    page.wait_for_timeout(100)
+    painted(page)
     for name in ("force", "slider", "velocity"):
         assert page.evaluate(SHADED, name) > 0.1, name
         page.evaluate("rub.set({ coupling: 'one-way' }, { restart: false })")
-        page.wait_for_timeout(100)
+        painted(page)
         assert page.evaluate(SHADED, name) == 0.0, name
         page.evaluate("rub.set({ coupling: 'two-way' }, { restart: false })")
-        page.wait_for_timeout(100)
+        painted(page)
     assert page.evaluate("rub.run.motion.range.velocity[1]") == page.evaluate("rub.world.speed")
     assert page.locator("#key-stuck").is_visible()
     assert page.locator("#number-stuck td").nth(1).inner_text() != ""

@@ -26,6 +26,11 @@ def until(page: Any, condition: str) -> None:
         page.wait_for_timeout(10)
 
 
+def painted(page: Any) -> None:
+    """Wait until the page has drawn once more: what asked for a frame before this one is on the screen in the next."""
+    page.evaluate("new Promise((on) => requestAnimationFrame(() => requestAnimationFrame(on)))")
+
+
 @contextmanager
 def opened(browser: Any, address: str, *, init: str = "", **context: Any) -> Iterator[Any]:
     """Open a page in a context of its own (1400 by 900 pixels unless said otherwise); check that all went well."""

@@ -13,7 +13,7 @@ import pytest
 import rubnoise
 from tests.cli.terminal import call
 from tests.lesson import walk as lesson
-from tests.lesson.walk import until
+from tests.lesson.walk import painted, until
 from tests.pages.test_reports import page_of
 
 TICK = 0.1
@@ -34,7 +34,7 @@ def address(one_way: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def window(page: Any) -> tuple[float, float]:
-    page.wait_for_timeout(50)
+    painted(page)
     found = page.evaluate("[view.window.from, view.window.to]")
     return (found[0], found[1])
 
@@ -82,7 +82,7 @@ def test_dragging_zooms_down_to_a_tick_and_the_link_keeps_the_place(browser: Any
         assert (start, stop) == pytest.approx((110.0, 120.0), abs=0.2)
         for _ in range(12):
             page.click("#zoom-in")
-            page.wait_for_timeout(20)
+            painted(page)
         assert window(page)[1] - window(page)[0] == pytest.approx(TICK)
         kept = page.evaluate("location.href")
     with opened(browser, kept) as page:
@@ -288,8 +288,7 @@ def test_a_window_that_is_long_enough_has_statistics(browser: Any, address: str)
         assert page.is_hidden("#spectrum")
         assert page.is_hidden("#histogram")
     with opened(browser, f"{address}#from=0&to=400") as page:
-        page.wait_for_timeout(400)
-        assert page.is_visible("#histogram canvas")
+        page.locator("#histogram canvas").wait_for()
 
 
 def test_no_column_is_cut_on_a_small_screen(browser: Any, address: str) -> None:
@@ -347,7 +346,7 @@ def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
         assert page.locator("#life-curve").is_hidden()
         page.click("#all")
         page.select_option("#counted", "load")
-        page.wait_for_timeout(300)
+        until(page, "document.getElementById('histogram-says').textContent.includes('off the surface')")
         said = re.search(r"in ([0-9.]+) % of them the slider is off the surface", page.inner_text("#histogram-says"))
         assert said is not None
         assert abs(float(said[1]) - off) < 0.06
