@@ -332,6 +332,7 @@ def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
         landmarks = run.groups()["landmarks"]
         made = landmarks["kind"][:] == 5
         speeds, places = landmarks["impact_speed"][:][made], landmarks["distance"][:][made]
+        ticks = run.trace["junction_count"].shape[0]
         off = 100.0 * float(np.mean(run.trace["junction_count"][:] == 0))
         touch = int(np.argmax(run.junctions["diameter"][:]))
         overlap = float(run.junctions["max_overlap"][touch])
@@ -344,9 +345,11 @@ def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
         assert page.inner_text("#life-title").startswith(f"Touch {touch}")
         assert f"{float(f'{overlap:.4f}'):g}" in page.inner_text("#life-figures")
         assert page.locator("#life-curve").is_hidden()
+        assert "touches in this window" in page.inner_text("#listed")
+        assert page.inner_text("#lives thead th").startswith("touch")
         page.click("#all")
         page.select_option("#counted", "load")
-        until(page, "document.getElementById('histogram-says').textContent.includes('off the surface')")
+        until(page, f"document.getElementById('histogram-says').textContent.startsWith(view.grouped({ticks}))")
         said = re.search(r"in ([0-9.]+) % of them the slider is off the surface", page.inner_text("#histogram-says"))
         assert said is not None
         assert abs(float(said[1]) - off) < 0.06

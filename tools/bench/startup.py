@@ -121,7 +121,7 @@ def beside(engine: str, folder: Path, *, repeats: int, swept: int, junctions: in
             Task(lambda: [rubnoise.simulate(each) for each in short], swept),
         ),
         (
-            f"verify a run of {junctions:,} junctions, each".replace(",", " "),
+            f"verify a run of {junctions:,} junctions".replace(",", " "),
             Task(verify, junctions),
             "the run, into a file",
             Task(lambda: rubnoise.run(long, path, force=True).close(), junctions),

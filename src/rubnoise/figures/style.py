@@ -260,8 +260,9 @@ def put_title(figure: "Figure", *texts: str) -> None:
 
 
 def contact_label(model: "Model") -> str:
-    """Return how many junctions there are on average, and how large they are."""
-    return f"{model.mean_junction_count:.4g} junctions of {model.calibrated_diameter:.3g} µm on average"
+    """Return how many junctions there are on average, and how large they are; of a free slider, if it were held."""
+    held = f"{model.mean_junction_count:.4g} junctions of {model.calibrated_diameter:.3g} µm on average"
+    return held if model.free is None else f"free slider; at constant separation {held}"
 
 
 def file_label(stretch: "Stretch") -> str:

@@ -11,7 +11,7 @@
     const junction = view.lives.junction[row];
     open.type = "button";
     open.textContent = junction;
-    open.setAttribute("aria-label", `Show junction ${junction}`);
+    open.setAttribute("aria-label", `Show ${view.one} ${junction}`);
     open.addEventListener("click", () => view.visit(row));
     return open;
   };
@@ -42,7 +42,7 @@
       const row = view.rowOf(junction);
       const { diameter, max_area: area } = view.lives;
       view.visit(row);
-      tell(`${data.flights ? "Deepest touch" : "Largest junction"}: ${junction}, diameter ${view.number(diameter[row])} µm, full area ${view.number(area[row])} µm².`, view.life(row).peak);
+      tell(`${$("largest-junction").textContent}: ${junction}, diameter ${view.number(diameter[row])} µm, ${data.flights ? "largest" : "full"} area ${view.number(area[row])} µm².`, view.life(row).peak);
     },
     "largest-force": () => {
       around(force.distance);
@@ -58,7 +58,6 @@
       tell(`Hardest impact: sliding and falling together, the overlap grows at ${view.number(impact.speed)} µm/s, at t = ${view.number(impact.time)} s, s = ${view.number(impact.distance)} µm.`, impact.distance);
     },
   };
-  if (data.flights) $("largest-junction").textContent = "Deepest touch";
   if (force.name !== "friction_force") $("largest-force").textContent = "Largest area";
   for (const [id, act] of Object.entries(SHOWN)) {
     $(id).hidden = act === null || (id === "largest-junction" && view.rowOf(junction) === null);

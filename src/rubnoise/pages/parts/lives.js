@@ -7,6 +7,10 @@
   view.mark = null;
   view.isKept = null;
 
+  /* What a free slider makes at a summit, and may lose and make again, is a touch. */
+  [view.one, view.many] = data.flights ? ["touch", "touches"] : ["junction", "junctions"];
+  if (data.flights) for (const each of document.querySelectorAll("[data-touch]")) each.textContent = each.dataset.touch;
+
   /* From dark blue to yellow, with a lightness that rises evenly, so that it can be read in grey too. */
   const COLOURS = ["#1b2a6b", "#1f4287", "#22599a", "#2a70a3", "#3a86a2", "#549a98", "#75ac88", "#9bbc77", "#c3c968", "#ecd15e"];
   const MOST_MARKED = 1500;
@@ -168,7 +172,7 @@
   view.makeLives = () => {
     const ends = () => [[view.window.from, view.window.to], [0, laneCount]];
     const chart = view.newChart(place, {
-      label: "life-lines", name: "life-lines of junctions", timed: false, xLabel: "sliding distance (µm)", height: 300,
+      label: "life-lines", name: `life-lines of ${view.many}`, timed: false, xLabel: "sliding distance (µm)", height: 300,
       range: () => [0, laneCount], data: ends(), series: { stroke: "transparent" },
       hooks: { draw: [draw], setCursor: [(one) => view.pointed(one, false)] },
     });

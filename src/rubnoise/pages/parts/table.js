@@ -5,8 +5,8 @@
   const PAGE = 25;
   const $ = (id) => document.getElementById(id);
   const COLUMNS = [
-    ["junction", "junction"], ["birth_distance", "birth (µm)"], ["death_distance", "death (µm)"],
-    ["diameter", "diameter (µm)"], ["max_area", "full area (µm²)"], ["state", "state"],
+    ["junction", view.one], ["birth_distance", "birth (µm)"], ["death_distance", "death (µm)"],
+    ["diameter", "diameter (µm)"], ["max_area", view.data.flights ? "largest area (µm²)" : "full area (µm²)"], ["state", "state"],
   ];
   let [by, falling, page, orders] = ["junction", false, 0, {}];
 
@@ -66,7 +66,7 @@
     head();
     document.querySelector("#lives tbody").replaceChildren(...some.slice(first, last).map(line));
     const of = some.length === inWindow.length ? "" : `${view.grouped(some.length)} of `;
-    $("listed").textContent = `${of}${view.grouped(inWindow.length)} junctions in this window` + (some.length ? `: ${view.grouped(first + 1)} to ${view.grouped(last)} below` : "");
+    $("listed").textContent = `${of}${view.grouped(inWindow.length)} ${view.many} in this window` + (some.length ? `: ${view.grouped(first + 1)} to ${view.grouped(last)} below` : "");
     $("page-back").disabled = page === 0;
     $("page-on").disabled = page >= pages - 1;
   };

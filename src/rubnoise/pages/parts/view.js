@@ -175,8 +175,8 @@
     if (row !== null && $("number").value !== "") {
       view.visit(row);
     } else if (Number.isInteger(number) && number >= 0 && number < data.junctionRows) {
-      problem.textContent = `junction ${number} does not live in the stretch that this page holds`;
-    } else problem.textContent = `the run has junctions 0 to ${data.junctionRows - 1}`;
+      problem.textContent = `${view.one} ${number} does not live in the stretch that this page holds`;
+    } else problem.textContent = `the run has ${view.many} 0 to ${data.junctionRows - 1}`;
   };
 
   const next = (by) => {
@@ -216,7 +216,7 @@
   const all = view.lives.junction.length === data.junctionRows;
   const whole = data.start <= 0 && data.stop >= data.distance;
   const stretch = `from ${view.number(data.start)} to ${view.number(data.stop)} µm`;
-  const lives = all ? `all ${view.grouped(data.junctionRows)} junctions` : "every junction";
+  const lives = all ? `all ${view.grouped(data.junctionRows)} ${view.many}` : `every ${view.one}`;
   $("holds").textContent = whole && all
     ? `This page holds ${lives} and every tick of the run.`
     : `This page holds ${lives}${all ? ", " : " "}and every tick ${stretch}. Elsewhere it shows the lowest and highest values of cells.`;
