@@ -36,21 +36,16 @@ the verdict would be *unsettled*, and `tools/generate_paper.py` would not write 
 LIMITS = r"""
 ## What the paper leaves out
 
-Three limits of its Section 4 hold for a run without a table `[load]`, too: the separation is constant, nothing moves
-normal to the plane of sliding, and $A_{rm}$ and $N_{jm}$ are inputs ([surfaces](surfaces.md) derives them). Its
-equations add two:
+Its separation is constant ([load](load.md) changes this), $A_{rm}$ and $N_{jm}$ are inputs ([surfaces](surfaces.md)
+derives them), and its slider does not act back ([two-way coupling](two-way.md) does). Its passes go through both
+centres. If centres pass at distances spread evenly from 0 to $d$ (`pulse.offset = "uniform"`,
+[theory](theory.md#passes-off-the-centre-line)), three claims change:
 
-- **A slider that does not act back**: see [constant_speed](#constant_speed). `slider.coupling = "two-way"` has not
-  this limit.
-- **Passes through both centres.** If centres pass at distances spread evenly from 0 to $d$ (`pulse.offset =
-  "uniform"`, [theory](theory.md#passes-off-the-centre-line)), std over mean of equal sizes is $1.356/\sqrt{N_{jm}}$
-  and not $1.230/\sqrt{N_{jm}}$. At one mean area and $N_{jm}$, three claims change:
-  - life_mean: the mean area over a life is $(\pi/16)\,d^2 = 0.196\,d^2$.
-  - area_spread: from 10 to 50 junctions of equal size, the std falls by 24 µm² at 100 µm² and by 119 µm² at 500 µm².
-    The printed 22 and 110 µm² belong to centred passes.
-  - psd_floor: the exponent is -5, because only a centred pass has a kink at mid-life. There is no floor either.
+- life_mean: the mean area over a life is $(\pi/16)\,d^2 = 0.196\,d^2$.
+- area_spread: from 10 to 50 junctions of equal size, the std falls by 24 µm² at 100 µm² and by 119 µm² at 500 µm².
+- psd_floor: the exponent is -5, because only a centred pass has a kink at mid-life. There is no floor either.
 
-  The others stand. $S(0)$ is 58 % larger, and the displacement of Figure 5 spreads by 226 µm, not by 195 µm.
+$S(0)$ is 58 % larger, and the displacement of Figure 5 spreads by 226 µm, not by 195 µm.
 """
 
 TYPESET = {
@@ -81,7 +76,6 @@ TYPESET = {
 
 _PLAIN = re.compile("|".join(rf"(?<!\w){re.escape(plain)}(?!\w)" for plain in TYPESET))
 
-
 def main() -> int:
     """Settle the claims, draw the figures, and write the page; where a claim is unsettled only say which, return 1."""
     claims = evaluate_claims(lambda text: print(text, file=sys.stderr))
@@ -95,7 +89,6 @@ def main() -> int:
     (DOCS / "paper.md").write_text("\n".join(page(claims)) + "\n", encoding="utf-8")
     return 0
 
-
 def page(claims: tuple[Claim, ...]) -> Iterator[str]:
     """Yield the lines of the page."""
     yield HEAD
@@ -106,11 +99,9 @@ def page(claims: tuple[Claim, ...]) -> Iterator[str]:
         yield from _claim(claim)
     yield LIMITS.rstrip()
 
-
 def typeset(text: str) -> str:
     """Return a text of a claim with its formulas as the site sets them."""
     return _PLAIN.sub(lambda found: TYPESET[found[0]], text)
-
 
 def _claim(claim: Claim) -> Iterator[str]:
     yield f"\n### {claim.name}"
@@ -118,14 +109,12 @@ def _claim(claim: Claim) -> Iterator[str]:
     yield table(("quantity", "printed", "simulated (95 %)", "exact"), map(_quantity, claim.quantities))
     yield f"**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
 
-
 def _quantity(quantity: ClaimedNumber) -> tuple[str, ...]:
     name = typeset(f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name)
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.6g}"
     low, high = quantity.simulated.interval
     return name, printed, f"{quantity.simulated.value:.5g} ± {0.5 * (high - low):.2g}", exact
-
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,7 +7,8 @@
 `run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints
 every cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
 colon: right:, clean:, long:, drift:, auto:, unknown:, wrong:, round trip:, outside:. Traces of `outside:` are those of
-right_traces.py, read as a user would; `docs` keeps what they showed in docs/right_traces.json as well.
+right_traces.py, read as a user would; `docs` keeps what they showed in docs/right_traces.json, and what every cell
+showed in docs/coverage.json.
 """
 
 from __future__ import annotations
@@ -64,9 +65,8 @@ JUDGED, SHOWN = 200, 60
 CYCLES = (5, 10, 15, 20, 40)
 
 PAGE = Path(__file__).parents[2] / "docs" / "inference.md"
-DATA = PAGE.with_name("right_traces.json")
+DATA, COVERAGE = PAGE.with_name("right_traces.json"), PAGE.with_name("coverage.json")
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
-
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
@@ -84,7 +84,6 @@ class Cell:
     contact: Contact | None = None
     options: tuple[tuple[str, str], ...] = ()
     most: int = 10**9
-
 
 def outside() -> list[Cell]:
     """Return the cells whose traces are made outside the package: with an option, and without it."""
@@ -113,7 +112,6 @@ def outside() -> list[Cell]:
         found.append(cell(f"{cycles} cycles with", Contact(bandwidth=cycles), SHOWN, bandwidth=f"{cycles}"))
     return found
 
-
 def cells() -> list[Cell]:
     """Return every cell of the study."""
     found = [Cell(name=f"{law} {n}", law=law, count=n, fitted=law) for law in POPULATIONS for n in COUNTS]
@@ -138,16 +136,13 @@ def cells() -> list[Cell]:
     ]
     return found + outside()
 
-
 def model(law: str, count: float, lives: int) -> Model:
     """Return a contact of mean diameter 5.5 um, 64 ticks a mean life."""
     return contact_of(law, POPULATIONS[law], count, lives, mean=DIAMETER)
 
-
 def force_of(contact: Model, seed: int) -> Doubles:
     """Return the friction force of a run in uN."""
     return np.array(recorded(contact, seed, engine="batch")["trace"]["friction_force"])
-
 
 def right(cell: Cell, seed: int) -> Signal:
     """Return a trace of the model, with white noise."""
@@ -161,7 +156,6 @@ def right(cell: Cell, seed: int) -> Signal:
         steps = np.random.default_rng([own, 3]).standard_normal(values.size)
         values += cell.drift * spread * np.cumsum(steps)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
-
 
 def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     """Return a trace of something else, with noise of 5 % of its spread."""
@@ -188,7 +182,6 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     values = values + 0.05 * values.std() * rng.standard_normal(values.size)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
 
-
 def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     """Return a run of the scenario that was found in a trace, and the numbers found."""
     found = infer_signal(signal, zero="known", tests=False)
@@ -196,7 +189,6 @@ def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     force = force_of(contact, seed + 1_000_000)
     values = {name: each.value for name, each in found.estimates.items()}
     return Signal(values=force, tick=contact.tick, unit="uN", scale=1.0), values
-
 
 def read_outside(cell: Cell, seed: int) -> InferenceResult:
     """Return what `infer` says of a trace made outside the package, over time, with the options of the cell."""
@@ -211,7 +203,6 @@ def read_outside(cell: Cell, seed: int) -> InferenceResult:
     if "strokes" not in options:
         options["zero"] = "known"
     return infer(values, rate="1 kHz", speed=f"{speed:.12f} um/s", unit="uN", law=cell.fitted, **options)
-
 
 def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     """Make one trace and fit it; return what was found beside what is true."""
@@ -229,7 +220,6 @@ def fit(job: tuple[Cell, int]) -> dict[str, Any]:
         cell, seed, begun, infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0), true
     )
 
-
 def _answer(cell: Cell, seed: int, begun: float, found: InferenceResult, true: dict[str, float]) -> dict[str, Any]:
     answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
     answer["refused"] = found.refused_because
@@ -242,7 +232,6 @@ def _answer(cell: Cell, seed: int, begun: float, found: InferenceResult, true: d
     }
     return answer
 
-
 def truth(cell: Cell) -> dict[str, float]:
     """Return the true numbers of a cell."""
     sizes = LAWS[cell.law].make(DIAMETER, POPULATIONS[cell.law] * DIAMETER, {})
@@ -253,7 +242,6 @@ def truth(cell: Cell) -> dict[str, float]:
         "relative_spread": float(spread),
         "shear_strength": 250.0,
     }
-
 
 def read(folder: Path) -> dict[str, list[dict[str, Any]]]:
     """Return the finished fits of each cell; a line cut short by a kill is left out."""
@@ -266,7 +254,6 @@ def read(folder: Path) -> dict[str, list[dict[str, Any]]]:
                 continue
             found.setdefault(row["cell"], []).append(row)
     return found
-
 
 def run(folder: Path, traces: int, jobs: int, only: str) -> None:
     """Make what is missing, cells in turn, so that a study stopped early has something of each."""
@@ -286,7 +273,6 @@ def run(folder: Path, traces: int, jobs: int, only: str) -> None:
             if sys.stderr.isatty():
                 print(f"\r{number} of {len(wanted)}", end="", file=sys.stderr)
 
-
 def scores(rows: list[dict[str, Any]], name: str) -> tuple[int, int, float] | None:
     """Return how many intervals of a quantity hold the truth, of how many, and the median error; None without any."""
     told = [(*row["estimates"][name], row["true"].get(name)) for row in rows if name in row["estimates"]]
@@ -296,11 +282,9 @@ def scores(rows: list[dict[str, Any]], name: str) -> tuple[int, int, float] | No
     value, _, low, high, true = np.array(told, dtype=np.float64).T
     return int(np.sum((low <= true) & (true <= high))), true.size, float(np.median(np.abs(value / true - 1.0)))
 
-
 def stopped(rows: list[dict[str, Any]]) -> int:
     """Return how many traces were flagged or refused."""
     return sum(bool(row["flags"] or row["refused"]) for row in rows)
-
 
 def table(folder: Path) -> None:
     """Print coverage and median errors of each cell, and how many traces were flagged or refused."""
@@ -324,7 +308,6 @@ def table(folder: Path) -> None:
             flags[flag] = flags.get(flag, 0) + 1
     print("flags of right traces:", flags)
 
-
 def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
     """Return the coverage of each quantity over all cells of a kind, and how many were flagged."""
     rows = [row for cell in cells() if cell.kind == kind for row in found.get(cell.name, [])]
@@ -335,8 +318,8 @@ def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
             parts.append(f"{name} {100 * score[0] / score[1]:.1f} % of {score[1]}")
     return ", ".join([*parts, f"flagged or refused {stopped(rows)} of {len(rows)}"])
 
-
 LABELS = {"normal": "normal, 20 %", "lognormal": "lognormal, 50 %", "gamma": "gamma, 40 %"}
+ALL = "all of these"
 OTHERS = {
     "clean": "without noise",
     "long": "5000 lives",
@@ -346,19 +329,20 @@ OTHERS = {
     "round trip": "found.toml simulated",
 }
 
-
 def document(folder: Path) -> None:
     """Write the tables of the study into docs/inference.md."""
     text, found = PAGE.read_text(encoding="utf-8"), read(folder)
     if seen := seen_outside(found):
         DATA.write_text(json.dumps(seen, indent=1) + "\n", encoding="utf-8")
-    tables = {"coverage": _coverage(found), "others": _others(found), "wrong": _wrong(found)}
+    tables = {"wrong": _wrong(found)}
+    if covered := covered_by_cell(found):
+        COVERAGE.write_text(json.dumps(covered, indent=1) + "\n", encoding="utf-8")
+        tables["coverage"] = coverage_table(covered)
     if DATA.exists():
         data = json.loads(DATA.read_text(encoding="utf-8"))
         tables |= {"outside": outside_table(data), "bandwidth": bandwidth_table(data)}
     # What was not made again stays as it is.
     PAGE.write_text(filled(text, {name: part for name, part in tables.items() if part}), encoding="utf-8")
-
 
 def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
     """Return of each case made outside how many intervals held the truth, of how many, and the median error."""
@@ -380,16 +364,13 @@ def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
             }
     return seen
 
-
 def _holds(row: dict[str, Any], name: str) -> bool:
     low, high = row["estimates"].get(name, [0.0, 0.0, 0.0, 0.0])[2:]
     return bool(low <= row["true"][name] <= high)
 
-
 def _held(case: dict[str, Any], name: str) -> str:
     each = case["held"].get(name)
     return "" if each is None else f"{each['held']} of {each['of']}, {100.0 * each['median_error']:.1f} %"
-
 
 def outside_table(data: dict[str, Any]) -> str:
     """Return the table of traces made outside the package."""
@@ -405,9 +386,7 @@ def outside_table(data: dict[str, Any]) -> str:
         rows.append((name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
     return markdown(("trace", "law", "option", "N", "diameter", "strength", "flagged or refused"), rows)
 
-
 _SAID = {"bandwidth": "F", "strength_spread": '"50 %"', "strokes": '"5 %"'}
-
 
 def bandwidth_table(data: dict[str, Any]) -> str:
     """Return the table of one pole at some cycles a life, with and without its corner given."""
@@ -419,41 +398,33 @@ def bandwidth_table(data: dict[str, Any]) -> str:
             rows.append((str(cycles), *shown))
     return markdown(("cycles a life", "N without", "strength without", "N with", "strength with"), rows)
 
+def covered_by_cell(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    """Return of each cell, and of all right ones, the traces, and of each quantity [share held, median error]."""
+    right = {cell.name: rows for cell in cells() if cell.kind == "right" and (rows := found.get(cell.name))}
+    others = {cell.name: rows for cell in cells() if cell.kind in OTHERS and (rows := found.get(cell.name))}
+    whole = {ALL: [row for rows in right.values() for row in rows]} if right else {}
+    return {name: _covered(rows) for name, rows in (right | whole | others).items()}
 
-def _cell_scores(rows: list[dict[str, Any]]) -> list[str]:
-    found = [scores(rows, name) for name in QUANTITIES]
-    return ["" if each is None else f"{100 * each[0] / each[1]:.1f} %, {100 * each[2]:.1f} %" for each in found]
+def _covered(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    found = {name: score for name in QUANTITIES if (score := scores(rows, name)) is not None}
+    held = {name: [round(a / b, 3), round(error, 3)] for name, (a, b, error) in found.items()}
+    return {"traces": len(rows), "flagged_or_refused": stopped(rows), "held": held}
 
-
-def _coverage(found: dict[str, list[dict[str, Any]]]) -> str:
-    lines: list[tuple[str, ...]] = []
-    whole: list[dict[str, Any]] = []
-    for cell in cells():
-        rows = found.get(cell.name, [])
-        if cell.kind != "right" or not rows:
-            continue
-        whole += rows
-        label = LABELS.get(cell.law, cell.law) if cell.count == COUNTS[0] else ""
-        lines.append((label, str(cell.count), str(len(rows)), *_cell_scores(rows)))
-    lines.append(("all", "", str(len(whole)), *_cell_scores(whole)))
-    head = ("law, spread", "junctions", "traces", "N", "diameter", "spread", "strength")
-    return f"{markdown(head, lines)}\n{_flagged('right', whole)}\n" if whole else ""
-
-
-def _others(found: dict[str, list[dict[str, Any]]]) -> str:
-    lines = [
-        (OTHERS[cell.kind], cell.law, str(len(rows)), *_cell_scores(rows), str(stopped(rows)))
-        for cell in cells()
-        if cell.kind in OTHERS and (rows := found.get(cell.name, []))
-    ]
-    head = ("trace", "law", "traces", "N", "diameter", "spread", "strength", "flagged or refused")
-    return markdown(head, lines) if lines else ""
-
-
-def _flagged(kind: str, rows: list[dict[str, Any]]) -> str:
-    share = 100.0 * stopped(rows) / max(len(rows), 1)
-    return f"Of these {len(rows)} {kind} traces, {stopped(rows)} were flagged or refused, which is {share:.1f} %."
-
+def coverage_table(data: dict[str, Any]) -> str:
+    """Return the table of the lowest share and the largest median error in the cells of each law and each kind."""
+    kinds = {cell.name: OTHERS.get(cell.kind, LABELS.get(cell.law, cell.law)) for cell in cells()} | {ALL: ALL}
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for name, each in data.items():
+        groups.setdefault(kinds[name], []).append(each)
+    lines = []
+    for label, group in groups.items():
+        worst = []
+        for name in QUANTITIES:
+            held = [each["held"][name] for each in group if name in each["held"]]
+            shares, errors = zip(*held, strict=True) if held else ((), ())
+            worst.append(f"{100.0 * min(shares):.1f} %, {100.0 * max(errors):.1f} %" if held else "")
+        lines.append((label, str(sum(each["traces"] for each in group)), *worst))
+    return markdown(("traces", "number", "N", "diameter", "spread", "strength"), lines)
 
 def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
     lines = []
@@ -462,7 +433,6 @@ def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
         if any(both):
             lines.append((words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
     return markdown(("trace of", "zero unknown", "zero known"), lines) if lines else ""
-
 
 def main() -> int:
     """Read the command and do it."""
