@@ -53,6 +53,7 @@ NEEDS: dict[Feature | None, str] = {
     "base": 'with `slider.excitation = "base"`',
 }
 
+
 def main(arguments: Sequence[str]) -> int:
     """Write the pages, or with --check only name those that are out of date; 1 where there are any."""
     pages = sorted(path.name for path in DOCS.glob("*.md"))
@@ -63,15 +64,18 @@ def main(arguments: Sequence[str]) -> int:
         print(f"docs/{page}", "is out of date" if "--check" in arguments else "written")
     return int(bool(stale) and "--check" in arguments)
 
+
 def read(page: str) -> str:
     """Return the text of a page as it stands."""
     return (DOCS / page).read_text(encoding="utf-8")
+
 
 def generated(text: str) -> str:
     """Return the text of a page with new generated parts and numbers; a part that another tool makes stays."""
     text = NUMBER.sub(lambda found: found[1] + found[2] + NUMBERS[found[1]](), text)
     made = {name: "\n".join(PARTS[name]()).rstrip() for name in parts_of(text) if name in PARTS}
     return filled(text, {name: f"\n{part}\n\n" for name, part in made.items()})
+
 
 def time_stuck() -> str:
     """Return the share of the time that the slider of Figure 5 is stuck, two-way, with its 95 % interval."""
@@ -80,10 +84,12 @@ def time_stuck() -> str:
     value, error = point["stick_fraction"]
     return f"{100.0 * value:.1f} ± {100.0 * error * float(student.ppf(0.975, point['runs'] - 1)):.1f} %"
 
+
 def columns() -> Iterator[str]:
     """Yield a section for each group of a result file."""
     for group in GROUPS:
         yield from _group(group)
+
 
 def _group(group: Group) -> Iterator[str]:
     yield f"### /{group.name}"
@@ -94,9 +100,11 @@ def _group(group: Group) -> Iterator[str]:
     yield ""
     yield table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
 
+
 def _present(group: Group) -> str:
     lacking = " and ".join(NEEDS[each].replace("with ", "without ", 1) for each in group.lacks)
     return lacking or " or ".join(NEEDS[each] for each in group.needs) or NEEDS[None]
+
 
 def _column(column: Dataset) -> tuple[str, ...]:
     _, codes = column.coded
@@ -104,6 +112,7 @@ def _column(column: Dataset) -> tuple[str, ...]:
     name, kind = f"`{column.name}`", TYPES[column.dtype]
     present = NEEDS[column.needs]
     return name, kind, column.units, f"`{column.symbol}`", meaning, present
+
 
 def keys() -> Iterator[str]:
     """Yield the keys of a scenario file: those at the top, then a section for each table."""
@@ -117,18 +126,22 @@ def keys() -> Iterator[str]:
         yield ""
         yield from _keys(section.model_fields)
 
+
 def sweep() -> Iterator[str]:
     """Yield the keys of a sweep beside its lists."""
     yield from _keys(Sweeping.model_fields)
+
 
 def _need(table: FieldInfo) -> str:
     if table.is_required():
         return "This table is required."
     return "This table is optional." if table.default is None else "This table is optional; its keys have defaults."
 
+
 def _keys(fields: dict[str, FieldInfo]) -> Iterator[str]:
     rows = ((f"`{key}`", _values(about), _default(about), about.description or "") for key, about in fields.items())
     yield table(("key", "value", "default", "meaning"), rows)
+
 
 def _values(about: FieldInfo) -> str:
     """Return what a key may hold, as far as one line can say it."""
@@ -151,13 +164,16 @@ def _values(about: FieldInfo) -> str:
         case other:
             raise TypeError(f"no words for {type(other).__name__}")
 
+
 def _default(about: FieldInfo) -> str:
     if about.default is PydanticUndefined:
         return "required"
     return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
 
+
 def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
+
 
 NUMBERS: dict[str, Callable[[], str]] = {"time_stuck": time_stuck}
 """Measured numbers that pages show by name, as `<!-- number: NAME -->...<!-- / -->`; each has its place in one file."""

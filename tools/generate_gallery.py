@@ -28,6 +28,7 @@ ROOMS_FILE: Final = Path(__file__).with_name("gallery.toml")
 FRAME: Final = 10
 """The frame of the film that the page shows."""
 
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shown:
     """A picture: its title, the command that makes it, what there is to see, and where it lies below docs/pictures.
@@ -41,6 +42,7 @@ class Shown:
     kept: str
     made: str = ""
 
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Room:
     """A part of the page: its title, how it begins, the commands that come before, and its pictures."""
@@ -49,6 +51,7 @@ class Room:
     begins: str
     before: tuple[str, ...] = ()
     pictures: tuple[Shown, ...]
+
 
 def shown(picture: Mapping[str, str]) -> Shown:
     """Return a picture as tools/gallery.toml has it; that of `rubnoise plot` is called after what is drawn."""
@@ -63,6 +66,7 @@ def shown(picture: Mapping[str, str]) -> Shown:
         made=f"{name}.png",
     )
 
+
 def of_the_paper() -> Iterator[Shown]:
     """Yield the figures of the paper."""
     for name, figure in FIGURES.items():
@@ -72,6 +76,7 @@ def of_the_paper() -> Iterator[Shown]:
             says=figure.caption,
             kept=f"paper/{name}.png",
         )
+
 
 def rooms() -> Iterator[Room]:
     """Yield the parts of the page."""
@@ -84,7 +89,9 @@ def rooms() -> Iterator[Room]:
             pictures=tuple(pictures),
         )
 
+
 ROOMS: Final = tuple(rooms())
+
 
 def page() -> Iterator[str]:
     """Yield the lines of the page."""
@@ -102,6 +109,7 @@ def page() -> Iterator[str]:
             if each.made:
                 yield from ("", "```text", each.command, "```")
 
+
 def draw(folder: Path, pictures: Path) -> None:
     """Call the commands in a folder, and keep their pictures in another."""
     (folder / "scenarios").symlink_to(ROOT / "scenarios")
@@ -115,11 +123,13 @@ def draw(folder: Path, pictures: Path) -> None:
                 place.parent.mkdir(parents=True, exist_ok=True)
                 place.write_bytes(kept(folder / each.made))
 
+
 def call(folder: Path, command: str) -> None:
     """Call a command in a folder; raises CalledProcessError where it fails."""
     print(command, file=sys.stderr)
     _, *words = split(command)
     subprocess.run([sys.executable, "-m", "rubnoise", *words], cwd=folder, stdout=subprocess.DEVNULL, check=True)
+
 
 def kept(path: Path) -> bytes:
     """Return a picture, or a frame of a film, as the gallery has it."""
@@ -129,6 +139,7 @@ def kept(path: Path) -> bytes:
         stream = BytesIO()
         picture.convert("RGB").save(stream, format="PNG")
     return small(stream.getvalue())
+
 
 def main(arguments: Sequence[str]) -> int:
     """Draw everything and write the page; with --check only compare the page, and return 1 where it differs."""
@@ -141,6 +152,7 @@ def main(arguments: Sequence[str]) -> int:
         draw(Path(folder), PICTURES)
     PAGE.write_text(text, encoding="utf-8")
     return 0
+
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -76,6 +76,7 @@ TYPESET = {
 
 _PLAIN = re.compile("|".join(rf"(?<!\w){re.escape(plain)}(?!\w)" for plain in TYPESET))
 
+
 def main() -> int:
     """Settle the claims, draw the figures, and write the page; where a claim is unsettled only say which, return 1."""
     claims = evaluate_claims(lambda text: print(text, file=sys.stderr))
@@ -89,6 +90,7 @@ def main() -> int:
     (DOCS / "paper.md").write_text("\n".join(page(claims)) + "\n", encoding="utf-8")
     return 0
 
+
 def page(claims: tuple[Claim, ...]) -> Iterator[str]:
     """Yield the lines of the page."""
     yield HEAD
@@ -99,9 +101,11 @@ def page(claims: tuple[Claim, ...]) -> Iterator[str]:
         yield from _claim(claim)
     yield LIMITS.rstrip()
 
+
 def typeset(text: str) -> str:
     """Return a text of a claim with its formulas as the site sets them."""
     return _PLAIN.sub(lambda found: TYPESET[found[0]], text)
+
 
 def _claim(claim: Claim) -> Iterator[str]:
     yield f"\n### {claim.name}"
@@ -109,12 +113,14 @@ def _claim(claim: Claim) -> Iterator[str]:
     yield table(("quantity", "printed", "simulated (95 %)", "exact"), map(_quantity, claim.quantities))
     yield f"**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
 
+
 def _quantity(quantity: ClaimedNumber) -> tuple[str, ...]:
     name = typeset(f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name)
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.6g}"
     low, high = quantity.simulated.interval
     return name, printed, f"{quantity.simulated.value:.5g} ± {0.5 * (high - low):.2g}", exact
+
 
 if __name__ == "__main__":
     sys.exit(main())

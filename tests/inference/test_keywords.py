@@ -24,8 +24,10 @@ UNITS = pint.UnitRegistry()
 MADE = signal(contact("fixed", 0.0, 20, 100), 3)
 GIVEN = {"rate": f"{1000.0 / MADE.tick} Hz", "speed": "1 mm/s", "unit": "uN", "zero": "known", "law": "fixed"}
 
+
 def inferred(**changed: Any) -> rubnoise.Inference:
     return rubnoise.infer(MADE.values, **(GIVEN | changed))
+
 
 @pytest.mark.parametrize(
     "unit", ["0 mN", "1e999 mN", "nan mN", "-1 mN", "inf N", "1.2.3 mN", "1e300 mN", "1_0 mN", ".5 mN"]
@@ -35,6 +37,7 @@ def test_a_factor_that_is_no_positive_finite_number_is_refused(unit: str) -> Non
         with pytest.raises(Refused, match=r"unit=: .*right form: unit="):
             inferred(unit=given)
 
+
 @pytest.mark.parametrize(
     "unit", ["parsec", "m", "Mpa", "counts", "5", "", "mN mN", 5.0, True, None, UNITS("3 m"), b"N"]
 )
@@ -42,6 +45,7 @@ def test_a_unit_that_is_no_force_and_no_voltage_is_refused_by_name(unit: Any) ->
     with pytest.raises(Refused, match="unit") as refused:
         inferred(unit=unit)
     assert "right form: unit=" in str(refused.value) or 'unit="mN" names it' in str(refused.value)
+
 
 @pytest.mark.parametrize(
     ("unit", "scale"),
@@ -65,6 +69,7 @@ def test_a_unit_is_a_force_an_area_or_a_voltage(unit: Any, scale: float | None) 
     assert found == (None if scale is None else pytest.approx(scale, rel=1e-14))
     assert is_area == (unit == "um^2")
 
+
 def test_quantities_of_pint_are_those_of_texts() -> None:
     want = inferred(strength="250 MPa", mask="50 Hz")
     rate = UNITS.Quantity(1000.0 / MADE.tick, "Hz")
@@ -76,6 +81,7 @@ def test_quantities_of_pint_are_those_of_texts() -> None:
     trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(400) / 100.0, "force (mN)": np.sin(np.arange(400.0))})
     assert trace.psd(segment=UNITS("500 ms")).place.tolist() == trace.psd(segment="0.5 s").place.tolist()
     assert trace.acf(longest=UNITS("200 ms")).lag.tolist() == trace.acf(longest="0.2 s").lag.tolist()
+
 
 @pytest.mark.parametrize(
     ("keyword", "value", "problem"),
@@ -122,6 +128,7 @@ def test_what_is_refused_is_called_by_its_keyword(keyword: str, value: Any, prob
     assert "=" not in in_shell(text)
     assert len(text) <= 400
 
+
 def test_numbers_are_for_what_has_no_unit() -> None:
     trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(400) / 100.0, "force (mN)": np.sin(np.arange(400.0))})
     for asked in (lambda: trace.psd(segment=0.5), lambda: trace.acf(longest=0.2)):
@@ -131,6 +138,7 @@ def test_numbers_are_for_what_has_no_unit() -> None:
     assert plain.acf(longest=20).lag[-1] == 20.0
     with pytest.raises(Refused, match="longest=: 1 s: a number is needed"):
         plain.acf(longest="1 s")
+
 
 def test_what_would_identify_a_number_speaks_python_and_the_shell(tmp_path: Path) -> None:
     reasons = inferred(zero="unknown").not_identified
@@ -159,6 +167,7 @@ def test_what_would_identify_a_number_speaks_python_and_the_shell(tmp_path: Path
     assert call("infer", str(path), "--law", "fixed", "--report", str(page)).code in {0, 3}
     assert "default-src 'none'" in page.read_text(encoding="utf-8")
 
+
 def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.csv"
     rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
@@ -179,6 +188,7 @@ def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.Monke
     assert "a.html: writing failed" in answer.err
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
 
+
 def test_a_refusal_is_no_longer_than_a_screen() -> None:
     for text in ("x" * 9000, "a.csv: " + "column " * 900 + "; the remedy"):
         assert len(str(Refused(text))) <= LONGEST
@@ -186,12 +196,14 @@ def test_a_refusal_is_no_longer_than_a_screen() -> None:
     listed = ScenarioRefused("x" * 9000)
     assert len(str(listed)) == 9000
 
+
 def test_names_of_files_are_no_keywords() -> None:
     for text in ("speed=1.csv: no such file", "x/speed=2.csv", "a b=c.csv: line 3", "speed=/x.csv"):
         assert in_shell(text) == text
     assert in_shell('column=2, rate="10 kHz" and unit="N"; strength_spread=') == (
         '--column 2, --rate "10 kHz" and --unit N; --strength-spread'
     )
+
 
 # The study of inference resumes where it stopped, counts what intervals hold, and writes the tables of the page.
 def fit_of(cell: str, seed: int, value: float, *, flags: tuple[str, ...] = ()) -> dict[str, Any]:
@@ -208,10 +220,12 @@ def fit_of(cell: str, seed: int, value: float, *, flags: tuple[str, ...] = ()) -
         "estimates": {"junction_count": [value, 0.05 * value, 0.9 * value, 1.1 * value]},
     }
 
+
 def test_intervals_that_hold_the_truth_are_counted() -> None:
     rows = [fit_of("normal 20", 1, 21.0), fit_of("normal 20", 2, 25.0), fit_of("normal 20", 3, 19.0)]
     assert infer_study.scores(rows, "junction_count") == (2, 3, pytest.approx(0.05))
     assert infer_study.scores(rows, "diameter") is None
+
 
 def test_the_tables_of_the_page_are_written_in_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -238,6 +252,7 @@ def test_the_tables_of_the_page_are_written_in_place(
     infer_study.table(tmp_path)
     assert "right: junction_count 50.0 % of 2, flagged or refused 0 of 2" in capsys.readouterr().out
 
+
 def test_a_study_resumes_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[tuple[str, int]] = []
 
@@ -251,6 +266,7 @@ def test_a_study_resumes_where_it_stopped(tmp_path: Path, monkeypatch: pytest.Mo
     infer_study.run(tmp_path, 1, 1, "long:,drift:")
     infer_study.run(tmp_path, 2, 1, "long:")
     assert sorted(made) == [("drift lognormal", 1), ("drift normal", 1), ("long normal", 1), ("long normal", 2)]
+
 
 def test_traces_made_outside_are_kept_as_data_and_drawn_from_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -270,6 +286,7 @@ def test_traces_made_outside_are_kept_as_data_and_drawn_from_it(
     assert '| two strokes | auto | `--strokes "5 %"` | 1 of 2, 15.0 % | | | 0 of 2 |' in text
     assert "| 5 | 1 of 2, 15.0 % | | 1 of 2, 15.0 % | |" in text
 
+
 def test_the_page_shows_the_data() -> None:
     text = infer_study.PAGE.read_text(encoding="utf-8")
     data = json.loads(infer_study.DATA.read_text(encoding="utf-8"))
@@ -278,6 +295,7 @@ def test_the_page_shows_the_data() -> None:
     assert parts_of(text)["bandwidth"] == infer_study.bandwidth_table(data)
     assert parts_of(text)["coverage"] == infer_study.coverage_table(covered)
     assert len(covered) == 37  # every cell, and all right ones together
+
 
 @pytest.mark.parametrize(
     "name",

@@ -57,6 +57,7 @@ PEAKS: Final = (1.0, 10.0, 100.0)
 
 ALLOWED: Final = 4.0
 
+
 @dataclass(frozen=True, kw_only=True)
 class Level:
     """What runs at one speed and height say: relative and absolute speed (mm/s), height (um), normal velocity (um/s).
@@ -83,6 +84,7 @@ class Level:
     def decibels(self) -> float:
         """Level of the normal velocity."""
         return decibels(self.velocity)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
@@ -112,12 +114,14 @@ class Contact:
         (n, n_error), (m, m_error) = self.speed_exponent(first, last), self.height_exponent(first, last)
         return m - 0.5 * (1.0 + n), hypot(m_error, 0.5 * n_error)
 
+
 def _slope(pairs: Sequence[tuple[Level, Level]], over: str) -> tuple[float, float]:
     """Return the slope of ln velocity over that of a quantity, from pairs one after another, and its error."""
     rise = sum(log(high.velocity / low.velocity) for low, high in pairs)
     step = sum(log(getattr(high, over) / getattr(low, over)) for low, high in pairs)
     square = sum((each.error / each.velocity) ** 2 for pair in pairs for each in pair)
     return rise / step, sqrt(square) / step
+
 
 def slider(live: float, loss: str, value: float, v: float, height: float, duration: float) -> Model:
     """Return a slider under its own weight that goes on for so many 1/omega_c; beta is that of the height 5 um."""
@@ -136,6 +140,7 @@ def slider(live: float, loss: str, value: float, v: float, height: float, durati
         strength=None,
         **({"restitution": value} if loss == "restitution" else {"growth": scaled}),
     )
+
 
 def level(
     live: float, loss: str, value: float, v: float, height: float, duration: float, seeds: Sequence[int]
@@ -162,6 +167,7 @@ def level(
         peaks=tuple(float((peaks < most).mean()) for most in PEAKS) if peaks.size else None,
     )
 
+
 def heard(model: Model, seed: int) -> tuple[float, float, float, float, float, Any]:
     """Return the mean square velocity in both halves, apart, shocks, load and peaks of a run after its start."""
     record = MemoryRecord(extent(model, seed))
@@ -180,10 +186,12 @@ def heard(model: Model, seed: int) -> tuple[float, float, float, float, float, A
     pushed = float(velocity[-1] - velocity[0]) * held.mass / duration
     return early, late, float((~touching).mean()), shocks, (float(load.mean()) - pushed) / weight, peaks
 
+
 def _held(model: Model) -> Separation:
     if model.free is None:
         raise ValueError("the slider of the model is not free")
     return model.free.held
+
 
 def measured(number: int) -> Contact:
     """Return what runs of one of CONTACTS say."""
@@ -202,6 +210,7 @@ def measured(number: int) -> Contact:
         middle = sqrt(begin * end)
         heights.append((at(begin, HEIGHT * (begin / middle) ** 2), at(end, HEIGHT * (end / middle) ** 2)))
     return Contact(live=live, loss=loss, value=value, levels=levels, heights=tuple(heights))
+
 
 def faults(contacts: Sequence[Contact]) -> list[str]:
     """Return where runs miss m = (1 + n)/2, have a mean load that is not the weight, or still drift."""
@@ -223,10 +232,12 @@ def faults(contacts: Sequence[Contact]) -> list[str]:
         wrong.append(f"m - (1 + n)/2 over all contacts: {sum(together) / sqrt(len(together)):.1f} standard errors")
     return wrong
 
+
 def deviate(value: float, error: float) -> float:
     """Return how far from 0 a mean over RUNS is, on the scale of a normal law; for more runs it errs towards 0."""
     t = value / error
     return normal_deviate(float(stdtr(RUNS - 1, t)), float(stdtr(RUNS - 1, -t)))
+
 
 def tables(contacts: Sequence[Contact]) -> dict[str, str]:
     """Return the tables of the page by name."""
@@ -269,22 +280,28 @@ def tables(contacts: Sequence[Contact]) -> dict[str, str]:
         ),
     }
 
+
 def _row(each: Contact, cells: Iterator[str] | Sequence[str]) -> Sequence[str]:
     name = f"e = {each.value:g}" if each.exact else f"beta s0 omega_c = {each.value:g}"
     return (f"{each.live:g}", name, *cells)
 
+
 def _decibels(level: Level) -> str:
     return f"{level.decibels:.1f}"
 
+
 def _exponents(each: Contact, first: int, last: int) -> tuple[float, float]:
     return each.speed_exponent(first, last)[0], each.height_exponent(first, last)[0]
+
 
 def _both(each: Contact, first: int, last: int) -> str:
     """Return n and m with their standard errors."""
     return "; ".join("{:.3f} ± {:.3f}".format(*of(first, last)) for of in (each.speed_exponent, each.height_exponent))
 
+
 def _peaks(level: Level) -> str:
     return "" if level.peaks is None else ", ".join(f"{100.0 * share:.0f}" for share in level.peaks)
+
 
 def made() -> Iterator[Contact]:
     """Yield what is found of each contact, and print it, since all of them take long."""
@@ -292,6 +309,7 @@ def made() -> Iterator[Contact]:
         found = measured(number)
         print("\n".join(tables([found]).values()), flush=True)
         yield found
+
 
 STUDY: Final = Study(
     about=__doc__,

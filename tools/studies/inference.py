@@ -68,6 +68,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "inference.md"
 DATA, COVERAGE = PAGE.with_name("right_traces.json"), PAGE.with_name("coverage.json")
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
+
 @dataclass(frozen=True, kw_only=True)
 class Cell:
     """One kind of trace: its law and number, or the wrong model, and how it is fitted."""
@@ -84,6 +85,7 @@ class Cell:
     contact: Contact | None = None
     options: tuple[tuple[str, str], ...] = ()
     most: int = 10**9
+
 
 def outside() -> list[Cell]:
     """Return the cells whose traces are made outside the package: with an option, and without it."""
@@ -112,6 +114,7 @@ def outside() -> list[Cell]:
         found.append(cell(f"{cycles} cycles with", Contact(bandwidth=cycles), SHOWN, bandwidth=f"{cycles}"))
     return found
 
+
 def cells() -> list[Cell]:
     """Return every cell of the study."""
     found = [Cell(name=f"{law} {n}", law=law, count=n, fitted=law) for law in POPULATIONS for n in COUNTS]
@@ -136,13 +139,16 @@ def cells() -> list[Cell]:
     ]
     return found + outside()
 
+
 def model(law: str, count: float, lives: int) -> Model:
     """Return a contact of mean diameter 5.5 um, 64 ticks a mean life."""
     return contact_of(law, POPULATIONS[law], count, lives, mean=DIAMETER)
 
+
 def force_of(contact: Model, seed: int) -> Doubles:
     """Return the friction force of a run in uN."""
     return np.array(recorded(contact, seed, engine="batch")["trace"]["friction_force"])
+
 
 def right(cell: Cell, seed: int) -> Signal:
     """Return a trace of the model, with white noise."""
@@ -156,6 +162,7 @@ def right(cell: Cell, seed: int) -> Signal:
         steps = np.random.default_rng([own, 3]).standard_normal(values.size)
         values += cell.drift * spread * np.cumsum(steps)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
+
 
 def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     """Return a trace of something else, with noise of 5 % of its spread."""
@@ -182,6 +189,7 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     values = values + 0.05 * values.std() * rng.standard_normal(values.size)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
 
+
 def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     """Return a run of the scenario that was found in a trace, and the numbers found."""
     found = infer_signal(signal, zero="known", tests=False)
@@ -189,6 +197,7 @@ def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     force = force_of(contact, seed + 1_000_000)
     values = {name: each.value for name, each in found.estimates.items()}
     return Signal(values=force, tick=contact.tick, unit="uN", scale=1.0), values
+
 
 def read_outside(cell: Cell, seed: int) -> InferenceResult:
     """Return what `infer` says of a trace made outside the package, over time, with the options of the cell."""
@@ -203,6 +212,7 @@ def read_outside(cell: Cell, seed: int) -> InferenceResult:
     if "strokes" not in options:
         options["zero"] = "known"
     return infer(values, rate="1 kHz", speed=f"{speed:.12f} um/s", unit="uN", law=cell.fitted, **options)
+
 
 def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     """Make one trace and fit it; return what was found beside what is true."""
@@ -220,6 +230,7 @@ def fit(job: tuple[Cell, int]) -> dict[str, Any]:
         cell, seed, begun, infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0), true
     )
 
+
 def _answer(cell: Cell, seed: int, begun: float, found: InferenceResult, true: dict[str, float]) -> dict[str, Any]:
     answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
     answer["refused"] = found.refused_because
@@ -232,6 +243,7 @@ def _answer(cell: Cell, seed: int, begun: float, found: InferenceResult, true: d
     }
     return answer
 
+
 def truth(cell: Cell) -> dict[str, float]:
     """Return the true numbers of a cell."""
     sizes = LAWS[cell.law].make(DIAMETER, POPULATIONS[cell.law] * DIAMETER, {})
@@ -242,6 +254,7 @@ def truth(cell: Cell) -> dict[str, float]:
         "relative_spread": float(spread),
         "shear_strength": 250.0,
     }
+
 
 def read(folder: Path) -> dict[str, list[dict[str, Any]]]:
     """Return the finished fits of each cell; a line cut short by a kill is left out."""
@@ -254,6 +267,7 @@ def read(folder: Path) -> dict[str, list[dict[str, Any]]]:
                 continue
             found.setdefault(row["cell"], []).append(row)
     return found
+
 
 def run(folder: Path, traces: int, jobs: int, only: str) -> None:
     """Make what is missing, cells in turn, so that a study stopped early has something of each."""
@@ -273,6 +287,7 @@ def run(folder: Path, traces: int, jobs: int, only: str) -> None:
             if sys.stderr.isatty():
                 print(f"\r{number} of {len(wanted)}", end="", file=sys.stderr)
 
+
 def scores(rows: list[dict[str, Any]], name: str) -> tuple[int, int, float] | None:
     """Return how many intervals of a quantity hold the truth, of how many, and the median error; None without any."""
     told = [(*row["estimates"][name], row["true"].get(name)) for row in rows if name in row["estimates"]]
@@ -282,9 +297,11 @@ def scores(rows: list[dict[str, Any]], name: str) -> tuple[int, int, float] | No
     value, _, low, high, true = np.array(told, dtype=np.float64).T
     return int(np.sum((low <= true) & (true <= high))), true.size, float(np.median(np.abs(value / true - 1.0)))
 
+
 def stopped(rows: list[dict[str, Any]]) -> int:
     """Return how many traces were flagged or refused."""
     return sum(bool(row["flags"] or row["refused"]) for row in rows)
+
 
 def table(folder: Path) -> None:
     """Print coverage and median errors of each cell, and how many traces were flagged or refused."""
@@ -308,6 +325,7 @@ def table(folder: Path) -> None:
             flags[flag] = flags.get(flag, 0) + 1
     print("flags of right traces:", flags)
 
+
 def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
     """Return the coverage of each quantity over all cells of a kind, and how many were flagged."""
     rows = [row for cell in cells() if cell.kind == kind for row in found.get(cell.name, [])]
@@ -317,6 +335,7 @@ def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
         if score is not None:
             parts.append(f"{name} {100 * score[0] / score[1]:.1f} % of {score[1]}")
     return ", ".join([*parts, f"flagged or refused {stopped(rows)} of {len(rows)}"])
+
 
 LABELS = {"normal": "normal, 20 %", "lognormal": "lognormal, 50 %", "gamma": "gamma, 40 %"}
 ALL = "all of these"
@@ -328,6 +347,7 @@ OTHERS = {
     "unknown": "`--law auto`, zero unknown",
     "round trip": "found.toml simulated",
 }
+
 
 def document(folder: Path) -> None:
     """Write the tables of the study into docs/inference.md."""
@@ -343,6 +363,7 @@ def document(folder: Path) -> None:
         tables |= {"outside": outside_table(data), "bandwidth": bandwidth_table(data)}
     # What was not made again stays as it is.
     PAGE.write_text(filled(text, {name: part for name, part in tables.items() if part}), encoding="utf-8")
+
 
 def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
     """Return of each case made outside how many intervals held the truth, of how many, and the median error."""
@@ -364,13 +385,16 @@ def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
             }
     return seen
 
+
 def _holds(row: dict[str, Any], name: str) -> bool:
     low, high = row["estimates"].get(name, [0.0, 0.0, 0.0, 0.0])[2:]
     return bool(low <= row["true"][name] <= high)
 
+
 def _held(case: dict[str, Any], name: str) -> str:
     each = case["held"].get(name)
     return "" if each is None else f"{each['held']} of {each['of']}, {100.0 * each['median_error']:.1f} %"
+
 
 def outside_table(data: dict[str, Any]) -> str:
     """Return the table of traces made outside the package."""
@@ -386,7 +410,9 @@ def outside_table(data: dict[str, Any]) -> str:
         rows.append((name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
     return markdown(("trace", "law", "option", "N", "diameter", "strength", "flagged or refused"), rows)
 
+
 _SAID = {"bandwidth": "F", "strength_spread": '"50 %"', "strokes": '"5 %"'}
+
 
 def bandwidth_table(data: dict[str, Any]) -> str:
     """Return the table of one pole at some cycles a life, with and without its corner given."""
@@ -398,6 +424,7 @@ def bandwidth_table(data: dict[str, Any]) -> str:
             rows.append((str(cycles), *shown))
     return markdown(("cycles a life", "N without", "strength without", "N with", "strength with"), rows)
 
+
 def covered_by_cell(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
     """Return of each cell, and of all right ones, the traces, and of each quantity [share held, median error]."""
     right = {cell.name: rows for cell in cells() if cell.kind == "right" and (rows := found.get(cell.name))}
@@ -405,10 +432,12 @@ def covered_by_cell(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
     whole = {ALL: [row for rows in right.values() for row in rows]} if right else {}
     return {name: _covered(rows) for name, rows in (right | whole | others).items()}
 
+
 def _covered(rows: list[dict[str, Any]]) -> dict[str, Any]:
     found = {name: score for name in QUANTITIES if (score := scores(rows, name)) is not None}
     held = {name: [round(a / b, 3), round(error, 3)] for name, (a, b, error) in found.items()}
     return {"traces": len(rows), "flagged_or_refused": stopped(rows), "held": held}
+
 
 def coverage_table(data: dict[str, Any]) -> str:
     """Return the table of the lowest share and the largest median error in the cells of each law and each kind."""
@@ -426,6 +455,7 @@ def coverage_table(data: dict[str, Any]) -> str:
         lines.append((label, str(sum(each["traces"] for each in group)), *worst))
     return markdown(("traces", "number", "N", "diameter", "spread", "strength"), lines)
 
+
 def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
     lines = []
     for law, words in WRONG.items():
@@ -433,6 +463,7 @@ def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
         if any(both):
             lines.append((words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
     return markdown(("trace of", "zero unknown", "zero known"), lines) if lines else ""
+
 
 def main() -> int:
     """Read the command and do it."""
