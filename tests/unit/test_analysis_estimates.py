@@ -1,6 +1,5 @@
 """Estimates of a record: moments, autocovariances, histograms and Kolmogorov distances, with their errors."""
 
-from dataclasses import fields
 from functools import cache
 
 import numpy as np
@@ -10,15 +9,7 @@ from scipy.special import ndtr
 from rubnoise.analysis.covariance import LaggedProducts, autocovariance
 from rubnoise.analysis.histogram import Histogram, histogram
 from rubnoise.analysis.kolmogorov import UniformSample, distance_tail, kolmogorov_figure, sample_distance
-from rubnoise.analysis.moments import (
-    Covariances,
-    SampleMoments,
-    covariance_errors,
-    needed_for_mean,
-    over_ticks,
-    sample_covariances,
-    sample_moments,
-)
+from rubnoise.analysis.moments import covariance_errors, needed_for_mean, over_ticks
 from rubnoise.analysis.records import (
     FEWEST_BATCHES,
     RecordTooShort,
@@ -27,91 +18,11 @@ from rubnoise.analysis.records import (
     integrated_autocorrelation,
     longer,
 )
-from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.model import Model
 from rubnoise.theory import correlation
-from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import variance_of_time_mean
 from tests.models import bare, recorded
 from tests.unit.theory_models import Doubles, memory, white
 from tests.verification.scores import seed_of
-
-# Moments of a record: their errors from theory and from batches, and when they are refused.
-CONTACT = bare(tick=0.25, distance=5000.0)
-SHORT = bare(tick=0.25, distance=800.0)
-BOUND, REJECTED = 4.0, 5.0
-
-
-@cache
-def area(run: Model, name: str) -> Doubles:
-    found: Doubles = recorded(run, seed_of(f"moments/{name}"))["trace"]["real_contact_area"]
-    return found
-
-
-def scores(found: SampleMoments, expected: tuple[float, ...]) -> list[float]:
-    figures: list[PooledEstimate] = [getattr(found, field.name) for field in fields(found)]
-    return [(each.value - value) / each.standard_error for each, value in zip(figures, expected, strict=True)]
-
-
-def values_of(run: Model) -> tuple[float, ...]:
-    exact = area_cumulants(run)
-    return exact.mean, exact.std, exact.skewness, exact.excess_kurtosis
-
-
-@pytest.mark.parametrize("model", [CONTACT, None], ids=["theory", "batches"])
-def test_moments_of_a_run_are_those_of_its_model(model: Model | None) -> None:
-    found = sample_moments(area(CONTACT, "run"), CONTACT.tick, model)
-    assert max(map(abs, scores(found, values_of(CONTACT)))) <= BOUND
-    assert abs(scores(found, values_of(bare(area=230.0)))[0]) > REJECTED
-
-
-def test_errors_from_theory_and_from_batches_agree() -> None:
-    theory = sample_moments(area(CONTACT, "run"), CONTACT.tick, CONTACT)
-    batches = sample_moments(area(CONTACT, "run"), CONTACT.tick)
-    # 45 batches and more tell an error to some 10 %.
-    assert batches.mean.standard_error == pytest.approx(theory.mean.standard_error, rel=0.4)
-    assert batches.std.standard_error == pytest.approx(theory.std.standard_error, rel=0.4)
-
-
-def test_errors_of_independent_values_are_the_textbook_ones() -> None:
-    found = sample_moments(white(100_000, seed_of("white")), 1.0)
-    assert found.mean.standard_error == pytest.approx(100_000**-0.5, rel=0.2)
-    assert found.std.standard_error == pytest.approx(200_000**-0.5, rel=0.2)
-    assert found.skewness.standard_error == pytest.approx((6.0 / 100_000) ** 0.5, rel=0.2)
-    assert found.excess_kurtosis.standard_error == pytest.approx((24.0 / 100_000) ** 0.5, rel=0.25)
-
-
-@pytest.mark.parametrize("model", [SHORT, None], ids=["theory", "batches"])
-def test_a_short_record_is_refused_with_its_estimate_and_the_length_needed(model: Model | None) -> None:
-    values = area(SHORT, "short")
-    with pytest.raises(RecordTooShort, match=r"moments: 800\.25 um of sliding are too short") as refused:
-        sample_moments(values, SHORT.tick, model)
-    estimate = refused.value.estimate
-    assert isinstance(estimate, SampleMoments)
-    assert estimate.mean.value == pytest.approx(values.mean())
-    assert refused.value.needed > 800.0
-    assert refused.value.exit_code == 2
-
-
-def test_what_is_needed_is_enough() -> None:
-    with pytest.raises(RecordTooShort) as refused:
-        sample_moments(area(SHORT, "short"), SHORT.tick, SHORT)
-    ticks = int(1.02 * refused.value.needed / SHORT.tick)
-    assert ticks < area(CONTACT, "run").size
-    sample_moments(area(CONTACT, "run")[:ticks], SHORT.tick, SHORT)
-
-
-def test_a_record_without_end_in_sight_says_so() -> None:
-    with pytest.raises(RecordTooShort) as refused:
-        sample_moments(np.arange(4.0), 1.0)
-    assert refused.value.needed == float("inf")
-    assert str(refused.value) == "moments: 4 um of sliding are too short for it"
-
-
-def test_a_constant_has_no_error() -> None:
-    found = sample_moments(np.full(1000, 7.0), 1.0)
-    assert found.mean == PooledEstimate(value=7.0, standard_error=0.0)
-    assert found.excess_kurtosis == PooledEstimate(value=0.0, standard_error=0.0)
 
 
 def test_a_mean_needs_lives_and_births() -> None:
@@ -194,14 +105,14 @@ def area_of_shorter() -> Doubles:
     return found
 
 
-@pytest.mark.parametrize("model", [SHORTER, None], ids=["theory", "batches"])
-def test_a_run_has_the_autocovariance_of_its_model(model: Model | None) -> None:
-    found = sample_covariances(area_of_shorter(), SHORTER.tick, (4, 10, 20, 30, 40), model)
-    bias = variance_of_time_mean(SHORTER)
-    expected = correlation.autocovariance(SHORTER, found.lag) - bias
-    assert np.max(np.abs(found.value - expected) / found.standard_error) <= 4.0
-    other = correlation.autocovariance(bare(count=10.0), found.lag)
-    assert np.max(np.abs(found.value - other) / found.standard_error) > 5.0
+def test_a_run_has_the_autocovariance_of_its_model() -> None:
+    lags = (4, 10, 20, 30, 40)
+    seen, lag = values_at(lags, area_of_shorter()), SHORTER.tick * np.array(lags)
+    error = covariance_errors(SHORTER, lag, SHORTER.distance, SHORTER.tick)
+    expected = correlation.autocovariance(SHORTER, lag) - variance_of_time_mean(SHORTER)
+    assert np.max(np.abs(seen - expected) / error) <= 4.0
+    other = correlation.autocovariance(bare(count=10.0), lag)
+    assert np.max(np.abs(seen - other) / error) > 5.0
 
 
 def values_at(lags: tuple[int, ...], row: Doubles) -> Doubles:
@@ -220,14 +131,6 @@ def test_errors_are_the_spread_of_many_runs() -> None:
     # A spread of 60 runs is known to 9 %, and a little worse for laws with long tails.
     assert values.std(axis=0, ddof=1) == pytest.approx(errors, rel=0.4)
     assert values.std(axis=0, ddof=1) != pytest.approx(0.5 * errors, rel=0.4)
-
-
-@pytest.mark.parametrize("model", [SHORTER, None], ids=["theory", "batches"])
-def test_a_short_record_is_refused_with_its_values(model: Model | None) -> None:
-    with pytest.raises(RecordTooShort, match="autocovariance") as refused:
-        sample_covariances(area_of_shorter()[:1000], SHORTER.tick, (4, 10), model)
-    assert isinstance(refused.value.estimate, Covariances)
-    assert refused.value.estimate.value.size == 2
 
 
 # Histograms: densities that add up, and errors that know of the correlation.

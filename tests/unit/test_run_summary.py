@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.histogram import histogram
-from rubnoise.analysis.moments import sample_covariances
 from rubnoise.analysis.records import error_of_mean
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio, ratio_of_pairs
 from rubnoise.analysis.run_summary import BANDS, BINS, CURVES, LAGS, RunLayout, RunSummary, SummarySink, curve_theory
@@ -57,7 +56,9 @@ def test_the_spectrum_is_welchs_in_bands() -> None:
 def test_the_autocovariance_is_that_of_the_trace() -> None:
     lags = RunLayout.of(RUN).lags
     seen = _summary(RUN).curves["autocovariance"]
-    whole = sample_covariances(_area(RUN), RUN.tick, lags.tolist(), RUN).value
+    products = LaggedProducts(lags.tolist(), float(_area(RUN).mean()))
+    products.add(_area(RUN))
+    whole = products.covariances()
     assert seen[: lags.size] == pytest.approx(whole, abs=1e-10 * whole[0])
     assert seen.size == LAGS
     assert np.isnan(seen[lags.size :]).all()

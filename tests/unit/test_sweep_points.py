@@ -165,7 +165,7 @@ def test_the_name_of_a_run_is_that_of_its_scenario(tmp_path: Path) -> None:
 def test_defaults_have_no_part_in_names_and_seeds(tmp_path: Path) -> None:
     told, untold = (expand(sweep_of(tmp_path, GRID, *changes))[3] for changes in ((), ("pulse.shape=lens",)))
     assert (told.seed, told.run_id) == (untold.seed, untold.run_id)
-    assert canonical(told.scenario, without=("run", "output")) == (
+    assert canonical(told.scenario.resolved(), without=("run", "output")) == (
         b'{"format":1,"interface":{"mean_junction_count":20.0,"mean_real_contact_area":"100 um^2"},'
         b'"sliding":{"distance":"2000 um"},"title":"swept"}'
     )

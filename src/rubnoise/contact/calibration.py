@@ -8,7 +8,6 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import Refused
 
-CALIBRATIONS = ("paper", "exact", "matched")
 _DIGITS = 40
 _PAPER_LIFE_MEAN = "0.327"  # Eq. 6 rounds 1/3 down; kept for the calibration that reproduces the paper
 _TURNING = (0.3, 3.0)  # where E[d^3]/d_m is least for unit spread lies between: at 0.89 to 1.5 for the laws there are

@@ -65,7 +65,7 @@ def _points(case: Case, replicates: range) -> Iterator[Point]:
 
 def _seed_words(resolved: Mapping[str, Any]) -> tuple[int, ...]:
     slider = {key: value for key, value in (resolved.get("slider") or {}).items() if key not in _NOT_THE_FIELD}
-    digest = sha256(_canonical({**resolved, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
+    digest = sha256(canonical({**resolved, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
     return tuple(int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
 
 
@@ -90,19 +90,15 @@ def run_id(scenario: Scenario) -> str:
 
 def _name(resolved: Mapping[str, Any], seed: int) -> str:
     run = resolved["run"] | {"seed": seed, "engine": SECTIONS["run"].model_fields["engine"].default}
-    return sha256(_canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
+    return sha256(canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
 
 
-def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
-    """Return a scenario as the one JSON text of it: keys sorted, defaults left out, quantities in working units.
+def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
+    """Return a resolved scenario as the one JSON text of it: keys sorted, defaults left out, in working units.
 
     Defaults are left out so that a key of a later version, with its default, changes no name and no seed. A calibration
     is left out if it is exact, the first default, or does what exact does: matched, for equal diameters.
     """
-    return _canonical(scenario.resolved(), without)
-
-
-def _canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     resolved = {
         name: _without_defaults(name, value) if isinstance(value, dict) else value
         for name, value in _without_calibration(resolved).items()
