@@ -193,8 +193,10 @@ def read_quantity(text: str, *kinds: Kind) -> Quantity:
     kind = next((k for k in kinds if k.dimension == unit.dimension), None)
     if kind is None:
         wanted = " or ".join(_with_article(k) for k in kinds)
+        other = next((k for k in KINDS if k.dimension == unit.dimension), None)
+        what = _with_article(other) if other else "something else"
         raise QuantityError(
-            f"{_dimension_name(unit_text, unit)}, {wanted} is needed", f'right form: "{number} {kinds[0].unit}"'
+            f'"{unit_text}" is the unit of {what}, {wanted} is needed', f'right form: "{number} {kinds[0].unit}"'
         )
     if kind is RATIO and unit_text not in RATIOS:
         raise QuantityError(f'"{unit_text}" is no unit of a ratio', f'right form: "{RATIO.example}"')
@@ -367,8 +369,3 @@ def _named_character(character: str) -> str:
 
 def _with_article(kind: Kind) -> str:
     return f"an {kind.name}" if kind.name[0] in "aeiou" else f"a {kind.name}"
-
-
-def _dimension_name(text: str, unit: Unit) -> str:
-    kind = next((k for k in KINDS if k.dimension == unit.dimension), None)
-    return f'"{text}" is the unit of {_with_article(kind)}' if kind else f'"{text}" is the unit of something else'

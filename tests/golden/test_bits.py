@@ -242,8 +242,6 @@ ALLOWED = {
     "contact/off_centre.py _life_integral np.cos": "for the theory alone",
     "contact/off_centre.py _life_integral np.sin": "for the theory alone",
     "contact/off_centre.py _life_integral np.sum": "for the theory alone",
-    "contact/off_centre.py _overlap_at np.cos": "for the theory alone",
-    "contact/off_centre.py _overlap_at np.sin": "for the theory alone",
     "contact/off_centre.py area_of np.hypot": "for curves and figures; columns come from the kernels' polynomials",
     "contact/off_centre.py overlap np.arccos": "for curves and figures; columns come from the kernels' polynomials",
     "contact/pulses.py TrianglePulse.cubed_integral **": "for the theory alone",

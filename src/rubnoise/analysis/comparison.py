@@ -61,8 +61,12 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
         ),
         _trace_part(model, trace),
         _balance_part(model, path),
-        _slider_part(model, rows),
-        _load_part(model, rows),
+        _part(
+            "slider",
+            lambda: first_tick(model, response(model)) * model.tick,
+            displacement=lambda: motion_findings(model, rows),
+        ),
+        _part("load", lambda: first_still_tick(model) * model.tick, load=lambda: load_findings(model, rows)),
     )
     return comparison(parts, bound)
 
@@ -77,19 +81,10 @@ def _balance_part(model: Model, path: Path | None) -> Findings:
     )
 
 
-def _slider_part(model: Model, rows: Rows) -> Findings:
-    part = _part("slider", displacement=lambda: motion_findings(model, rows))
-    return replace(part, begins=first_tick(model, response(model)) * model.tick) if part.figures else part
-
-
-def _load_part(model: Model, rows: Rows) -> Findings:
-    part = _part("load", load=lambda: load_findings(model, rows))
-    return replace(part, begins=first_still_tick(model) * model.tick) if part.figures else part
-
-
 def _trace_part(model: Model, trace: TraceSums) -> Findings:
-    part = _part(
+    return _part(
         "contact",
+        lambda: trace.layout.stationary_from * model.tick,
         real_contact_area=lambda: area_findings(model, trace),
         real_contact_area_kolmogorov=lambda: distribution_findings(model, trace),
         junction_count=lambda: count_findings(model, trace),
@@ -97,13 +92,12 @@ def _trace_part(model: Model, trace: TraceSums) -> Findings:
         real_contact_area_autocovariance=lambda: covariance_findings(model, trace),
         spectrum=lambda: spectrum_findings(model, trace),
     )
-    return replace(part, begins=trace.layout.stationary_from * model.tick)
 
 
-def _part(heading: str, **parts: Callable[[], list[Finding]]) -> Findings:
+def _part(heading: str, begins: Callable[[], float] = lambda: 0.0, **parts: Callable[[], list[Finding]]) -> Findings:
     """Return what the parts find; of one that the theory refuses, its name and the reason are kept.
 
-    Raises RunFileRefused for damaged rows.
+    ``begins``: where in um the record of the figures begins. Raises RunFileRefused for damaged rows.
     """
     found: list[Finding] = []
     for name, find in parts.items():
@@ -113,4 +107,5 @@ def _part(heading: str, **parts: Callable[[], list[Finding]]) -> Findings:
             raise
         except Refused as refusal:
             found.append(LeftOut(name=name, reason=str(refusal)))
-    return Findings(heading=heading, found=tuple(found))
+    part = Findings(heading=heading, found=tuple(found))
+    return replace(part, begins=begins()) if part.figures else part

@@ -52,10 +52,6 @@ class Hearing:
         """
         if COMFORTABLE[0] <= self.middle <= COMFORTABLE[1]:
             return None
-        return _round(speed_up * AIM / self.middle)
-
-
-def _round(value: float) -> float:
-    """Return the nearest of 1, 2 and 5 times the powers of ten, by ratio."""
-    power = 10.0 ** floor(log10(value))
-    return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / value)))
+        wanted = speed_up * AIM / self.middle
+        power = 10.0 ** floor(log10(wanted))
+        return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / wanted)))

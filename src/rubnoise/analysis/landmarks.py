@@ -46,7 +46,11 @@ class Landmarks:
         """
         at = np.flatnonzero(self.kind == begins)
         whole = at[at + 1 < self.kind.size]
-        before = self.kind[0] == ends if self.kind.size else self._kind_before() == begins
+        if self.kind.size:
+            before = self.kind[0] == ends
+        else:
+            last = self.first - 1
+            before = last >= 0 and self.rows.column("landmarks", "kind", last, self.first)[0] == begins
         return (
             np.concatenate([[self.begin] * bool(before), self.time[at]]),
             np.concatenate(
@@ -54,11 +58,6 @@ class Landmarks:
             ),
             self.time[whole + 1] - self.time[whole],
         )
-
-    def _kind_before(self) -> int | None:
-        if self.first == 0:
-            return None
-        return int(self.rows.column("landmarks", "kind", self.first - 1, self.first)[0])
 
 
 def first_landmark(rows: Rows, time: float) -> int:

@@ -33,6 +33,7 @@ PEAK: Final = 10.0 ** (-3.0 / 20.0)
 """How far the loudest sample goes of full scale: 3 dB below it."""
 
 _SEGMENTS: Final = 8
+_FEWEST_TICKS: Final = 16
 _MOST_TICKS: Final = 1 << 17
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
 Between = Callable[[], None]
@@ -74,6 +75,9 @@ class Sound:
         first = _first_row(file, model, group)
         rows = file.rows(group) - first
         samples = _samples(output_count(rows, ratio), rate, seconds)
+        swinging = model.slider
+        if group == "load":
+            swinging = None if model.separation is None else model.separation.oscillator
         return cls(
             file=file,
             what=what,
@@ -84,7 +88,7 @@ class Sound:
             rate=rate,
             ratio=ratio,
             samples=samples,
-            natural=_natural(model, group),
+            natural=None if swinging is None else swinging.natural_frequency,
         )
 
     @property
@@ -157,7 +161,8 @@ def level_of(sound: Sound, between: Between) -> Level:
 
     ``between`` is called after each chunk and may raise to stop. Raises Refused for a column that does not vary.
     """
-    moments, total = Moments(powers=2), _welch_sum(sound)
+    moments, ticks = Moments(powers=2), 2 * min(sound.rows // (_SEGMENTS + 1), _MOST_TICKS)
+    total = WelchSum(ticks, sound.tick_duration / sound.speed_up) if ticks >= _FEWEST_TICKS else None
     for chunk in sound.chunks():
         if not np.isfinite(chunk).all():
             raise RunFileRefused(f"/{sound.group}/{sound.column} is damaged: it holds what is no number")
@@ -221,13 +226,6 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
     return first
 
 
-def _natural(model: Model, group: str) -> float | None:
-    """Return the frequency in Hz at which what is heard swings by itself."""
-    if group == "load":
-        return None if model.separation is None else model.separation.oscillator.natural_frequency
-    return None if model.slider is None else model.slider.natural_frequency
-
-
 def _samples(whole: int, rate: int, seconds: float | None) -> int:
     """Return how many samples to take of those that the whole run makes."""
     if seconds is None:
@@ -243,10 +241,3 @@ def _out_of_reach(speed_up: float, tick_duration: float, rate: int) -> str:
         f"--speed-up {speed_up:g}: with a tick every {tick_duration:.4g} s and {rate} samples a second"
         f" it goes from {slowest:.3g} to {fastest:.3g}"
     )
-
-
-def _welch_sum(sound: Sound) -> WelchSum | None:
-    """Return what makes a spectrum of the rows, over w as heard; None for fewer than 16 of them a segment."""
-    apart = sound.tick_duration / sound.speed_up
-    ticks = 2 * min(sound.rows // (_SEGMENTS + 1), _MOST_TICKS)
-    return WelchSum(ticks, apart) if ticks >= 16 else None

@@ -190,14 +190,11 @@ class Column(NDArrayOperatorsMixin):
     def __repr__(self) -> str:
         text = f"{self.name} ({self.units}), {self._rows:,} rows of {self.dtype}"
         try:
-            return f"<{text}: {self._glimpse()}>"
+            few = self._rows <= READ_AT_ONCE
+            values = " ".join(f"{value:.6g}" for value in self[: None if few else 3])
+            return f"<{text}: {values}>" if few else f"<{text}: {values} ... {self[-1]:.6g}>"
         except ValueError:
             return f"<{text}: closed>"
-
-    def _glimpse(self) -> str:
-        if self._rows <= READ_AT_ONCE:
-            return " ".join(f"{value:.6g}" for value in self[:])
-        return " ".join(f"{value:.6g}" for value in self[:3]) + f" ... {self[-1]:.6g}"
 
     def _moments(self) -> Moments:
         moments = Moments(powers=2)

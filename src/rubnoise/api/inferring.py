@@ -317,6 +317,11 @@ def found_scenario(found: inference.InferenceResult, *, speed: Any = None, stren
     if law == "normal":
         # The scenario's centre is that before drawing again, and N_jm counts lives of that length.
         count *= fit.problem.population.law(diameter, shape).centre / diameter  # type: ignore[attr-defined]
+    strength = []
+    if psi is not None:
+        spread = sqrt(max(fit.contact.inequality - 1.0, 0.0))  # E[psi^2] / E[psi]^2 is 1 for equal strengths
+        unequal = ['law = "lognormal"', f'spread = "{100.0 * spread:.6g} %"'] if spread else []
+        strength = ["[strength]", f'mean = "{psi:.6g} MPa"', *unequal, ""]
     lines = [
         "# What `rubnoise infer` found. Values are estimates; `infer` prints their intervals.",
         "format = 1",
@@ -331,7 +336,7 @@ def found_scenario(found: inference.InferenceResult, *, speed: Any = None, stren
         f'law = "{law}"',
         *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
         "",
-        *(["[strength]", f'mean = "{psi:.6g} MPa"', *_unequal(fit.contact.inequality), ""] if psi is not None else []),
+        *strength,
         *_pulse(fit.problem.pulse),
         "[sliding]",
         *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
@@ -352,9 +357,3 @@ def _pulse(pulse: Pulse) -> list[str]:
     keys = {"shape": (pulse.shape, "lens"), "offset": (pulse.offset, "none")}
     lines = [f'{key} = "{value}"' for key, (value, default) in keys.items() if value != default]
     return ["[pulse]", *lines, ""] if lines else []
-
-
-def _unequal(inequality: float) -> list[str]:
-    """Return the lines of a scenario for strengths that are not equal, E[psi^2] / E[psi]^2 > 1."""
-    spread = sqrt(max(inequality - 1.0, 0.0))
-    return ['law = "lognormal"', f'spread = "{100.0 * spread:.6g} %"'] if spread else []

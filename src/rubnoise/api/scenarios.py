@@ -23,7 +23,8 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
     7
     """
     if isinstance(source, Scenario):
-        return source.replace(dict(_parted(each) for each in overrides)) if overrides else source
+        parted = (each.partition("=") for each in overrides)
+        return source.replace({key.strip(): value.strip() for key, _, value in parted}) if overrides else source
     return load_file(named(source), overrides, sizes_of)
 
 
@@ -80,8 +81,3 @@ def examples() -> tuple[str, ...]:
     True
     """
     return shipped_names()
-
-
-def _parted(override: str) -> tuple[str, str]:
-    key, _, value = override.partition("=")
-    return key.strip(), value.strip()

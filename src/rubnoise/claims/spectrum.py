@@ -78,6 +78,8 @@ def _exact_power(model: Model, band: tuple[float, float]) -> float:
 
 
 def _decay(paper: Found) -> Claim:
+    from scipy.optimize import brentq
+
     low = _exact_power(paper.model, _BANDS["low"])
     half, corner = (
         ClaimedNumber(
@@ -92,7 +94,7 @@ def _decay(paper: Found) -> Claim:
         )
     )
     holds = corner.exact < 0.5 and corner.simulated.interval[1] < 0.5
-    corner_at = _half_power(paper.model)
+    corner_at = float(brentq(lambda phase: _over_zero(paper.model, phase) - 0.5, 1.0, 2.0 * np.pi))
     return Claim(
         name="psd_decay",
         where="Section 3, Fig. 8",
@@ -170,13 +172,6 @@ def _same(found: Evidence) -> Claim:
 def _over_zero(model: Model, phase: float) -> float:
     """Return S over S(0) where k L_jm is ``phase``."""
     return float(spectral_density(model, phase / model.mean_life_distance)) / density_at_zero(model)
-
-
-def _half_power(model: Model) -> float:
-    """Return k L_jm where S is half of S(0) for the first time."""
-    from scipy.optimize import brentq
-
-    return float(brentq(lambda phase: _over_zero(model, phase) - 0.5, 1.0, 2.0 * np.pi))
 
 
 def _apart(one: Model, other: Model) -> float:

@@ -130,7 +130,11 @@ def format_sweep_table(answer: Mapping[str, Any]) -> list[str]:
 def _table_lines(keys: Sequence[str], points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield heading and rows, every column as wide as its widest cell or the longest word above it."""
     headings = [key.rpartition(".")[2].replace("_", " ") for key in keys] + list(HEADINGS.values())
-    rows = [[*(_cell(point["values"][key]) for key in keys), *_point_cells(point)] for point in points]
+    rows = []
+    for point in points:
+        *sizes, junctions = (point[name] for name in HEADINGS)
+        swept = (_cell(point["values"][key]) for key in keys)
+        rows.append([*swept, *(f"{size:#.5g}" for size in sizes), grouped(junctions)])
     widths = [max(map(len, [*heading.split(), *(row[n] for row in rows)])) + 2 for n, heading in enumerate(headings)]
     above = [wrap(heading, width - 2) for heading, width in zip(headings, widths, strict=True)]
     # From the bottom up, so that the words end on the line above the rows.
@@ -141,11 +145,6 @@ def _table_lines(keys: Sequence[str], points: Sequence[Mapping[str, Any]]) -> It
         if place:
             yield ""
         yield from ("".join(f"{line[n]:>{widths[n]}}" for n in group).rstrip() for line in lines)
-
-
-def _point_cells(point: Mapping[str, Any]) -> list[str]:
-    *sizes, junctions = (point[name] for name in HEADINGS)
-    return [*(f"{size:#.5g}" for size in sizes), grouped(junctions)]
 
 
 def _cell(value: Any) -> str:

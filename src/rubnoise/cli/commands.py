@@ -42,12 +42,8 @@ def without_types(params: Any) -> Any:
         if getattr(param, "is_flag", False):
             param.metavar = ""
         if param.param_type_name == "argument":
-            param.display_type_rich = _no_type
+            param.display_type_rich = lambda **_context: None
     return params
-
-
-def _no_type(**_context: Any) -> None:
-    return None
 
 
 class Command(TyperCommand):

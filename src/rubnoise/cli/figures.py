@@ -11,11 +11,6 @@ from rubnoise.cli.progress import StatusLine, announce_compilation, on_terminal
 PICTURES: Final = ("png", "pdf", "svg")
 
 
-def formats_of_pictures() -> tuple[str, ...]:
-    """Return the values of --format, which shells complete."""
-    return PICTURES
-
-
 def command(
     names: Annotated[
         list[str] | None,
@@ -31,7 +26,7 @@ def command(
             "--format",
             help="png, pdf or svg; repeat it for several; default: all three.",
             metavar="FORMAT",
-            autocompletion=formats_of_pictures,
+            autocompletion=lambda: PICTURES,
         ),
     ] = None,
     scenarios: Annotated[

@@ -16,7 +16,6 @@ from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
     from rubnoise.analysis.selection import RowNumbers
-    from rubnoise.analysis.where import Condition
     from rubnoise.record.reader import Rows
     from rubnoise.storage.schema import Dataset
 
@@ -101,7 +100,8 @@ class ChosenRows:
         there = tuple(column for column in JUNCTIONS.columns if column.name in run.columns["junctions"])
         tree = None if where is None else condition(where, there)
         by = None if sort is None else _column_named(sort.removeprefix("-"), "--sort", there).name
-        wanted = _chosen_columns(columns, there, _named_columns(tree, by) if brief else None)
+        named = {*(() if tree is None else tree.columns), *(() if by is None else (by,))}
+        wanted = _chosen_columns(columns, there, named if brief else None)
         descending = reverse != (sort is not None and sort.startswith("-"))
         rows, total = select(run, tree, sort=by, descending=descending, head=head)
         order = f"-{by or 'junction'}" if descending else by
@@ -179,13 +179,7 @@ def _cell(name: str, value: float) -> str:
     return str(value) if isinstance(value, int) else number(value)
 
 
-def _named_columns(tree: "Condition | None", sort: str | None) -> frozenset[str]:
-    return frozenset(() if tree is None else tree.columns) | frozenset(() if sort is None else (sort,))
-
-
-def _chosen_columns(
-    columns: str | None, there: "tuple[Dataset, ...]", named: frozenset[str] | None
-) -> "tuple[Dataset, ...]":
+def _chosen_columns(columns: str | None, there: "tuple[Dataset, ...]", named: set[str] | None) -> "tuple[Dataset, ...]":
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         twice = next((name for name in names if names.count(name) > 1), None)

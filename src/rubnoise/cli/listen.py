@@ -144,27 +144,19 @@ def format_sound(path: Path, sound: "Sound", level: "Level", others: int = 0) ->
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
     rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
-    return [
-        sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"),
-        *_begin_lines(sound),
+    lines = [sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}")]
+    if sound.first:
+        began = sound.first * sound.tick_duration
+        lines.append(line("begins at", f"{began:.4g} s, after the transient of the normal motion"))
+    lines += [
         line("speed-up", number(sound.speed_up)),
         line("full scale", f"{number(level.full_scale)} {sound.units}, {whose} 3 dB below"),
         line("mean, taken away", f"{number(level.mean)} {sound.units}"),
-        *_natural_lines(sound),
-        *_audible_lines(sound, level),
     ]
-
-
-def _begin_lines(sound: "Sound") -> list[str]:
-    if sound.first == 0:
-        return []
-    return [line("begins at", f"{sound.first * sound.tick_duration:.4g} s, after the transient of the normal motion")]
-
-
-def _natural_lines(sound: "Sound") -> list[str]:
-    if sound.natural is None:
-        return []
-    return [line("natural frequency", f"{number(sound.natural)} Hz, heard at {sound.natural * sound.speed_up:.4g} Hz")]
+    if sound.natural is not None:
+        heard = f"{number(sound.natural)} Hz, heard at {sound.natural * sound.speed_up:.4g} Hz"
+        lines.append(line("natural frequency", heard))
+    return lines + _audible_lines(sound, level)
 
 
 def _audible_lines(sound: "Sound", level: "Level") -> list[str]:

@@ -1,5 +1,6 @@
 """`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise."""
 
+import json
 from collections.abc import Iterator
 from contextlib import ExitStack
 from enum import StrEnum
@@ -128,7 +129,7 @@ def command(
         slider, cutoff=cutoff, load=load, hardness=hardness, longest=longest, slider_length=slider_length
     )
     _write(contact, output, report, _wanted(speed, distance, mass, damping_ratio), force=force)
-    _print(contact, as_json=as_json)
+    print(json.dumps(contents(contact)) if as_json else "\n".join(described(contact)))
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
@@ -151,28 +152,19 @@ def _write(
             files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
 
 
-def _print(contact: "SlidingContact", *, as_json: bool) -> None:
-    import json
-
-    print(json.dumps(contents(contact)) if as_json else "\n".join(described(contact)))
-
-
 def _keep_synthetic(made: "Surface", path: Path, *, as_json: bool, force: bool) -> None:
-    import json
-
     from rubnoise.storage.output import check_output, whole_file
 
     check_output(path, force=force)
     with whole_file(path, force=force) as part:
         made.save(part)
-    facts = {"surface": str(path), "digest": made.map.digest, "roughness": made.roughness()}
-    print(json.dumps(facts) if as_json else "\n".join([sentence(f"{path}: {made.map.history[0]}"), *_roughness(made)]))
-
-
-def _roughness(surface: "Surface") -> Iterator[str]:
-    units = {"Sa": " um", "Sq": " um"}
-    for name, value in surface.roughness().items():
-        yield line(name.replace("_", " "), f"{value:.4g}{units.get(name, '')}")
+    roughness = made.roughness()
+    if as_json:
+        print(json.dumps({"surface": str(path), "digest": made.map.digest, "roughness": roughness}))
+        return
+    print(sentence(f"{path}: {made.map.history[0]}"))
+    for name, value in roughness.items():
+        print(line(name.replace("_", " "), f"{value:.4g}{' um' if name in {'Sa', 'Sq'} else ''}"))
 
 
 def _ask_for_needed(

@@ -68,8 +68,9 @@ def command(
             found = verify(run, regenerate or 0)
     print(json.dumps(verification_as_json(found, file)) if as_json else "\n".join(format_verification(found, file)))
     if found.different:
-        remark = f"; {found.remark}" if found.remark else ""
-        raise RunDiffers(printable(f"{file}: differs: {_first_place(found)}{remark}"))
+        places = [check.first for check in found.different if check.first is not None]
+        first = next((place for place in places if place.row is not None), places[0])  # one with a row says most
+        raise RunDiffers(printable(f"{file}: differs: {first}{f'; {found.remark}' if found.remark else ''}"))
 
 
 def _verify_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
@@ -120,9 +121,3 @@ def _fields(check: "Check") -> dict[str, Any]:
     difference: Difference = check.first
     row = {} if difference.row is None else {"row": difference.row}
     return fields | {"place": difference.place, "found": difference.found, "expected": difference.expected} | row
-
-
-def _first_place(found: "Verification") -> str:
-    """Return the first place that has a row, since it says most, else the first one."""
-    places = [check.first for check in found.different if check.first is not None]
-    return str(next((place for place in places if place.row is not None), places[0]))

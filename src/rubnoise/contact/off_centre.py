@@ -169,8 +169,10 @@ def overlap(apart: ArrayLike, pulse: Pulse) -> Doubles:
 @cache
 def _life_integral(power: int) -> float:
     """Return pi int r L^n dr with r = cos y, L = (y - sin y cos y)/2, which is smooth in y."""
-    y, weights = _quarter_turn(_NODES)
-    return float(np.pi * np.sum(weights * np.sin(y) * np.cos(y) * _overlap_at(y) ** power))
+    x, w = np.polynomial.legendre.leggauss(_NODES)
+    y, weights = 0.25 * np.pi * (x + 1.0), 0.25 * np.pi * w
+    overlaps = 0.5 * (y - np.sin(y) * np.cos(y))
+    return float(np.pi * np.sum(weights * np.sin(y) * np.cos(y) * overlaps**power))
 
 
 @cache
@@ -199,15 +201,6 @@ def _life(phi: float) -> float:
     weights = (0.5 * np.diff(edges)[:, None] * w).ravel() * 2.0 * highest * (1.0 - u)
     v = highest * (1.0 - (1.0 - u) ** 2)
     return 2.0 * float(np.sum(weights * sine * np.cosh(v) * overlap(sine * np.cosh(v), OFF_CENTRE_LENS)))
-
-
-def _quarter_turn(nodes: int) -> tuple[Doubles, Doubles]:
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    return 0.25 * np.pi * (x + 1.0), 0.25 * np.pi * w
-
-
-def _overlap_at(y: Doubles) -> Doubles:
-    return np.asarray(0.5 * (y - np.sin(y) * np.cos(y)), dtype=np.float64)
 
 
 OFF_CENTRE_LENS = OffCentreLens()

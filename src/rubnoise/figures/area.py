@@ -116,7 +116,9 @@ def _refuse_too_many(alive: Neighbours) -> None:
 
 def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
     """Draw the sum of areas above, and below it each by itself, of those who live in a stretch."""
-    distance = np.linspace(shown.start, shown.stop, _sample_count(shown))
+    lives = (shown.stop - shown.start) / shown.model.mean_life_distance
+    samples = int(min(max(FEWEST_SAMPLES, SAMPLES_A_LIFE * lives), MOST_SAMPLES))
+    distance = np.linspace(shown.start, shown.stop, samples)
     areas = alive.areas(distance)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     _draw_sum(above, shown, distance, areas)
@@ -129,11 +131,6 @@ def default_width(stretch: Stretch) -> float:
     """Return the width in um of a stretch that shows single lives: some of them one after another, but not too many."""
     births = max(DEFAULT_DRAWN - stretch.model.mean_junction_count, 0.1 * stretch.model.mean_junction_count)
     return min(LAYER_LIVES * stretch.model.mean_life_distance, births * stretch.model.mean_birth_spacing)
-
-
-def _sample_count(stretch: Stretch) -> int:
-    lives = (stretch.stop - stretch.start) / stretch.model.mean_life_distance
-    return int(min(max(FEWEST_SAMPLES, SAMPLES_A_LIFE * lives), MOST_SAMPLES))
 
 
 def _draw_sum(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles) -> None:

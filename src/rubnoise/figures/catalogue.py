@@ -11,13 +11,13 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
-from rubnoise.figures.contact import contact_figure
 from rubnoise.figures.load import load_figure, motion_histogram_figure
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
 from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
 from rubnoise.figures.spectrogram import spectrogram_figure
+from rubnoise.figures.stage import contact_figure
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import draw_study

@@ -88,13 +88,10 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
     axes.plot([life.peak_age], [life.real_contact_area], "o", color=INK, ms=4.5, clip_on=False)
     axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.real_contact_area)))
     axes.set_ylabel("real contact area (µm²)")
-    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at {_peak_in_words(life)}")
-
-
-def _peak_in_words(life: Life) -> str:
+    where = "the end of the record" if life.peak_distance == life.record_end else "its peak"
     if life.peak_age == -life.birth_distance:
-        return "the start of the record"
-    return "the end of the record" if life.peak_distance == life.record_end else "its peak"
+        where = "the start of the record"
+    axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at {where}")
 
 
 def _shade_unknown(axes: "Axes", life: Life) -> None:

@@ -159,11 +159,7 @@ def draw_fig9(sources: Sources) -> "Figure":
     return figure
 
 
-def _spectrum_of_run(model: Model, record: MemoryRecord) -> Spectrum:
-    return spectrum_of(model, record)
-
-
-SPECTRUM: Final = Measurement(sink=MemoryRecord, read=_spectrum_of_run)
+SPECTRUM: Final = Measurement(sink=MemoryRecord, read=spectrum_of)
 
 
 def _draw_spectrum(

@@ -1,4 +1,4 @@
-"""Junctions as pairs of circles that slide over each other, each pair in a place of its own."""
+"""Junctions as pairs of circles that slide over each other, each pair in a place of its own; and a still of them."""
 
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.selection import Neighbours
+from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import area_of
 from rubnoise.errors import Refused
-from rubnoise.figures.style import FAINT, INK, PALE, legend_above
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap
+    from matplotlib.figure import Figure
 
 MOST_AT_ONCE: Final = 400
 """Pairs that a stage can show apart."""
@@ -141,8 +143,9 @@ def stage_of(junctions: Neighbours, aspect: float) -> Stage:
     wide, high = CELL[0] * largest, spread * CELL[1] * largest
     columns = min(range(1, cells + 1), key=lambda count: _height(cells, count, aspect, spread))
     rows = ceil(cells / columns)
-    cell = _spread_order(columns * rows)[order]
-    row, column = np.divmod(cell, columns)
+    # Multiples of the golden section leave no corner empty for long.
+    spread_out = np.argsort(np.arange(1, columns * rows + 1) * GOLDEN % 1.0, kind="stable")
+    row, column = np.divmod(spread_out[order], columns)
     return Stage(
         junctions=junctions,
         x=(column + MARGINS[0] + MARGINS[1] * (row % 2)) * wide,
@@ -188,11 +191,6 @@ def _places(junctions: Neighbours) -> tuple[NDArray[np.int64], int]:
     return numbers, len(free_from)
 
 
-def _spread_order(count: int) -> NDArray[np.int64]:
-    """Return 0 ... count - 1 in an order that leaves no corner empty for long (multiples of the golden section)."""
-    return np.argsort(np.arange(1, count + 1) * GOLDEN % 1.0, kind="stable")
-
-
 def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> list[Any]:
     """Draw marks along both edges, those of the upper surface moving with it."""
     from matplotlib.collections import LineCollection
@@ -225,3 +223,22 @@ def _add_key(axes: "Axes", largest_area: float) -> None:
     legend_above(axes)
     scale = ScalarMappable(Normalize(0.0, largest_area), _shades())
     axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
+
+
+def contact_figure(stretch: Stretch) -> "Figure":
+    """Draw the junctions alive at the start of a stretch, in the middle of a run if none was chosen.
+
+    The model has no places: where a junction stands is for the eye alone. Raises Refused if more of them are there than
+    a picture shows.
+    """
+    distance = stretch.start if stretch.chosen else 0.5 * (stretch.start + stretch.stop)
+    margin = stretch.model.mean_life_distance
+    stage = stage_of(neighbours(stretch.file, -1, distance - margin, distance + margin), 2.2)
+    alive = stage.junctions.alive(distance)
+    figure = new_figure(7.2, 4.4)
+    words = f"{alive.rows.size} junctions, {float(alive.area(distance).sum()):.4g} µm² in contact"
+    add_title(figure, stretch, f"The contact from above at {distance:,.1f} µm: {words}")
+    axes = figure.subplots()
+    stage.set_up(axes)
+    stage.draw(axes, distance)
+    return figure

@@ -139,12 +139,6 @@ def _as_written(scenario: Scenario, table: str, name: str, value: float) -> Any:
     return Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
 
 
-def line_of(label: str, spots: Sequence[Spot], *, curve: Curve | None) -> StudyLine:
-    """Return a line through points, which are put in order; no curve goes through a single one."""
-    inorder = sorted(spots, key=lambda spot: spot.place)
-    return StudyLine(label=label, spots=tuple(inorder), curve=curve(inorder) if curve and len(inorder) > 1 else None)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointRuns:
     """One point of a sweep and the quantity in each of its runs, nan if a run has none.
@@ -230,7 +224,12 @@ def _lines(
             scenario=point.scenario,
         )
         spots.setdefault(_label(point, others), []).append(spot)
-    return tuple(line_of(label, line, curve=curve) for label, line in spots.items())
+    lines = []
+    for label, found in spots.items():
+        inorder = tuple(sorted(found, key=lambda spot: spot.place))
+        through = curve if len(inorder) > 1 else None  # no curve goes through a single point
+        lines.append(StudyLine(label=label, spots=inorder, curve=through and through(inorder)))
+    return tuple(lines)
 
 
 def _label(point: PointRuns, others: tuple[str, ...]) -> str:

@@ -96,12 +96,6 @@ class Fit:
         return shape * moment_slope(self.problem.population, shape, power) / self.moment(power)
 
 
-def _third_slope(problem: FitProblem, shape: float) -> float:
-    """Return d ln E[x^3] / d ln s."""
-    population = problem.population
-    return shape * moment_slope(population, shape, 3) / population.moment(3, shape)
-
-
 def expected_mean(problem: FitProblem, contact: Contact) -> float:
     """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
     third = problem.population.moment(3, contact.place.shape)
@@ -224,7 +218,9 @@ def _derivatives(
     names = (*own, *expected.names[1:])
     by[0, names.index("diameter")] = 3.0 * mean
     if "shape" in names:
-        by[0, names.index("shape")] = mean * _third_slope(problem, contact.place.shape)
+        population, shape = problem.population, contact.place.shape
+        by_shape = shape * moment_slope(population, shape, 3) / population.moment(3, shape)  # d ln E[x^3] / d ln s
+        by[0, names.index("shape")] = mean * by_shape
     return names, by
 
 

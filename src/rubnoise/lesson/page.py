@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.column_group import Columns
 from rubnoise.api.result import Run
 from rubnoise.api.running import simulate
 from rubnoise.inference.inference import infer_signal
@@ -67,24 +66,18 @@ def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = N
         "record": record,
         "readings": readings(),
     }
-    styles, scripts = ([_unindented(part(_HERE, name)) for name in names] for names in (_names(".css"), script_parts()))
-    subtitle = escape(_subtitle(settings))
+    styles, scripts = (
+        # Without the spaces at the beginning of lines, a tenth of the page.
+        ["\n".join(line.lstrip() for line in part(_HERE, name).splitlines()) for name in names]
+        for names in (_names(".css"), script_parts())
+    )
+    missing = " and no ".join(settings.borrowed)
+    subtitle = f"The scenario has no {missing}: that of the paper's Figure 5 stands in." if missing else ""
     body = filled(
         part(_HERE, "page.html"),
-        {"title": escape(title), "subtitle": subtitle, "replaying": escape(record["note"] if record else "")},
+        {"title": escape(title), "subtitle": escape(subtitle), "replaying": escape(record["note"] if record else "")},
     )
     return web_page(body, title=f"Lessons on rubbing noise: {title}", styles=styles, scripts=scripts, data=data)
-
-
-def _unindented(text: str) -> str:
-    """Return a text without the spaces at the beginning of its lines, a tenth of the page."""
-    return "\n".join(line.lstrip() for line in text.splitlines())
-
-
-def _subtitle(settings: LessonSettings) -> str:
-    if not settings.borrowed:
-        return ""
-    return f"The scenario has no {' and no '.join(settings.borrowed)}: that of the paper's Figure 5 stands in."
 
 
 def script_parts() -> list[str]:
@@ -180,14 +173,9 @@ def record_of(run: Run) -> dict[str, Any]:
     for name, column in {"strength": "shear_strength", "offset": "lateral_offset"}.items():
         if column in junctions:
             record[name] = _text(junctions[column][:rows])
-    return record | _early_deaths(junctions, rows)
-
-
-def _early_deaths(junctions: Columns, rows: int) -> dict[str, str]:
-    """Return where junctions ended, for a run in which an intervention ended some."""
-    if not np.any(junctions["state"][:rows] & JunctionState.ENDED_EARLY):
-        return {}
-    return {"death": _text(junctions["death_distance"][:rows])}
+    if np.any(junctions["state"][:rows] & JunctionState.ENDED_EARLY):  # by an intervention
+        record["death"] = _text(junctions["death_distance"][:rows])
+    return record
 
 
 def _note(run: Run, rows: int, distance: float, whole: float) -> str:

@@ -60,7 +60,8 @@ class _Page:
         headings = [each for each, token in enumerate(tokens) if token.type == "heading_open"]
         self.title = tokens[headings[0] + 1].content
         for each in headings[1:]:
-            tokens[each].attrSet("id", f"{name}-{_slug(tokens[each + 1].content)}")
+            linked = re.sub(r"[^\w\- ]", "", tokens[each + 1].content.lower()).replace(" ", "-")
+            tokens[each].attrSet("id", f"{name}-{linked}")
 
     def html(self, markdown: MarkdownIt, folder: Path, names: Sequence[str]) -> str:
         """Return the page as HTML; a link to another page leads to its place, a link to a file becomes its text."""
@@ -93,8 +94,3 @@ def _embed(image: Token, folder: Path) -> None:
         return
     image.type, image.tag, image.children = "text", "", None
     image.content = f"[{image.content}]"
-
-
-def _slug(heading: str) -> str:
-    """Return the name of a heading as links to it have it."""
-    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")

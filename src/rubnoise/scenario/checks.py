@@ -74,7 +74,8 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     except NoMatchingDiameter as error:
         return None, None, [_unmatched(layers, error)]
     except PaperMeansLens as error:
-        return None, None, [_not_the_lens(layers, error)]
+        place, hint = layers.value_place(_CALIBRATION), 'calibration = "exact" or "matched"'
+        return None, None, [Problem(path=_CALIBRATION, message=str(error), place=place, hint=hint)]
     tick = document.output.tick or default_tick(diameter)
     problems = [*_tick_problems(document, layers, tick, diameter), *_width_problems(document, layers, diameter)]
     if problems:
@@ -171,11 +172,6 @@ def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
     )
     hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
     return Problem(path=_AREA, message=message, place=layers.value_place(_AREA), hint=hint)
-
-
-def _not_the_lens(layers: Layers, error: PaperMeansLens) -> Problem:
-    hint = 'calibration = "exact" or "matched"'
-    return Problem(path=_CALIBRATION, message=str(error), place=layers.value_place(_CALIBRATION), hint=hint)
 
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:

@@ -159,17 +159,15 @@ class Number(Field):
         if self.whole and not isinstance(value, int):
             raise Unfit("needs a whole number")
         if value not in self.possible:
-            raise Unfit(self._out_of_range(value), self._bounds())
+            low, high = self.possible.low, self.possible.high
+            bounds = f"{low} to {high}" if self.whole else f"{low:g} to {high:g}"
+            raise Unfit(self._out_of_range(value), f"possible: {bounds}")
         return value if self.whole else float(value)
 
     def _out_of_range(self, value: float) -> str:
         if value <= 0 < self.possible.low:
             return "must be above 0"
         return "too large" if value > self.possible.high else "too small"
-
-    def _bounds(self) -> str:
-        low, high = self.possible.low, self.possible.high
-        return f"possible: {low} to {high}" if self.whole else f"possible: {low:g} to {high:g}"
 
     def describe(self) -> dict[str, Any]:
         """Return a bounded number."""
@@ -214,18 +212,14 @@ class Line(Field):
             raise Unfit("holds a line break or another character that does not print")
         if hidden := _HIDDEN.search(value):
             raise Unfit(f"holds a character that cannot be seen, U+{ord(hidden[0][-1]):04X}")
-        if value and not any(_is_seen(character) for character in value):
+        # Letters, digits, signs and symbols show something by themselves, spaces and marks do not.
+        if value and not any(unicodedata.category(each)[0] in "LNPS" and each != _BLANK for each in value):
             raise Unfit("holds nothing that can be seen", "leave it out, or say what the run is about")
         return value
 
     def describe(self) -> dict[str, Any]:
         """Return a bounded string."""
         return {"type": "string", "maxLength": TITLE_CHARACTERS}
-
-
-def _is_seen(character: str) -> bool:
-    """Whether a character shows something by itself: a letter, digit, sign or symbol, and no space or mark."""
-    return unicodedata.category(character)[0] in "LNPS" and character != _BLANK
 
 
 def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> str:

@@ -187,16 +187,13 @@ def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[s
     files = [replace(source, rank=len(files) - 1 - n) for n, source in enumerate(files)]
     settings = [_setting(text, len(files) + n) for n, text in enumerate(overrides)]
     sources = (*files, *settings)
-    problems = [replace(p, place=replace(p.place, rank=_rank(sources, p))) for p in problems]
+    ranks = {source.name: source.rank for source in reversed(sources)}
+    problems = [replace(p, place=replace(p.place, rank=ranks[p.place.source])) for p in problems]
     return Layers(
         sources=sources,
         data={key: value for key, value in _merged(source.data for source in sources).items() if key != "extends"},
         problems=(*problems, *(problem for source in sources for problem in source.problems)),
     )
-
-
-def _rank(sources: Iterable[Source], problem: Problem) -> int:
-    return next(source.rank for source in sources if source.name == problem.place.source)
 
 
 def _setting(text: str, rank: int) -> Setting:

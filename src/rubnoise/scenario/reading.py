@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from hashlib import sha256
@@ -145,27 +145,18 @@ def stored(resolved: object, what: str = "the scenario in the file") -> Scenario
         raise RunFileRefused(f"{what} is not valid") from problem
 
 
-def build_changed(values: Mapping[str, Any], changed: Collection[Path], name: str = "<python>") -> Scenario:
-    """Return the scenario of values, as `build` does; a quantity at a ``changed`` key needs a unit, as in a file."""
-    given = layers.from_values(values, name)
-    return _checked(given, from_python=True, more=keys.without_unit(given, changed))
-
-
 def _checked(
     given: Layers, read: ReadSizes | None = None, *, from_python: bool = False, more: Sequence[Problem] = ()
 ) -> Scenario:
     if keys.SWEEP in given.data:
-        raise ScenarioRefused(report([*given.problems, _many(given)]))
+        hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
+        message, place = "a sweep is many runs, but this command needs one scenario", given.key_place((keys.SWEEP,))
+        many = Problem(path=(keys.SWEEP,), message=message, place=place, hint=hint)
+        raise ScenarioRefused(report([*given.problems, many]))
     scenario, problems = examined(given, read, from_python=from_python)
     if scenario is None or more:
         raise ScenarioRefused(report([*problems, *more]))
     return scenario
-
-
-def _many(given: Layers) -> Problem:
-    hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
-    message = "a sweep is many runs, but this command needs one scenario"
-    return Problem(path=(keys.SWEEP,), message=message, place=given.key_place((keys.SWEEP,)), hint=hint)
 
 
 def examined(
@@ -248,7 +239,10 @@ def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
                 if other not in named:
                     values[table].pop(other, None)
             _set(values[table], key, value)
-    changed = build_changed(values, {path for place in places for path in _paths(*place)})
+    given = layers.from_values(values, "<python>")
+    # A quantity that is changed needs a unit, as in a file.
+    without_unit = keys.without_unit(given, {path for place in places for path in _paths(*place)})
+    changed = _checked(given, from_python=True, more=without_unit)
     return replace(changed, text=changed.to_toml())
 
 

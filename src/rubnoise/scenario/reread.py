@@ -39,7 +39,9 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
     """
     self_contained = "extends" not in Source(NAME, text).data
     given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
-    if run["interface"].get("calibration") == _FIRST_CALIBRATION and _has_no_calibration(given):
+    interface = given.data.get("interface")
+    unsaid = isinstance(interface, dict) and "calibration" not in interface
+    if unsaid and run["interface"].get("calibration") == _FIRST_CALIBRATION:
         given = from_text(text, NAME, [*overrides, f"interface.calibration={_FIRST_CALIBRATION}"])
     if SWEEP in given.data:
         return _point(given, run, self_contained=self_contained)
@@ -62,11 +64,6 @@ def sweep_as_made(sweep: Sweep, made: Mapping[str, Any]) -> Sweep:
     """Return a sweep as it was when the runs of its folder were made, the first of which is ``made``; see `as_made`."""
     cases = tuple(replace(case, scenario=as_made(case.scenario, made)) for case in sweep.cases)
     return replace(sweep, cases=cases)
-
-
-def _has_no_calibration(given: Layers) -> bool:
-    interface = given.data.get("interface")
-    return isinstance(interface, dict) and "calibration" not in interface
 
 
 def _scenario(given: Layers, read: ReadSizes) -> Scenario:

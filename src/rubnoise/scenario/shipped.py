@@ -85,10 +85,8 @@ def copy_of(name: str) -> str:
 
     path = by_name(name)
     text = path.read_text(encoding="utf-8")
-    return as_toml(path) if "extends" in tomllib.loads(text) else text.removeprefix(_schema_line(text))
-
-
-def _schema_line(text: str) -> str:
-    """Return the first line if it names a schema by a path that holds in the checkout alone."""
-    first, _, _ = text.partition("\n")
-    return f"{first}\n" if first.startswith("#:schema") else ""
+    if "extends" in tomllib.loads(text):
+        return as_toml(path)
+    # A first line may name a schema, by a path that holds in the checkout alone.
+    first, _, rest = text.partition("\n")
+    return rest if first.startswith("#:schema") else text

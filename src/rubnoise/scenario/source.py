@@ -126,18 +126,15 @@ class _Scanner:
         while True:
             part = self.take(_STRING if self.text[self.at : self.at + 1] in {'"', "'"} else _BARE_KEY)
             self.skip(_BLANK)
-            path = self.in_last_element((*path, _unquoted(self.text[part.start : part.end])))
+            path = (*path, _unquoted(self.text[part.start : part.end]))
+            if path in self.array_lengths and self.text[self.at : self.at + 1] not in {"]", "="}:
+                path = (*path, self.array_lengths[path])  # a header below an array of tables speaks of its last one
             self.spans.keys.setdefault(path, Span(start=start, end=part.end))
             self.last = path
             if not self.text.startswith(".", self.at):
                 return path
             self.expect(".")
             self.skip(_BLANK)
-
-    def in_last_element(self, path: Path) -> Path:
-        """A header below an array of tables speaks of its last table."""
-        following = self.text[self.at : self.at + 1] not in {"]", "="} and path in self.array_lengths
-        return (*path, self.array_lengths[path]) if following else path
 
     def value(self, path: Path) -> None:
         start = self.at

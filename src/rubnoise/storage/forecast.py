@@ -143,9 +143,12 @@ def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike
         what = "the result"
         if budget.disk_bytes > budget.result_bytes:
             what += " and its compressed copy" if _is_compressed(scenario) else " and the rows that grow beside it"
+        advice = _fewer_rows(scenario)
+        if budget.result_bytes <= room and _is_compressed(scenario):
+            advice = 'output.compression = "none" takes no copy'
         raise OutputRefused(
             f"{path}: {what} may take {budget.disk_bytes:,} bytes, and {Path(path).absolute().parent} has room for"
-            f" {room:,}; {_smaller_result(scenario, budget, room)}"
+            f" {room:,}; {advice}"
         )
     check_memory(scenario, budget)
 
@@ -229,12 +232,6 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     moments = floor((model.distance + highest - model.equilibrium_displacement) / model.tick) + 2
     periods = moments * (model.tick / speed) * slider.natural_frequency
     return replace(rows, slider=moments, landmarks=ceil(4.0 * periods) + 16)
-
-
-def _smaller_result(scenario: Scenario, budget: Budget, room: int) -> str:
-    if budget.result_bytes <= room and _is_compressed(scenario):
-        return 'output.compression = "none" takes no copy'
-    return _fewer_rows(scenario)
 
 
 def _fewer_rows(scenario: Scenario) -> str:

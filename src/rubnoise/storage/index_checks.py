@@ -43,7 +43,11 @@ def _check(index: IndexFile) -> None:
         _require(kind == "f" or name in {"run", *TEXTS, *NUMBERS, *keys}, f"/{RUNS}/{name} holds no figures")
     for row, text in enumerate(index.read(POINTS, "values").tolist()):
         _require(_is_point(_json(text), keys), f"/{POINTS}/values row {row} is no point of the swept keys")
-    _require(_is_scenario(_json(index.attributes["scenario_resolved"])), "scenario_resolved is no scenario")
+    resolved = _json(index.attributes["scenario_resolved"])
+    tables = isinstance(resolved, dict) and all(
+        isinstance(resolved.get(name), dict) for name in ("interface", "sliding")
+    )
+    _require(tables, "scenario_resolved is no scenario")
     _check_places(index, grid, side_by_side)
 
 
@@ -86,10 +90,6 @@ def _is_point(values: Any, keys: list[str]) -> bool:
         and values.keys() == set(keys)
         and all(isinstance(value, str | int | float) for value in values.values())
     )
-
-
-def _is_scenario(resolved: Any) -> bool:
-    return isinstance(resolved, dict) and all(isinstance(resolved.get(name), dict) for name in ("interface", "sliding"))
 
 
 def _check_places(index: IndexFile, grid: list[str], side_by_side: list[str]) -> None:

@@ -27,7 +27,9 @@ def read_matlab(descriptor: int, name: str, first: int = 0) -> bytes:
                 each for each, shape in shapes.items() if sum(side != 1 for side in shape) == 1 and 0 not in shape
             ]
             if not name:
-                return json.dumps({"names": vectors} if vectors else _none(shapes)).encode()
+                sizes = ", ".join(f"{each} {'x'.join(map(str, shape))}" for each, shape in list(shapes.items())[:12])
+                none = f"has no vector of real numbers; it has {sizes or 'no numbers'}"
+                return json.dumps({"names": vectors} if vectors else {"refused": none}).encode()
             count = int(np.prod([float(side) for side in shapes[name]]))
             if count > MOST_VALUES:
                 return _no(f"{name} has {count:,} values; up to {MOST_VALUES:,} are read; save it as CSV or HDF5")
@@ -42,11 +44,6 @@ def read_matlab(descriptor: int, name: str, first: int = 0) -> bytes:
         return json.dumps({"refused": "", "unseen": True}).encode()
     except Exception as problem:  # noqa: BLE001  (what a damaged file raises is whatever it raises)
         return _no(f"is no MATLAB 5 file that can be read: {str(problem)[:200]}; save it with -v6 or -v7")
-
-
-def _none(shapes: dict[str, Any]) -> dict[str, str]:
-    sizes = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in list(shapes.items())[:12])
-    return {"refused": f"has no vector of real numbers; it has {sizes or 'no numbers'}"}
 
 
 def _no(reason: str) -> bytes:

@@ -170,12 +170,6 @@ def pieces_of_dataset(path: Path, name: str) -> Iterator[tuple[dict[str, Any], D
         os.close(descriptor)
 
 
-def _load_hdf5() -> None:
-    """Load all that reading a dataset needs: in the sandbox nothing can be opened, no module either."""
-    import_module("rubnoise.storage.pages")
-    import_module("h5py._hl.dims")
-
-
 def _load_matlab() -> None:
     """Load all that reading a MATLAB file needs, by reading one."""
     from scipy.io import loadmat, savemat, whosmat
@@ -193,7 +187,9 @@ def _look(kind: str) -> Callable[[int, str, int], bytes]:
 
         _load_matlab()
         return read_matlab
-    _load_hdf5()
+    # In the sandbox nothing can be opened, no module either.
+    import_module("rubnoise.storage.pages")
+    import_module("h5py._hl.dims")
     return read_dataset
 
 

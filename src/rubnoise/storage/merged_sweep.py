@@ -120,17 +120,15 @@ def _results(index: Path) -> dict[int, _Result]:
     with open_index(index) as opened:
         named, done = opened.read(RUNS, "file"), opened.read(RUNS, "state") == "done"
         run_ids = opened.read(RUNS, "run_id")
-    return {
-        row: _result(index.parent / str(name), str(run_ids[row]))
-        for row, name in enumerate(named)
-        if name and done[row]
-    }
-
-
-def _result(path: Path, run_id: str) -> _Result:
-    with open_named(path, run_id) as run:
-        columns = frozenset(run.columns[JUNCTIONS.name])
-        return _Result(path=path, junctions=run.rows("junctions"), columns=columns)
+    results = {}
+    for row, (name, finished) in enumerate(zip(named, done, strict=True)):
+        if not (name and finished):
+            continue
+        path = index.parent / str(name)
+        with open_named(path, str(run_ids[row])) as run:
+            columns = frozenset(run.columns[JUNCTIONS.name])
+            results[row] = _Result(path=path, junctions=run.rows("junctions"), columns=columns)
+    return results
 
 
 def _write_stack(

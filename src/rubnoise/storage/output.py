@@ -65,7 +65,10 @@ def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool 
             raise OutputRefused(f"{paths.final.parent}: no such folder")
         # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
         for name in (paths.final, paths.part, paths.journal, paths.growing, paths.making, paths.lock):
-            _check_regular(name)
+            mode = _mode(name)
+            # A link neither: renaming over it would leave its target as it was.
+            if mode is not None and not stat.S_ISREG(mode):
+                raise OutputRefused(f"{name}: exists and is not a regular file")
         if not os.access(paths.final.parent, os.W_OK | os.X_OK):
             raise OutputRefused(f"{paths.final.parent}: the folder is not writable")
     except (OSError, ValueError) as problem:
@@ -175,13 +178,6 @@ class OutputAppearedError(RubnoiseError):
 
 class OutputSwappedError(RubnoiseError):
     """Another process has put another file in the place of the part during the run."""
-
-
-def _check_regular(path: Path) -> None:
-    """Refuse a link too: renaming over it would leave its target as it was."""
-    mode = _mode(path)
-    if mode is not None and not stat.S_ISREG(mode):
-        raise OutputRefused(f"{path}: exists and is not a regular file")
 
 
 def _mode(path: Path) -> int | None:

@@ -102,7 +102,10 @@ def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> h5py.Da
     dataset = owner[column.name] if has_hard_link(owner, column.name) else None
     if not isinstance(dataset, h5py.Dataset):
         raise RunFileRefused(f"{path} is missing")
-    _check_layout(dataset, path)
+    # The layout before the shape: that of a virtual dataset may be found in other files only.
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
+        raise RunFileRefused(f"{path} is not stored as a run file stores it")
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
     if not (_is_contiguous(dataset, file_size) or _is_gzip(dataset, file_size)):
@@ -150,13 +153,6 @@ def _is_plain(kind: h5py.h5t.TypeID) -> bool:
     if isinstance(kind, h5py.h5t.TypeStringID):
         return not kind.is_variable_str()
     return isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
-
-
-def _check_layout(dataset: h5py.Dataset, path: str) -> None:
-    """Look at the layout before the shape: that of a virtual dataset may be found in other files only."""
-    creation = dataset.id.get_create_plist()
-    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
-        raise RunFileRefused(f"{path} is not stored as a run file stores it")
 
 
 def _is_contiguous(dataset: h5py.Dataset, file_size: int) -> bool:

@@ -164,7 +164,9 @@ class TakenUp:
         with mended(paths) as run:
             description = description_of(run)
             part = opening.enter_context(open_part(paths, run))
-        history = _history(paths, description, part)
+        history = History.read(paths.journal)
+        if history.run != identity(description) or list(history.columns) != part.names:
+            history = History()  # that one is of another run, or of other columns
         reserve(part.descriptor, os.fstat(part.descriptor).st_size)
         commit = part.go_on_from(history.commits)
         return cls(
@@ -247,13 +249,6 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
             opened.callback(growing.close)
         ending.carry_out(part, growing)
         disk.sync(part)
-
-
-def _history(paths: OutputPaths, description: RunDescription, part: Part) -> History:
-    """Return what the journal records of this run; nothing if it is of another run, or of other columns."""
-    history = History.read(paths.journal)
-    is_of_this = history.run == identity(description) and list(history.columns) == part.names
-    return history if is_of_this else History()
 
 
 def _is_result_of(paths: OutputPaths, description: RunDescription) -> bool:

@@ -11,7 +11,6 @@ from math import exp, inf, pi, sqrt
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.special import ndtr, ndtri
 
@@ -129,7 +128,9 @@ class GaussianContact:
         track, slider, _ = self._maps
         if self.track.scatter is None or self.slider.scatter is None:
             return 0.0, 0.0, np.zeros(slider.shape[0])
-        beyond = _far_lags(slider.shape)
+        # Which lags, wrapped round, are longer than a quarter of the sides.
+        along, across = (np.minimum(np.arange(n), n - np.arange(n)) / n for n in slider.shape)
+        beyond = np.hypot(along[:, None], across[None, :]) > 0.25
         far = [np.where(beyond, track, 0.0), np.where(beyond, slider, 0.0)]
         scatters = (self._at_slider_lags(self.track.scatter), self.slider.scatter)
         shares = [float(each.sum() / each[beyond].sum()) for each in scatters]
@@ -230,12 +231,6 @@ class GaussianContact:
         """Return the contact without waves shorter than ``cutoff`` in um, at the same share of the area."""
         track, slider = (each.below(cutoff) for each in (self.track, self.slider))
         return type(self)(track, slider, self.share, self.nominal_area, self.slider_length)
-
-
-def _far_lags(shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Return which lags of a map, wrapped round, are longer than a quarter of its sides."""
-    along, across = (np.minimum(np.arange(n), n - np.arange(n)) / n for n in shape)
-    return np.asarray(np.hypot(along[:, None], across[None, :]) > 0.25)
 
 
 def half_width(lags: Doubles, values: Doubles) -> float:

@@ -192,7 +192,10 @@ class SlidingContact:
     def _keys(self, speed: float | None, distance: float | None, weight: dict[str, Any]) -> dict[str, Any]:
         gaussian = self.gaussian
         mean_life = 2.0 * sqrt(gaussian.real_contact_area / gaussian.junction_count)
-        slid = _rounded_up(LIVES * mean_life) if distance is None else distance
+        slid = distance
+        if slid is None:
+            digit = 10.0 ** (ceil(log10(LIVES * mean_life)) - 2)  # the second one, to which it is rounded up
+            slid = digit * ceil(LIVES * mean_life / digit)
         return {
             "format": 1,
             "title": f"{self.slider.name} on {self.track.name}",
@@ -299,11 +302,6 @@ def count_over_cutoff(
     return np.asarray(cutoffs, dtype=np.float64), np.array(
         [whole.with_cutoff(float(each)).junction_count for each in cutoffs]
     )
-
-
-def _rounded_up(value: float) -> float:
-    unit = 10.0 ** (ceil(log10(value)) - 2)
-    return unit * ceil(value / unit)
 
 
 FEWEST_PATCHES: Final = 20

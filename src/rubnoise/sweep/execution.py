@@ -162,14 +162,6 @@ def attempted(work: Callable[[Point], Result], points: Sequence[Point], asked: V
     return Attempt(results, time.monotonic() - began, made_by)
 
 
-def _nothing_to_find(_point: Point) -> None:
-    return None
-
-
-def _watch_nothing() -> None:
-    return None
-
-
 class Execution(Generic[Result]):
     """The way through the points of a sweep, as far as it is followed."""
 
@@ -179,8 +171,8 @@ class Execution(Generic[Result]):
         work: Callable[[Point], Result],
         workers: Workers,
         *,
-        recover: Callable[[Point], Result | None] = _nothing_to_find,
-        watch: Callable[[], None] = _watch_nothing,
+        recover: Callable[[Point], Result | None] = lambda _point: None,
+        watch: Callable[[], None] = lambda: None,
     ) -> None:
         """Stand before the first point.
 

@@ -273,13 +273,11 @@ class SweepFolder:
             raise OutputRefused(f"{above}: the folder is not writable")
         if above == self.root and not os.access(above, os.R_OK):
             raise OutputRefused(f"{above}: the folder is not readable")
-        if above == self.root and not self.manifest.exists() and any(self._strangers()):
-            raise OutputRefused(f"{self.root}: is not a sweep folder, and not empty; name another folder")
-
-    def _strangers(self) -> Iterator[Path]:
-        """Yield what was not left by a sweep that was stopped before it had said what it is."""
-        own = {"runs", "journal", "sweep.json.part"}
-        return (entry for entry in self.root.iterdir() if entry.name not in own and not entry.name.endswith(".lock"))
+        if above == self.root and not self.manifest.exists():
+            # What a sweep leaves that is stopped before it has said what it is.
+            own = {"runs", "journal", "sweep.json.part"}
+            if any(entry.name not in own and not entry.name.endswith(".lock") for entry in self.root.iterdir()):
+                raise OutputRefused(f"{self.root}: is not a sweep folder, and not empty; name another folder")
 
     @contextmanager
     def alone_at(self, what: str) -> Iterator[None]:

@@ -22,6 +22,7 @@ from rubnoise.storage.merged_sweep import write_merged
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.schema import SLIDER, TRACE, Dataset
 from rubnoise.sweep.folder import SweepFolder
+from rubnoise.sweep.journal import RunRow
 from rubnoise.sweep.run_status import DONE, RecordedRuns, RunStatus
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from rubnoise.units import RATIO, Quantity
@@ -90,10 +91,13 @@ def renew_index(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], comm
 
 def index_of(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], known: RecordedRuns, command: str) -> Index:
     """Return the index of what is known of a sweep."""
-    numbers = point_numbers(points)
+    of_values: dict[tuple[Any, ...], int] = {}
+    numbers = [of_values.setdefault(tuple(point.values.values()), len(of_values)) for point in points]
     firsts = dict(zip(reversed(numbers), reversed(points), strict=True))
     shapes: Shapes = {}
     of_points = [firsts[number] for number in range(len(firsts))]
+    of_runs = ((place, row.arrays) for place, row in _rows(folder, known) if row.arrays)
+    of_each_point = ((numbers[place], row.of_point) for place, row in _rows(folder, known) if row.of_point)
     return Index(
         title=sweep.title,
         command=command,
@@ -104,15 +108,9 @@ def index_of(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], known: 
         points=list(_points(sweep, of_points)),
         runs=[*_plan(sweep, points, of_points, numbers), *_progress(known)],
         stacks=list(_stacks(points, known)),
-        arrays_of_runs=_alike(RUNS, _arrays_of_runs(folder, known), shapes, folder),
-        arrays_of_points=_alike(POINTS, _arrays_of_points(folder, known, numbers), shapes, folder),
+        arrays_of_runs=_alike(RUNS, of_runs, shapes, folder),
+        arrays_of_points=_alike(POINTS, of_each_point, shapes, folder),
     )
-
-
-def point_numbers(points: Sequence[Point]) -> list[int]:
-    """Return for every run the number of its point, counted in the order in which they come."""
-    numbers: dict[tuple[Any, ...], int] = {}
-    return [numbers.setdefault(tuple(point.values.values()), len(numbers)) for point in points]
 
 
 def _points(sweep: Sweep, points: Sequence[Point]) -> Iterator[Filled]:
@@ -153,16 +151,11 @@ def _stacks(points: Sequence[Point], known: RecordedRuns) -> Iterator[Stack]:
         yield Stack(rows=rows, files=files, features=features, ticks=tick_count + 1, slider=slider)
 
 
-def _arrays_of_runs(folder: SweepFolder, known: RecordedRuns) -> Arrays:
+def _rows(folder: SweepFolder, known: RecordedRuns) -> Iterator[tuple[int, RunRow]]:
+    """Yield the rows of the journals one by one, each with its place; none if no run has arrays."""
     for entry in folder.entries() if known.arrays else ():
-        if entry.row is not None and entry.row.arrays and entry.run_id in known.places:
-            yield known.places[entry.run_id], entry.row.arrays
-
-
-def _arrays_of_points(folder: SweepFolder, known: RecordedRuns, numbers: Sequence[int]) -> Arrays:
-    for entry in folder.entries() if known.arrays else ():
-        if entry.row is not None and entry.row.of_point and entry.run_id in known.places:
-            yield numbers[known.places[entry.run_id]], entry.row.of_point
+        if entry.row is not None and entry.run_id in known.places:
+            yield known.places[entry.run_id], entry.row
 
 
 Shapes = dict[str, tuple[str, tuple[int, ...]]]

@@ -83,9 +83,8 @@ def _cumulants(model: Model, strength_moments: tuple[float, ...]) -> Cumulants:
     at_random = are_at_random(model)
     if not (at_random or has_noise_of_its_own(model)):
         return Cumulants(values=regular_cumulants(model, strength_moments))
-    values = tuple(strength_moments[n] * _area_cumulant(model, n) for n in range(1, ORDERS + 1))
+    values = tuple(
+        strength_moments[n] * (model.birth_rate * model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1))
+        for n in range(1, ORDERS + 1)
+    )
     return Cumulants(values=values if at_random else birth_noise.cumulants(model, values, strength_moments))
-
-
-def _area_cumulant(model: Model, order: int) -> float:
-    return model.birth_rate * model.pulse.life_integral(order) * model.sizes.moment(2 * order + 1)

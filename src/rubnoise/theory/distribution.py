@@ -105,12 +105,6 @@ class FewLive:
         return np.where(area > 0.0, exp(-n) * n * (self.live.density(area) + 0.5 * n * pair), 0.0)
 
 
-def few_live(live: LiveArea, mean_count: float) -> FewLive:
-    """Return the contributions of up to two junctions, for one junction's area and a mean count."""
-    cdf, density = pair_area(live)
-    return FewLive(mean_count=mean_count, live=live, pair_cdf=cdf, pair_density=density)
-
-
 _NAME = "the distribution of real contact area"
 _POINTS = 2049
 _HIDDEN = 24.0  # -ln of the probability beyond either end of the grid
@@ -212,7 +206,10 @@ def characteristic_function(model: Model, wavenumber: ArrayLike) -> Complexes:
 def _distribution(sizes: Any, pulse: Any, count: float) -> Distribution:
     live = live_area(sizes, pulse)
     tails = area_tails(live, count)
-    few = few_live(live, count) if tails.lower(NOTHING) == 0.0 else None
+    few = None
+    if tails.lower(NOTHING) == 0.0:
+        cdf, density = pair_area(live)
+        few = FewLive(mean_count=count, live=live, pair_cdf=cdf, pair_density=density)
     found = windows(live, count, tails, above_two=few is not None)
     area = np.linspace(tails.lower(_HIDDEN), min(tails.upper(_HIDDEN), found[:2][-1].end), _POINTS)
     return Distribution(area=area, atom_at_zero=exp(-count), few=few, windows=found)

@@ -303,7 +303,8 @@ def welch_covariance(model: Model, segments: Segments, bins: NDArray[np.int64]) 
     need_random_births(model, "the error of a spectrum")
     need_centred_passes(model, "the error of a spectrum")
     covariance, reach = _covariance(model, segments)
-    total = _shot_covariance(model, segments, bins)
+    energies, probabilities = _energies(model, segments, bins)
+    total = _shared_weight(segments) / (model.birth_rate * segments.tick) * (energies * probabilities) @ energies.T
     for shift, weight in segments.pairs(reach):
         ordinary, turned = bin_covariances(covariance, segments.window, shift, bins, detrend=segments.detrend)
         if shift == 0:
@@ -344,12 +345,6 @@ def _energies(model: Model, segments: Segments, bins: NDArray[np.int64]) -> tupl
     alone = (replace(model, sizes=Fixed(value=float(d))) for d in diameters)
     energies = np.stack([spectral_density(one, k) for one in alone], axis=-1)
     return energies / (energies @ probabilities)[:, None], probabilities
-
-
-def _shot_covariance(model: Model, segments: Segments, bins: NDArray[np.int64]) -> Doubles:
-    energies, probabilities = _energies(model, segments, bins)
-    scale = _shared_weight(segments) / (model.birth_rate * segments.tick)
-    return scale * (energies * probabilities) @ energies.T
 
 
 def _shot_variance(model: Model, segments: Segments, bins: NDArray[np.int64]) -> Doubles:

@@ -270,7 +270,9 @@ def _cuts_and_edges(sizes: Law) -> tuple[Doubles, Doubles]:
 
     Both come closer to 0 by sqrt(2) in t, far below the mean diameter.
     """
-    cuts = _halved(*size_edges(sizes))
+    cuts, logarithmic = size_edges(sizes)
+    middles = np.sqrt(cuts[1:] * cuts[:-1]) if logarithmic else 0.5 * (cuts[1:] + cuts[:-1])
+    cuts = np.union1d(cuts, middles)  # what is smooth enough to integrate is not yet to interpolate
     top, mean = np.cbrt(_PEAK * np.array([cuts[-1], min(sizes.moment(1), cuts[-1])]) ** 2)
     falling = top * 2.0 ** (-0.5 * np.arange(_PANELS_TO_ZERO + 2.0 * np.log2(top / mean)))
     diameters = np.sqrt(falling**3 / _PEAK)
@@ -295,12 +297,6 @@ def _below_peaks(sizes: Law, edges: Doubles) -> NDArray[np.int64]:
         [size_edges(sizes)[0][-1]] if size_edges(sizes)[0].size == 1 else []
     )
     return np.searchsorted(edges, np.cbrt(_PEAK * np.square(ends)) * (1.0 - 1e-12)) - 1
-
-
-def _halved(edges: Doubles, logarithmic: bool) -> Doubles:  # noqa: FBT001  (the pair that size_edges returns)
-    """Return edges with the middles between them: what is smooth enough to integrate is not yet to interpolate."""
-    middles = np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])
-    return np.union1d(edges, middles)
 
 
 def _density(unit: UnitDensity, area: Doubles, sizes: Law, cuts: Doubles, *, rooted: bool) -> Doubles:

@@ -4,7 +4,6 @@ Read it from above: the contact's scales and the regime they make, how each quan
 separation, the spreads and covariances that follow, levels in third octaves, and the errors of a finite run.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import erfc, hypot, inf, log10, nan, pi, sqrt
@@ -18,7 +17,7 @@ from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of, separation_of
 from rubnoise.theory.quadrature import distinct, panels
 from rubnoise.theory.regular_births import need_random_births
-from rubnoise.theory.response import Rule, response, response_edges, response_rules
+from rubnoise.theory.response import response, response_edges, response_rules
 from rubnoise.theory.sampling import (
     carried_momentum,
     force_std_error,
@@ -189,19 +188,14 @@ def _covariances(model: Model) -> tuple[tuple[str, ...], Doubles]:
     psi = model.strengths
     spread = 0.0 if psi is None else max(psi.moment(2) - psi.mean**2, 0.0)
     total: Doubles | float = 0.0
-    for (k, weights), density in _rules(model):
+    driven = separation_of(model) if model.slider is None else model
+    rules = response_rules(driven, drive_of(driven))
+    for (k, weights), density in zip(rules, (spectral_density, mean_spectral_density), strict=True):
         found = answers(model, k)
         own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
         power = weights * density(model, k) / pi
         total = total + (spread * (own * power) @ own.conj().T + (mean * power) @ mean.conj().T).real
     return tuple(found), np.asarray(total)
-
-
-def _rules(model: Model) -> list[tuple[Rule, Callable[[Model, ArrayLike], Doubles]]]:
-    """Return rules over wavenumbers, each with the density of area that goes with it."""
-    driven = separation_of(model) if model.slider is None else model
-    rules = response_rules(driven, drive_of(driven))
-    return list(zip(rules, (spectral_density, mean_spectral_density), strict=True))
 
 
 def load_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:

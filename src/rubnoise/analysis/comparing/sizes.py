@@ -47,7 +47,12 @@ def size_distribution(law: Law, *, alive: bool = False) -> Callable[[Doubles], D
     """
     low, high = law.support
     narrow = high <= _NARROW_PANELS * low
-    cells = np.linspace(low, high, _CELLS) if narrow else _logarithmic(float(np.log(high)))
+    if narrow:
+        cells = np.linspace(low, high, _CELLS)
+    else:
+        top = float(np.log(high))
+        deep = np.arange(top - _FINE - _DEEP, top - _FINE)
+        cells = np.concatenate([deep, np.linspace(top - _FINE, top, _CELLS)])
     places, weights = panels(cells, _NODES)
     diameters = places if narrow else np.exp(places)
     shares = weights * law.density(diameters) * diameters ** (alive + (not narrow))
@@ -55,11 +60,6 @@ def size_distribution(law: Law, *, alive: bool = False) -> Callable[[Doubles], D
     below = 1.0 - np.append(np.cumsum(masses[::-1])[::-1], 0.0) / masses.sum()
     tiny = float(np.finfo(np.float64).tiny)
     return lambda d: np.interp(d if narrow else np.log(np.maximum(d, tiny)), cells, below)
-
-
-def _logarithmic(top: float) -> Doubles:
-    deep = np.arange(top - _FINE - _DEEP, top - _FINE)
-    return np.concatenate([deep, np.linspace(top - _FINE, top, _CELLS)])
 
 
 _ROUNDING = 2.0**-50

@@ -30,7 +30,10 @@ def hash_check(run: HashedReader) -> Check:
     """Return whether every column can be read and has the xxh3_128 beside it, and all attributes together theirs."""
     values = sum(run.rows(group) * len(names) for group, names in run.columns.items()) + 1
     damaged = run.damaged()
-    wrong = [_column_difference(run, damaged[0])] if damaged else []
+    wrong = []
+    if damaged:
+        reason = "unreadable" if damaged[0] in unreadable(run) else "not what its hash was taken of"
+        wrong.append(Difference(place=damaged[0], row=None, found=reason, expected="as it was written"))
     wrong += [difference for difference in [_seal_difference(run)] if difference]
     different = len(damaged) + len(wrong) - bool(damaged)
     return Check(name="hashes", values=values, different=different, first=wrong[0] if wrong else None)
@@ -47,11 +50,6 @@ def unreadable(run: HashedReader) -> list[str]:
             except RunFileRefused:
                 found.append(f"/{group}/{name}")
     return found
-
-
-def _column_difference(run: HashedReader, column: str) -> Difference:
-    reason = "unreadable" if column in unreadable(run) else "not what its hash was taken of"
-    return Difference(place=column, row=None, found=reason, expected="as it was written")
 
 
 def _seal_difference(run: HashedReader) -> Difference | None:

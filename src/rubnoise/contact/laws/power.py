@@ -97,10 +97,6 @@ def _power_constants(exponent: float, smallest: float, largest: float) -> tuple[
         return float(log_ratio), float(growth), float(1 / (low * (growth / rate if rate else log_ratio)))
 
 
-def _scaled_power(centre: float, exponent: float, smallest: float, largest: float) -> Power:
-    return Power(exponent=exponent, smallest=smallest * centre, largest=largest * centre)
-
-
 def _unit_power_moment(power: int, exponent: float, smallest: float, largest: float) -> Any:
     import mpmath
 
@@ -110,7 +106,9 @@ def _unit_power_moment(power: int, exponent: float, smallest: float, largest: fl
 ENTRY = LawEntry(
     name="power",
     about="density ~ x^-exponent between smallest and largest",
-    make=lambda centre, _std, own: _scaled_power(centre, **own),
+    make=lambda centre, _std, own: Power(
+        exponent=own["exponent"], smallest=own["smallest"] * centre, largest=own["largest"] * centre
+    ),
     moment=lambda centre, _std, own, n: centre**n * _unit_power_moment(n, **own),
     parameters=(
         Parameter(name="exponent", about="Fall of the density ~ x^-exponent", low=-10.0, high=10.0, sample=2.5),
