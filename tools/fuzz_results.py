@@ -7,96 +7,63 @@ not finish go to `resume`, or to the same `run`; what it publishes has to be the
 """
 
 import argparse
+import hashlib
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from random import Random
+
+import h5py
+import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
 from fuzz.damage import SEALED, damaged  # noqa: E402
-from fuzz.hostile import CONSTRUCTIONS, make, make_canary  # noqa: E402
-from fuzz.isolated import Outcome as Ending  # noqa: E402
-from fuzz.isolated import called, command, isolated, watched  # noqa: E402
-from fuzz.truth import values  # noqa: E402
-from survival.moments import OTHER, Stage, resumed, stages_of  # noqa: E402
-from survival.stories import SMALL, Outcome, Story  # noqa: E402
+from fuzz.hostile import CONSTRUCTIONS, make, make_canary, watched  # noqa: E402
+from survival.child import called, command, isolated  # noqa: E402
+from survival.moments import OTHER, VERIFY, resumed, stages_of  # noqa: E402
+from survival.stories import NAME, SCENARIO, SMALL, Outcome, chance  # noqa: E402
 
-SCENARIO = """\
-format = 1
-title = "a small run"
+import rubnoise  # noqa: E402
 
-[interface]
-mean_real_contact_area = "200 um^2"
-mean_junction_count = 5
+SMALL_RUN = {"sliding.distance": "100 um", "output.tick": "0.5 um", "interface.mean_junction_count": 5}
+"""What makes a run of Figure 5 a small one."""
 
-[diameter]
-law = "normal"
-spread = "10 %"
-
-[strength]
-mean = "250 MPa"
-
-[sliding]
-speed = "1 mm/s"
-distance = "100 um"
-
-[slider]
-mass = "5 g"
-stiffness = "300 N/m"
-damping = "0.05 N*s/m"
-
-[output]
-tick = "0.5 um"
-"""
 KINDS = {
     "none": (),
     "gzip": ("--set", "output.compression=gzip"),
     "two-way": ("--set", "slider.coupling=two-way"),
 }
 """The good files, and the options with which they are run."""
-VERIFY = ("verify", "{}")
+
 COMMANDS = (
-    ("info", "{}"),
-    ("junction", "{}", "3"),
-    ("junctions", "{}", "--sort", "diameter", "--where", "diameter > 5 um"),
-    ("info", "{}", "--json"),
-    ("compare", "{}"),
-    ("export", "{}", "--to", "csv", "-o", "out.csv", "--group", "junctions", "--force"),
-    ("listen", "{}", "-o", "out.wav", "--force"),
-    ("theory", "{}"),
-    ("teach", "{}", "-o", "out.html", "--force"),
-    ("plot", "{}", "trace", "-o", "out.png", "--force"),
-    ("plot", "{}", "lives", "-o", "out.svg", "--force"),
-    ("run", "{}"),
+    ("info", NAME),
+    ("junction", NAME, "3"),
+    ("junctions", NAME, "--sort", "diameter", "--where", "diameter > 11 um"),
+    ("info", NAME, "--json"),
+    ("compare", NAME),
+    ("export", NAME, "--to", "csv", "-o", "out.csv", "--group", "junctions", "--force"),
+    ("listen", NAME, "-o", "out.wav", "--force"),
+    ("theory", NAME),
+    ("teach", NAME, "-o", "out.html", "--force"),
+    ("plot", NAME, "trace", "-o", "out.png", "--force"),
+    ("plot", NAME, "lives", "-o", "out.svg", "--force"),
+    ("run", NAME),
 )
-GOOD = 0
 ENDS = (0, 2, 3)
 """Done, refused, or found to differ; nothing else may come of a file, whatever is in it."""
 
 RESUMED = 0.75
 """Share of the damaged parts that `resume` is given; the others are left to the same `run`."""
 
-Task = Callable[[int, Sequence[int]], Outcome]
+LINKS = frozenset(("DIMENSION_LIST", "REFERENCE_LIST"))
+"""How columns are tied together for viewers; no value of the run."""
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
-    """One thing that should not be: what, with which file (its number or the name of its making), on which command."""
-
-    fault: str
-    file: str
-    command: str
-    said: str
-
-    def __str__(self) -> str:
-        return f"{self.file}, {self.command}: {self.fault}: {self.said[-400:]}"
+MISSED = "changed, and called good"
 
 
 class Judge:
@@ -105,34 +72,32 @@ class Judge:
     def __init__(self, folder: Path) -> None:
         """Make the good files, and load now what the commands load, so that no copy has to."""
         self.folder = folder
-        self.good = {kind: folder / f"good_{kind}.h5" for kind in KINDS}
+        self.path = folder / NAME
+        self.good: dict[str, bytes] = {}
+        self.truth: dict[str, str] = {}
         self.canary = folder / "canary.h5"
         make_canary(self.canary)
-        (folder / "small.toml").write_text(SCENARIO, encoding="utf-8")
-        for kind, path in self.good.items():
-            self._load(("run", "small.toml", "-o", path.name, *KINDS[kind]))
+        small = rubnoise.example("paper/fig5").replace(SMALL_RUN)
+        (folder / SCENARIO).write_text(small.to_toml(), encoding="utf-8")
+        for kind, options in reversed(KINDS.items()):
+            self._load(["run", SCENARIO, "-o", NAME, "--force", *options])
+            self.good[kind], self.truth[kind] = self.path.read_bytes(), values(self.path)
         for words in (VERIFY, *COMMANDS):
-            self._load(self._words(words, self.good["none"]))
-        self.truth = {kind: values(path) for kind, path in self.good.items()}
+            self._load(words)
 
-    def judged(self, path: Path, name: str, kind: str, number: int, *, forged: bool) -> Iterator[Finding]:
-        """Yield everything wrong about how a file was taken by verify and by one other command."""
+    def judged(self, kind: str, number: int, *, forged: bool) -> Iterator[str]:
+        """Yield everything wrong about how the file was taken by verify and by one other command."""
+        words = COMMANDS[number % len(COMMANDS)]
         with watched(self.canary) as opened:
-            verified = called(self._words(VERIFY, path), self.folder)
-            words = COMMANDS[number % len(COMMANDS)]
-            other = called(self._words(words, path), self.folder)
-        yield from _findings(verified, name, VERIFY)
-        yield from _findings(other, name, words)
+            endings = {each: called(each, self.folder) for each in (VERIFY, words)}
+        for each, ending in endings.items():
+            if fault := ending.fault(*ENDS):
+                yield f"{each[0]}: {fault}: {ending.err.strip()[-400:]}"
         if opened:
-            yield Finding(fault="reads another file", file=name, command=f"verify or {words[0]}", said="")
-        if verified.code == GOOD and not forged and not self._is_as_it_was(path, kind):
-            yield Finding(fault="changed, and called good", file=name, command="verify", said=verified.out)
-
-    def _is_as_it_was(self, path: Path, kind: str) -> bool:
-        return isolated(lambda: int(values(path) != self.truth[kind])).code == 0
-
-    def _words(self, words: Sequence[str], path: Path) -> list[str]:
-        return [word.format(path.name) for word in words]
+            yield f"verify or {words[0]}: reads another file"
+        unchanged = forged or isolated(lambda: int(values(self.path) != self.truth[kind])).code == 0
+        if endings[VERIFY].code == 0 and not unchanged:
+            yield f"verify: {MISSED}"
 
     def _load(self, words: Sequence[str]) -> None:
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
@@ -141,24 +106,34 @@ class Judge:
             raise RuntimeError(f"{words}: {said.getvalue()}")
 
 
+def values(path: Path) -> str:
+    """Return one hash of all columns and attributes by name, read with plain h5py; raises whatever that raises."""
+    digest = hashlib.sha256()
+    with h5py.File(path, "r") as file:
+        names = [f"{group}/{column}" for group in file for column in file[group]]
+        for name in sorted(["/", *file, *names]):
+            owner = file[name]
+            content = {key: owner.attrs[key] for key in sorted(set(owner.attrs) - LINKS)}
+            if name in names:
+                content[""] = owner[()]
+            for key, each in content.items():
+                value = np.asarray(each)
+                digest.update(f"{name} {key} {value.dtype} {value.shape}".encode() + value.tobytes())
+    return digest.hexdigest()
+
+
 def mutations(seed: int, numbers: Sequence[int]) -> Outcome:
     """Judge damaged files by their numbers; return how many of each damage there were, and what was found."""
     outcome = Outcome()
     with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
-        judge = Judge(Path(name))
-        content = {kind: path.read_bytes() for kind, path in judge.good.items()}
+        judge, kinds = Judge(Path(name)), list(KINDS)
         for number in numbers:
-            random = Random(f"{seed}/{number}")  # noqa: S311  (damage is no secret)
-            kinds = list(KINDS)
-            kind = kinds[number % len(kinds)]
-            path = judge.folder / "changed.h5"
-            damage, changed = damaged(content[kind], content[kinds[(number + 1) % len(kinds)]], random)
-            path.write_bytes(changed)
+            kind, other = (kinds[each % len(kinds)] for each in (number, number + 1))
+            damage, changed = damaged(judge.good[kind], judge.good[other], chance(seed, number))
+            judge.path.write_bytes(changed)
             outcome.count(damage)
-            for finding in judge.judged(
-                path, f"{damage} {number}", kind, number // len(KINDS), forged=damage in SEALED
-            ):
-                outcome.find(str(finding))
+            forged = damage in SEALED
+            outcome.find(f"{damage} {number}", judge.judged(kind, number // len(KINDS), forged=forged))
     return outcome
 
 
@@ -167,39 +142,29 @@ def constructions(_seed: int, numbers: Sequence[int]) -> Outcome:
     outcome = Outcome()
     with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
         judge = Judge(Path(name))
-        path = judge.folder / "hostile.h5"
-        for number in numbers:
-            construction = CONSTRUCTIONS[number]
-            make(construction, judge.good["none"], path, judge.canary)
+        for construction in (CONSTRUCTIONS[number] for number in numbers):
+            make(construction, judge.good["none"], judge.path, judge.canary)
             outcome.count("hostile")
-            for command in range(len(COMMANDS)):
-                for finding in judge.judged(path, construction.__name__, "none", command, forged=True):
-                    outcome.find(str(finding))
+            for number in range(len(COMMANDS)):
+                outcome.find(construction.__name__, judge.judged("none", number, forged=True))
     return outcome
 
 
 def parts(seed: int, numbers: Sequence[int]) -> Outcome:
     """Damage the part or the journal of runs that did not finish, by numbers, and resume them."""
     outcome = Outcome()
-    stages: list[tuple[Story, Stage]] = [(story, stage) for story in SMALL for stage in stages_of(story)]
+    stages = [stage for story in SMALL for stage in stages_of(story)]
     for number in numbers:
-        random = Random(f"{seed}/part/{number}")  # noqa: S311  (damage is no secret)
-        story, stage = stages[number % len(stages)]
+        random = chance(seed, f"part/{number}")
+        stage, other = stages[number % len(stages)], stages[(number + 1) % len(stages)]
         name = random.choice(sorted(stage.files))
-        damage, changed = damaged(stage.files[name], stages[(number + 1) % len(stages)][1].files[stage.part], random)
-        again, endings = random.random() < RESUMED, Outcome()
+        damage, changed = damaged(stage.files[name], other.files[f"{NAME}.part"], random)
+        again = random.random() < RESUMED
         outcome.count(f"part: {damage}")
-        with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as folder:
-            for wrong in resumed(endings, story, stage, {name: changed}, Path(folder), again=again):
-                if damage not in SEALED or not wrong.startswith(OTHER):
-                    by = "resume" if again else "run"
-                    outcome.find(f"{damage} {number} of {name}, {story.name}, {stage.name}, {by}: {wrong}")
+        wrong = resumed(Outcome(), stage, {name: changed}, again=again)
+        where = f"{damage} {number} of {name}, {stage.story.name}, {stage.name}, by {'resume' if again else 'run'}"
+        outcome.find(where, (each for each in wrong if damage not in SEALED or not each.startswith(OTHER)))
     return outcome
-
-
-def _findings(ending: Ending, name: str, words: Sequence[str]) -> Iterator[Finding]:
-    if fault := ending.fault(*ENDS):
-        yield Finding(fault=fault, file=name, command=words[0], said=ending.err.strip())
 
 
 def main() -> int:
@@ -211,14 +176,13 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", type=int, nargs="*", help="the numbers of the damaged files to throw once more")
     asked = parser.parse_args()
-    numbers: list[int] = list(range(asked.count)) if asked.only is None else asked.only
-    tasks: list[tuple[Task, list[int]]] = [(mutations, numbers[job :: asked.jobs]) for job in range(asked.jobs)]
+    thrown: dict[Callable[[int, Sequence[int]], Outcome], Sequence[int]] = {mutations: asked.only or range(asked.count)}
     if asked.only is None:
-        tasks += [(parts, list(range(asked.parts))[job :: asked.jobs]) for job in range(asked.jobs)]
-        tasks += [(constructions, list(range(len(CONSTRUCTIONS)))[job :: asked.jobs]) for job in range(asked.jobs)]
+        thrown |= {parts: range(asked.parts), constructions: range(len(CONSTRUCTIONS))}
     outcome = Outcome()
     with ProcessPoolExecutor(asked.jobs) as pool:
-        for each in [pool.submit(task, asked.seed, part) for task, part in tasks]:
+        tasks = [(task, numbers[job :: asked.jobs]) for task, numbers in thrown.items() for job in range(asked.jobs)]
+        for each in [pool.submit(task, asked.seed, share) for task, share in tasks]:
             outcome.add(each.result())
     print(f"{outcome.counts.total()} files")
     print(outcome.told())

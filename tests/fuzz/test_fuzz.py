@@ -10,11 +10,11 @@ from random import Random
 import numpy as np
 import pytest
 from fuzz.damage import DAMAGES, Damage, damaged, lookup3
-from fuzz.hostile import CONSTRUCTIONS, Construction, make
-from fuzz.isolated import called, isolated, watched
+from fuzz.hostile import CONSTRUCTIONS, Construction, make, watched
 from fuzz.traces import made
-from fuzz.truth import values
-from fuzz_results import COMMANDS, KINDS, Judge, mutations, parts
+from fuzz_results import COMMANDS, KINDS, MISSED, Judge, mutations, parts, values
+from survival.child import called, isolated
+from survival.stories import NAME
 
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import call
@@ -40,19 +40,16 @@ def test_damage_is_refused_or_found() -> None:
 @ON_LINUX
 @pytest.mark.parametrize("construction", CONSTRUCTIONS, ids=lambda each: each.__name__)
 def test_hostile_files_do_no_harm(judge: Judge, construction: Construction) -> None:
-    path, number = judge.folder / "hostile.h5", CONSTRUCTIONS.index(construction)
-    make(construction, judge.good["none"], path, judge.canary)
-    assert list(judge.judged(path, construction.__name__, "none", number, forged=True)) == []
+    make(construction, judge.good["none"], judge.path, judge.canary)
+    assert list(judge.judged("none", CONSTRUCTIONS.index(construction), forged=True)) == []
 
 
 @ON_LINUX
 def test_a_change_that_verify_missed_would_be_seen(judge: Judge) -> None:
     """A change that is sealed again is good to verify; not said to be forged, it stands for one missed."""
-    path = judge.folder / "changed.h5"
-    path.write_bytes(judge.good["none"].read_bytes())
-    tell(path, "provenance", "command", "rubnoise run another.toml")
-    (finding,) = judge.judged(path, "changed", "none", 0, forged=False)
-    assert finding.fault == "changed, and called good"
+    judge.path.write_bytes(judge.good["none"])
+    tell(judge.path, "provenance", "command", "rubnoise run another.toml")
+    assert list(judge.judged("none", 0, forged=False)) == [f"verify: {MISSED}"]
 
 
 @ON_LINUX
@@ -100,16 +97,16 @@ def test_every_bad_ending_would_be_seen(tmp_path: Path) -> None:
 
 @ON_LINUX
 def test_the_checksum_is_that_of_hdf5(judge: Judge) -> None:
-    content = judge.good["none"].read_bytes()
+    content = judge.good["none"]
     assert lookup3(content[:44]) == int.from_bytes(content[44:48], "little")
 
 
 @ON_LINUX
 @pytest.mark.parametrize("damage", sorted(set(DAMAGES), key=lambda each: each.__name__), ids=lambda each: each.__name__)
 def test_every_kind_of_damage_changes_the_file(judge: Judge, damage: Damage) -> None:
-    content = judge.good["none"].read_bytes()
+    content = judge.good["none"]
     changed = bytearray(content)
-    damage(changed, judge.good["gzip"].read_bytes(), Random(1))  # noqa: S311  (damage is no secret)
+    damage(changed, judge.good["gzip"], Random(1))  # noqa: S311  (damage is no secret)
     assert changed != content
 
 
@@ -123,10 +120,11 @@ def test_damage_can_be_made_again() -> None:
 def test_good_files_are_good(judge: Judge) -> None:
     """The control of all of the above."""
     for kind in KINDS:
-        assert [*judge.judged(judge.good[kind], kind, kind, COMMANDS.index(("compare", "{}")), forged=False)] == []
-        with open_run(judge.good[kind]) as run:
+        judge.path.write_bytes(judge.good[kind])
+        assert list(judge.judged(kind, COMMANDS.index(("compare", NAME)), forged=False)) == []
+        with open_run(judge.path) as run:
             assert run.damaged() == ()
-    assert values(judge.good["none"]) == judge.truth["none"]
+        assert values(judge.path) == judge.truth[kind]
 
 
 # Traces that are damaged, hostile or of the wrong kind: `infer` answers or refuses, in bounded time and memory.

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from survival import cost, full, kills, moments
+from survival import full, kills, moments
 from survival.recording import Recording
 from survival.stories import SHORT, SMALL, Story, growing, of_kind
 
@@ -127,7 +127,7 @@ def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.Monkey
         disk.rename(paths.part, paths.final)
 
     monkeypatch.setattr(writer, "give_final_name", removing)
-    calls = full.calls_of(BARE)
+    calls = full.calls_of(moments.Stage(name="run", story=BARE, files={}))
     outcome = full.full(0, seed=3, stories=(BARE,), calls=range(calls - 4, calls))
     assert any("the result is gone" in finding for finding in outcome.findings)
 
@@ -210,14 +210,3 @@ def test_growing_rows_that_never_reach_the_disk_are_found_by_power_cuts(monkeypa
     with growing((WITH_SLIDER,)):
         outcome = moments.power(30, seed=3, stories=(WITH_SLIDER,))
     assert any("had been committed" in finding for finding in outcome.findings)
-
-
-def test_the_cost_of_safety_is_measured_beside_runs_without_it() -> None:
-    each = cost.pair(cost.of_junctions(2e4), safe_first=True)
-    assert each.safe > 0.0 < each.bare
-    assert each.per_cent < 100.0
-
-
-def test_a_cost_beyond_what_is_promised_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cost, "pair", lambda *_, **__: cost.Pair(safe=1.3, bare=1.0))
-    assert cost.cost(2, 1).findings == ["safety costs 23.1 % of a run"]

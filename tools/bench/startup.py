@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -14,6 +15,9 @@ from bench import ours
 from bench.case import Case
 from bench.checks import Wrong
 from bench.clock import Task, Timing, cpu_time, interleaved
+from bench.entrants import FASTEST
+from rubnoise.api.playing import describe, play
+from rubnoise.storage.writer import RunWriter
 
 PROGRAM = Path(sys.executable).with_name("rubnoise")
 FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -31,14 +35,14 @@ FEW = 3
 # Python keeps what it has compiled unless a variable forbids it, and the first of these processes is not counted.
 VARIABLES = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 FRESH = f"""
-import json, sys, time
+import json, time
 def now():
     return time.perf_counter(), time.process_time()
 times = [now()]
 import bench.ours
 from bench.case import Case
 import rubnoise
-scenario = bench.ours.scenario(Case(junctions={JUNCTIONS}), sys.argv[1])
+scenario = bench.ours.scenario(Case(junctions={JUNCTIONS}), "{FASTEST}")
 rubnoise.simulate
 for _ in range(3):
     times.append(now())
@@ -59,11 +63,11 @@ class Wait:
         return Wait(self.wall - other.wall, self.cpu - other.cpu)
 
 
-def measured(engine: str, folder: Path, repeats: int) -> dict[str, Wait]:
+def measured(folder: Path, repeats: int) -> dict[str, Wait]:
     """Return the best waits of some; the one without any compiled code kept is taken once."""
-    run = _run(engine, folder)
+    run = _run(folder)
     _called(run)
-    fresh = [_fresh(engine, VARIABLES) for _ in range(repeats)]
+    fresh = [_fresh(VARIABLES) for _ in range(repeats)]
     whole, page = str(folder / "whole.h5"), str(folder / "page.html")
     _called([str(PROGRAM), "run", str(FIGURE_5), "--force", "-q", f"--output={whole}"])
     theory = [str(PROGRAM), "theory", str(FIGURE_5), "--set=diameter.law=weibull", "--set=diameter.spread=50 %"]
@@ -76,7 +80,7 @@ def measured(engine: str, folder: Path, repeats: int) -> dict[str, Wait]:
         REPORT: min(_called(report) for _ in range(min(repeats, FEW))),
         IMPORT: min(imported for imported, _ in fresh),
         FIRST: min(first for _, first in fresh),
-        COMPILING: _fresh(engine, nothing_kept)[1],
+        COMPILING: _fresh(nothing_kept)[1],
     }
 
 
@@ -95,10 +99,10 @@ class Beside:
         return self.ours.each / self.bare.each
 
 
-def beside(engine: str, folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterator[Beside]:
+def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterator[Beside]:
     """Yield what ours takes beside the least that it needs: ``swept`` short runs, a run of many ``junctions``."""
-    short = [ours.scenario(Case(junctions=JUNCTIONS), engine, seed=seed) for seed in range(1, swept + 1)]
-    long, path = ours.scenario(Case(junctions=junctions), engine), folder / "verified.h5"
+    short = [ours.scenario(Case(junctions=JUNCTIONS), FASTEST, seed=seed) for seed in range(1, swept + 1)]
+    long, path = ours.scenario(Case(junctions=junctions), FASTEST), folder / "verified.h5"
 
     def sweep() -> None:
         with rubnoise.run_sweep(short[0], replicates=swept, jobs=1) as made:
@@ -110,10 +114,16 @@ def beside(engine: str, folder: Path, *, repeats: int, swept: int, junctions: in
             if not made.verify().passed:
                 raise Wrong("verify: a run that was just made differs")
 
+    def kept(*, safe: bool) -> None:
+        path.unlink(missing_ok=True)
+        with RunWriter(path, describe(long, path, ["bench"]), safe=safe) as writer:
+            play(writer, long)
+
+    many = f"{junctions:,} junctions".replace(",", " ")
     check = [str(PROGRAM), "check", str(FIGURE_5)]
     pairs = (
         ("rubnoise check", _process(check), "import numpy", _process([sys.executable, "-c", "import numpy"])),
-        (RUN, _process(_run(engine, folder)), "import numba", _process([sys.executable, "-c", "import numba"])),
+        (RUN, _process(_run(folder)), "import numba", _process([sys.executable, "-c", "import numba"])),
         (
             f"a run of {JUNCTIONS} junctions in a sweep",
             Task(sweep, swept),
@@ -121,10 +131,16 @@ def beside(engine: str, folder: Path, *, repeats: int, swept: int, junctions: in
             Task(lambda: [rubnoise.simulate(each) for each in short], swept),
         ),
         (
-            f"verify a run of {junctions:,} junctions".replace(",", " "),
+            f"verify a run of {many}",
             Task(verify, junctions),
             "the run, into a file",
             Task(lambda: rubnoise.run(long, path, force=True).close(), junctions),
+        ),
+        (
+            f"a run of {many} that survives a kill",
+            Task(partial(kept, safe=True), junctions),
+            "without journal, hashes and commits",
+            Task(partial(kept, safe=False), junctions),
         ),
     )
     for what, task, least, bare in pairs:
@@ -138,9 +154,9 @@ def _process(command: list[str]) -> Task:
     return Task(lambda: _called(command), 1.0)
 
 
-def _run(engine: str, folder: Path) -> list[str]:
+def _run(folder: Path) -> list[str]:
     run = [str(PROGRAM), "run", str(FIGURE_5), f"--set=sliding.distance={JUNCTIONS * Case().mean_gap:.4g} um"]
-    return [*run, f"--set=run.engine={engine}", "--force", "-q", f"--output={folder / 'small.h5'}"]
+    return [*run, f"--set=run.engine={FASTEST}", "--force", "-q", f"--output={folder / 'small.h5'}"]
 
 
 def _called(command: list[str]) -> Wait:
@@ -149,9 +165,8 @@ def _called(command: list[str]) -> Wait:
     return Wait(perf_counter(), cpu_time()) - begin
 
 
-def _fresh(engine: str, variables: Mapping[str, str]) -> tuple[Wait, Wait]:
+def _fresh(variables: Mapping[str, str]) -> tuple[Wait, Wait]:
     """Return what importing and reading takes in a new process, and what the first run takes beyond the second."""
-    command = [sys.executable, "-c", FRESH, engine]
-    told = subprocess.run(command, stdout=subprocess.PIPE, check=True, env=dict(variables)).stdout
+    told = subprocess.run([sys.executable, "-c", FRESH], stdout=subprocess.PIPE, check=True, env=dict(variables)).stdout
     start, ready, second, third = (Wait(*each) for each in json.loads(told))
     return ready - start, (second - ready) - (third - second)

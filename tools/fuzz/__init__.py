@@ -1,1 +1,1 @@
-"""What the two scripts that throw damaged and hostile files at the program have in common."""
+"""Damaged and hostile files to throw at the program."""

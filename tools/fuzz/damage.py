@@ -129,29 +129,18 @@ def lookup3(data: bytes) -> int:
     pieces = [struct.unpack_from("<III", padded, place) for place in range(0, len(padded), 12)]
     for x, y, z in pieces[:-1]:
         a, b, c = (a + x) & mask, (b + y) & mask, (c + z) & mask
-        a = (a - c) & mask ^ turned(c, 4)
-        c = (c + b) & mask
-        b = (b - a) & mask ^ turned(a, 6)
-        a = (a + c) & mask
-        c = (c - b) & mask ^ turned(b, 8)
-        b = (b + a) & mask
-        a = (a - c) & mask ^ turned(c, 16)
-        c = (c + b) & mask
-        b = (b - a) & mask ^ turned(a, 19)
-        a = (a + c) & mask
-        c = (c - b) & mask ^ turned(b, 4)
-        b = (b + a) & mask
+        for by in (4, 6, 8, 16, 19, 4):
+            a = (a - c) & mask ^ turned(c, by)
+            c = (c + b) & mask
+            a, b, c = b, c, a
     if not pieces:
         return c
     x, y, z = pieces[-1]
     a, b, c = (a + x) & mask, (b + y) & mask, (c + z) & mask
-    c = ((c ^ b) - turned(b, 14)) & mask
-    a = ((a ^ c) - turned(c, 11)) & mask
-    b = ((b ^ a) - turned(a, 25)) & mask
-    c = ((c ^ b) - turned(b, 16)) & mask
-    a = ((a ^ c) - turned(c, 4)) & mask
-    b = ((b ^ a) - turned(a, 14)) & mask
-    return ((c ^ b) - turned(b, 24)) & mask
+    for by in (14, 11, 25, 16, 4, 14, 24):
+        c = ((c ^ b) - turned(b, by)) & mask
+        a, b, c = b, c, a
+    return b
 
 
 def _headers(content: bytearray) -> Iterator[tuple[int, int]]:

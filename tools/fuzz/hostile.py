@@ -1,9 +1,12 @@
 """Result files made to harm: each is a good one with a part replaced, by h5py's own means."""
 
+import ctypes
 import os
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -11,42 +14,30 @@ import numpy as np
 ROWS = 10**15
 COLUMN = "trace/real_contact_area"
 CHUNK = 65_536
+OPENED = 0x20
+EVENT_BYTES = 16
+"""Of inotify, by which the kernel of Linux reports what any process opens."""
 
 Construction = Callable[[h5py.File, Path], None]
 
 
 def claimed_rows(file: h5py.File, _canary: Path) -> None:
     """Claim 10^15 rows in chunks, of which none was written."""
-    for name, column in list(file["trace"].items()):
-        dtype = column.dtype
-        del file["trace"][name]
-        file["trace"].create_dataset(name, (ROWS,), dtype, chunks=(CHUNK,), shuffle=True, compression="gzip")
+    _remake(file["trace"], ROWS, chunks=(CHUNK,), shuffle=True, compression="gzip")
 
 
 def claimed_contiguous_rows(file: h5py.File, _canary: Path) -> None:
     """Claim 10^15 rows in one piece."""
-    for name, column in list(file["trace"].items()):
-        dtype = column.dtype
-        del file["trace"][name]
-        file["trace"].create_dataset(name, (ROWS,), dtype)
+    _remake(file["trace"], ROWS)
 
 
 def bomb(file: h5py.File, _canary: Path) -> None:
     """Pack a gigabyte of zeros into a megabyte of chunks."""
-    packed = zlib.compress(bytes(CHUNK * 8), 9)
-    del file["trace"]
-    for name, dtype in (
-        ("distance", "<f8"),
-        ("real_contact_area", "<f8"),
-        ("junction_count", "<u4"),
-        ("friction_force", "<f8"),
-    ):
-        column = file.create_dataset(
-            f"trace/{name}", (500 * CHUNK,), dtype, chunks=(CHUNK,), shuffle=True, compression="gzip"
-        )
-        raw = packed if dtype == "<f8" else zlib.compress(bytes(CHUNK * 4), 9)
+    _remake(file["trace"], 500 * CHUNK, chunks=(CHUNK,), shuffle=True, compression="gzip")
+    for column in file["trace"].values():
+        packed = zlib.compress(bytes(CHUNK * column.dtype.itemsize), 9)
         for chunk in range(500):
-            column.id.write_direct_chunk((chunk * CHUNK,), raw)
+            column.id.write_direct_chunk((chunk * CHUNK,), packed)
 
 
 def chunk_bomb(file: h5py.File, _canary: Path) -> None:
@@ -231,43 +222,13 @@ def wild_numbers(file: h5py.File, _canary: Path) -> None:
 def no_rows(file: h5py.File, _canary: Path) -> None:
     """Leave no row in any column."""
     for group in ("junctions", "trace", "slider"):
-        for name, column in list(file[group].items()):
-            dtype = column.dtype
-            del file[group][name]
-            file[group].create_dataset(name, (0,), dtype)
+        _remake(file[group], 0)
 
 
-CONSTRUCTIONS: tuple[Construction, ...] = (
-    claimed_rows,
-    claimed_contiguous_rows,
-    bomb,
-    chunk_bomb,
-    external_storage,
-    external_link,
-    external_group,
-    soft_link,
-    soft_loop,
-    virtual_dataset,
-    unlimited_virtual_dataset,
-    nested_groups,
-    many_groups,
-    cyclic_links,
-    aliased_columns,
-    unknown_filter,
-    other_filter,
-    texts_of_any_length,
-    attributes_of_any_length,
-    references,
-    large_attributes,
-    many_attributes,
-    other_type,
-    named_type,
-    deep_scenario,
-    long_number,
-    endless_scenario,
-    wild_numbers,
-    no_rows,
+CONSTRUCTIONS: tuple[Construction, ...] = tuple(
+    each for each in list(globals().values()) if getattr(each, "__module__", "") == __name__
 )
+"""Every function above."""
 
 
 def make_canary(path: Path) -> None:
@@ -276,12 +237,36 @@ def make_canary(path: Path) -> None:
         file["values"] = np.arange(1000.0)
 
 
-def make(construction: Construction, good: Path, path: Path, canary: Path) -> None:
+def make(construction: Construction, good: bytes, path: Path, canary: Path) -> None:
     """Make a hostile file from a good one."""
-    path.write_bytes(good.read_bytes())
+    path.write_bytes(good)
     with h5py.File(path, "r+") as file:
         construction(file, canary)
     os.utime(path)
+
+
+@contextmanager
+def watched(path: Path) -> Iterator[list[int]]:
+    """Yield a list that holds, afterwards, one entry for each time that the file was opened."""
+    opened: list[int] = []
+    library = ctypes.CDLL(None, use_errno=True)
+    descriptor = library.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
+    if descriptor < 0 or library.inotify_add_watch(descriptor, os.fsencode(path), OPENED) < 0:
+        raise OSError(ctypes.get_errno(), f"{path}: cannot be watched")
+    try:
+        yield opened
+        with suppress(BlockingIOError):
+            opened += os.read(descriptor, 1 << 16)[::EVENT_BYTES]
+    finally:
+        os.close(descriptor)
+
+
+def _remake(group: h5py.Group, rows: int, **layout: Any) -> None:
+    """Make the columns of a group anew, with so many rows, none of them written."""
+    for name, column in list(group.items()):
+        dtype = column.dtype
+        del group[name]
+        group.create_dataset(name, (rows,), dtype, **layout)
 
 
 def _taken(file: h5py.File, name: str) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.io import savemat, wavfile
 
+from fuzz.damage import damaged
+
 Made = tuple[str, list[str]]
 """The name of a file and the options with which it is read."""
 
@@ -164,19 +166,9 @@ def made(seed: int, number: int, folder: Path) -> Made:
 
 
 def _written(random: Random, folder: Path, name: str, content: bytes) -> Made:
-    found = bytearray(content)
-    if found and random.random() < 0.25:
-        harm = random.randrange(4)
-        at = random.randrange(len(found))
-        if harm == 0:
-            found = found[:at]
-        elif harm == 1:
-            found[at : at + 8] = random.randbytes(8)
-        elif harm == 2:
-            found[at:at] = bytes(random.choice((1, 1_000_000)))
-        else:
-            found[at:at] = b"1" * random.choice((1, 2_000_000))
-    (folder / name).write_bytes(found)
+    if content and random.random() < 0.25:
+        _, content = damaged(content, content, random)
+    (folder / name).write_bytes(content)
     return _with(random, name)
 
 

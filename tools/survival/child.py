@@ -1,104 +1,100 @@
-"""Copies of this process in which runs are made, and killed: nothing is loaded again, so that a thousand take minutes.
+"""Copies of this process in which commands are carried out, with limits, and killed: nothing has to be loaded again.
 
 A copy tells where it is by lines in a pipe. What it told before it was killed is a witness that depends on no file.
 """
 
+import faulthandler
 import os
+import resource
 import select
 import signal
+import sys
+import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from typing import Any, NoReturn
+from collections.abc import Callable, Sequence
+from contextlib import chdir, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO, NoReturn
 from unittest.mock import patch
 
-from rubnoise.simulation import draws
-from rubnoise.storage import writer
-from rubnoise.storage.writer import RunWriter
+SECONDS = 120.0
+MEMORY_BYTES = 1 << 30
+"""Beside what the program has loaded."""
+
+FAILED = 99
+"""Exit code of a task that raised something; it tells what."""
+
+FAILURES = {
+    "Traceback": "Traceback",
+    "internal error": "internal error, which should not be",  # HDF5 has internal errors, too, and words for them
+    "Segmentation fault": "Segmentation fault",
+}
+"""What the program never says, by what is behind it."""
 
 Tell = Callable[[str], None]
 Task = Callable[[Tell], int | None]
 
-FAILED = 9
-"""Exit code of a task that raised something; it tells what."""
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """How a copy ended: exit code, or the negative number of a signal; what it printed; whether time ran out.
 
-@contextmanager
-def committing(seconds: float) -> Iterator[None]:
-    """Commit after so many seconds, and after two blocks at most: small runs, too, shall have commits."""
-    with patch.object(writer, "COMMIT_SECONDS", seconds), patch.object(draws, "_DRAWN_AT_ONCE", 2000):
-        yield
+    ``seconds`` passed since its begin, ``cpu`` of them it worked.
+    """
 
+    code: int
+    out: str
+    err: str
+    seconds: float
+    cpu: float
+    hung: bool
 
-@contextmanager
-def telling(tell: Tell, *, seconds: float) -> Iterator[None]:
-    """Commit after so many seconds, and report every start, commit and end of a run, with the ticks that are done."""
-    enter, commit, publish = RunWriter.__enter__, RunWriter._commit, RunWriter.publish  # noqa: SLF001
-
-    def entering(self: RunWriter) -> RunWriter:
-        entered = enter(self)
-        tell(f"entered {self.state.ticks if self.state else 0}")
-        return entered
-
-    def telling_commit(self: RunWriter, state: Any, **how: Any) -> None:
-        commit(self, state, **how)
-        tell(f"committed {state.ticks}")
-
-    def publishing(self: RunWriter, *given: Any, **named: Any) -> None:
-        tell("publishing 0")
-        publish(self, *given, **named)
-        tell("published 0")
-
-    with committing(seconds), ExitStack() as patches:
-        for owner, name, new in (
-            (RunWriter, "__enter__", entering),
-            (RunWriter, "_commit", telling_commit),
-            (RunWriter, "publish", publishing),
-        ):
-            patches.enter_context(patch.object(owner, name, new))
-        yield
+    def fault(self, *codes: int) -> str:
+        """Return what is wrong with the ending, where the exit code should be one of these; else nothing."""
+        if self.hung:
+            return "hangs"
+        if self.code < 0:
+            return f"crashes ({signal.Signals(-self.code).name})"
+        said = next((name for name, words in FAILURES.items() if words in self.err), None)
+        return said or ("" if self.code in codes else f"exit code {self.code}")
 
 
 @dataclass(slots=True, kw_only=True)
 class Child:
-    """A copy of this process that carries out a task; ``told`` are the lines that came so far.
-
-    ``cpu``: the processor's time in s that it took, once it has ended.
-    """
+    """A copy of this process that carries out a task; ``told`` are the lines that came so far."""
 
     number: int
     pipe: int
-    told: list[str]
+    out: BinaryIO
+    err: BinaryIO
     began: float
-    cpu: float = 0.0
+    told: list[str] = field(default_factory=list)
     _rest: bytes = b""
 
     @classmethod
-    def begin(cls, task: Task) -> "Child":
-        """Start one."""
+    def begin(cls, task: Task, *, memory: int | None = None) -> "Child":
+        """Start one; it may take so many bytes of memory beside what is loaded."""
+        out, err = (tempfile.TemporaryFile() for _ in range(2))  # noqa: SIM115  (closed when it is read)
         receiving, sending = os.pipe()
+        began = time.monotonic()
         number = os.fork()
         if number == 0:
             os.close(receiving)
-            _carry_out(task, sending)
+            _carry_out(task, sending, out, err, memory)
         os.close(sending)
         os.set_blocking(receiving, False)
-        return cls(number=number, pipe=receiving, told=[], began=time.monotonic())
+        return cls(number=number, pipe=receiving, out=out, err=err, began=began)
 
     def wait_for(self, word: str, seconds: float) -> bool:
         """Wait until a line begins with a word; return whether one came before the time was up, or the copy ended."""
         deadline = time.monotonic() + seconds
-        while not self.has_told(word):
+        while self.last(word) < 0:
             left = deadline - time.monotonic()
             if left <= 0 or not select.select([self.pipe], [], [], left)[0] or not self._receive():
                 return False
         return True
-
-    def has_told(self, word: str) -> bool:
-        """Whether a line that came begins with a word."""
-        return any(line.startswith(f"{word} ") for line in self.told)
 
     def last(self, word: str) -> int:
         """Return the number in the last line that begins with a word; -1 for none."""
@@ -109,16 +105,30 @@ class Child:
         """Send it a signal; one that has ended takes no notice."""
         os.kill(self.number, number)
 
-    def end(self) -> int:
-        """Wait for its end and return its exit code, or the negative number of the signal that ended it."""
-        while select.select([self.pipe], [], [], 60.0)[0] and self._receive():
-            pass
-        _, status, usage = os.wait4(self.number, 0)
-        self.cpu = usage.ru_utime + usage.ru_stime
+    def end(self, seconds: float = float("inf")) -> Ending:
+        """Wait for its end; so many seconds after its begin end it, and its own children."""
+        hung = False
+        while not (found := os.wait4(self.number, os.WNOHANG))[0]:
+            self._receive()
+            if hung := time.monotonic() > self.began + seconds:
+                with suppress(ProcessLookupError):
+                    os.killpg(self.number, signal.SIGKILL)
+                found = os.wait4(self.number, 0)
+                break
+            time.sleep(0.001)
+        ended = time.monotonic()
         while self._receive():
             pass
         os.close(self.pipe)
-        return os.waitstatus_to_exitcode(status)
+        _, status, usage = found
+        return Ending(
+            code=os.waitstatus_to_exitcode(status),
+            out=_text(self.out),
+            err=_text(self.err),
+            seconds=ended - self.began,
+            cpu=usage.ru_utime + usage.ru_stime,
+            hung=hung,
+        )
 
     def _receive(self) -> bool:
         """Take what is in the pipe; return whether there was any."""
@@ -131,17 +141,56 @@ class Child:
         return bool(came)
 
 
-def _carry_out(task: Task, sending: int) -> NoReturn:
+def _carry_out(task: Task, sending: int, out: BinaryIO, err: BinaryIO, memory: int | None) -> NoReturn:
     code = FAILED
 
     def tell(line: str) -> None:
         os.write(sending, f"{line}\n".encode())
 
     try:
-        code = task(tell) or 0
+        os.setpgid(0, 0)
+        faulthandler.disable()
+        os.dup2(out.fileno(), 1)
+        os.dup2(err.fileno(), 2)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        if memory is not None:
+            pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+            limit = pages * resource.getpagesize() + memory
+            resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+        # Where Python's streams were replaced, as pytest does, they would not hear of it.
+        with os.fdopen(1, "w", closefd=False) as sys.stdout, os.fdopen(2, "w", closefd=False) as sys.stderr:
+            code = task(tell) or 0
     except KeyboardInterrupt:
         code = 128 + signal.SIGINT  # it came before the command had begun
     except BaseException:  # noqa: BLE001  (whatever it is, it is told)
         tell(f"failed {' '.join(traceback.format_exc().split())[-1500:]}")
     finally:
         os._exit(code)
+
+
+def _text(file: BinaryIO) -> str:
+    with file:
+        file.seek(0)
+        return file.read(1 << 20).decode("utf-8", "replace")
+
+
+def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Ending:
+    """Carry out a task in a copy of this process; it returns an exit code."""
+    return Child.begin(lambda _: task(), memory=memory).end(seconds)
+
+
+def called(words: Sequence[str], folder: Path, *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Ending:
+    """Call the command line in a copy of this process, which keeps what is loaded here."""
+    return isolated(lambda: command(words, folder), seconds=seconds, memory=memory)
+
+
+def command(words: Sequence[str], folder: Path) -> int:
+    """Call the command line in this process, in a folder, and return its exit code."""
+    from rubnoise.cli.app import main
+
+    with chdir(folder), patch.object(sys, "argv", ["rubnoise", *words]):
+        try:
+            main()
+        except SystemExit as left:
+            return left.code if isinstance(left.code, int) else int(left.code is not None)
+    return 0

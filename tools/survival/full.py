@@ -4,13 +4,11 @@ A failure gives one line, without a crash and without half a file; a short write
 """
 
 import errno
-import json
 import os
 import subprocess
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass
-from functools import cached_property
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -18,14 +16,24 @@ from types import ModuleType
 from typing import Any
 from unittest.mock import patch
 
-from fuzz.isolated import Outcome as Ending
-from fuzz.isolated import command, isolated
-
 from rubnoise.storage import disk
-from survival.child import Child, Tell, committing
-from survival.moments import stages_of
+from survival.child import MEMORY_BYTES, Child, Ending, command, isolated
+from survival.moments import Stage, stages_of
 from survival.recording import CHANGING, NAMING, OPENING
-from survival.stories import NAME, SCENARIO, SMALL, Outcome, Story, chance, contents, differences, judged, words
+from survival.stories import (
+    NAME,
+    SCENARIO,
+    SMALL,
+    Outcome,
+    Story,
+    afterwards,
+    chance,
+    committing,
+    contents,
+    differences,
+    judged,
+    words,
+)
 
 READING = ("read_into",)
 CALLS = (*OPENING, *CHANGING, *NAMING, *READING)
@@ -56,8 +64,8 @@ class Counter:
 
     @contextmanager
     def counting(self, owner: ModuleType = disk, names: Sequence[str] = CALLS) -> Iterator[None]:
-        """Count and change the calls of a module by these names."""
-        with ExitStack() as patches:
+        """Count and change the calls of a module by these names in runs that commit often."""
+        with committing(0.0), ExitStack() as patches:
             for name in names:
                 patches.enter_context(patch.object(owner, name, self._counted(name, getattr(owner, name))))
             yield
@@ -99,13 +107,14 @@ def full(
     """
     outcome = Outcome()
     for story in stories:
-        for call in calls or range(first, calls_of(story), every):
+        begin = Stage(name="run", story=story, files={})
+        for call in calls or range(first, calls_of(begin), every):
             for way in range(4):
-                _failing(outcome, story, call, FAILURES[way % 2], for_ever=way > 1)
-        for start in starts_of(story):
-            for call in calls or range(first, start.short_calls, every):
+                _failing(outcome, begin, call, FAILURES[way % 2], for_ever=way > 1)
+        for stage in (begin, *stages_of(story)):
+            for call in calls or range(first, calls_of(stage, os, SHORT), every):
                 for for_ever in (False, True) if call % 8 == 0 else (False,):
-                    _short(outcome, start, call, for_ever=for_ever)
+                    _short(outcome, stage, call, for_ever=for_ever)
     try:
         with small_disk() as folder:
             for turn in range(count):
@@ -113,40 +122,6 @@ def full(
     except PermissionError:
         outcome.count("small disks: left out, only root may mount one")
     return outcome
-
-
-@dataclass(frozen=True, kw_only=True)
-class Start:
-    """Where a run begins or resumes: the files that are there, and the command that does it."""
-
-    name: str
-    story: Story
-    files: Mapping[str, bytes]
-    words: Sequence[str]
-
-    @cached_property
-    def short_calls(self) -> int:
-        """How many calls there are by which the system reads and writes."""
-        counter = Counter(_halve)
-        with self.folder() as folder, counter.counting(os, SHORT), committing(0.0):
-            command(self.words, folder)
-        return counter.calls
-
-    @contextmanager
-    def folder(self) -> Iterator[Path]:
-        """Yield a folder with the files."""
-        with TemporaryDirectory(prefix="rubnoise-") as name:
-            for path, content in self.files.items():
-                (Path(name) / path).write_bytes(content)
-            yield Path(name)
-
-
-def starts_of(story: Story) -> Iterator[Start]:
-    """Yield a run from its beginning, and from each stage in which it may be left."""
-    scenario = {SCENARIO: story.text.encode()}
-    yield Start(name="run", story=story, files=scenario, words=words(story))
-    for stage in stages_of(story):
-        yield Start(name=stage.name, story=story, files={**scenario, **stage.files}, words=["resume", stage.part, "-q"])
 
 
 @contextmanager
@@ -162,87 +137,59 @@ def small_disk() -> Iterator[Path]:
             subprocess.run(["umount", name], check=True)
 
 
-def calls_of(story: Story) -> int:
-    """Return how many calls a whole run makes."""
-    counter = Counter(_fail(errno.EIO))
-    with (
-        TemporaryDirectory(prefix="rubnoise-") as name,
-        counter.counting(),
-        committing(0.0),
-    ):
-        (Path(name) / SCENARIO).write_text(story.text, encoding="utf-8")
-        command(words(story), Path(name))
+def calls_of(stage: Stage, owner: ModuleType = disk, names: Sequence[str] = CALLS) -> int:
+    """Return how many calls there are from a stage to the end."""
+    counter = Counter(_halve)
+    with stage.folder() as folder, counter.counting(owner, names):
+        command(stage.words(), folder)
     return counter.calls
 
 
-def _failing(outcome: Outcome, story: Story, call: int, number: int, *, for_ever: bool) -> None:
-    older = bool((call + for_ever) % 2)
+def _failing(outcome: Outcome, stage: Stage, call: int, number: int, *, for_ever: bool) -> None:
+    """Let a call of a run fail, and those after it where it is ``for_ever``; half of the runs replace a result."""
+    older, story = bool((call + for_ever) % 2), stage.story
     where = f"{story.name}, {errno.errorcode[number]} {'from' if for_ever else 'at'} call {call}"
-    counter = Counter(_fail(number), call, for_ever=for_ever)
 
     def task() -> int:
-        with counter.counting(), committing(0.0):
-            return command(words(story, *["--force"] * older), folder)
+        with Counter(_fail(number), call, for_ever=for_ever).counting():
+            return command([*stage.words(), *["--force"] * older], folder)
 
-    with TemporaryDirectory(prefix="rubnoise-") as name:
-        folder = Path(name)
-        (folder / SCENARIO).write_text(story.text, encoding="utf-8")
-        if older:
-            (folder / NAME).write_bytes(OLDER)
+    with stage.folder({NAME: OLDER} if older else {}) as folder:
         ending = isolated(task)
         outcome.count(f"{errno.errorcode[number]}: exit code {ending.code}")
-        for wrong in (*_told(ending), *_kept(folder, story, ending, older=older), *_afterwards(folder, story)):
-            outcome.find(f"{where}: {wrong}")
+        outcome.find(where, _wrong(folder, story, ending, older=older))
 
 
-def _short(outcome: Outcome, start: Start, call: int, *, for_ever: bool) -> None:
+def _short(outcome: Outcome, stage: Stage, call: int, *, for_ever: bool) -> None:
     """Let a call do half of what it is asked for: nothing may come of it."""
-    where = f"{start.story.name}, {start.name}, short {'from' if for_ever else 'at'} call {call}"
 
     def task() -> int:
-        with Counter(_halve, call, for_ever=for_ever).counting(os, SHORT), committing(0.0):
-            return command(start.words, folder)
+        with Counter(_halve, call, for_ever=for_ever).counting(os, SHORT):
+            return command(stage.words(), folder)
 
-    with start.folder() as folder:
+    with stage.folder() as folder:
         ending = isolated(task)
-        outcome.count(f"short, {start.name}: exit code {ending.code}")
-        if fault := ending.fault(0):
-            outcome.find(f"{where}: {fault}: {ending.err}")
-        for wrong in judged(folder, start.story, others=SCENARIO.__eq__):
-            outcome.find(f"{where}: {wrong}")
+        outcome.count(f"short, {stage.name}: exit code {ending.code}")
+        wrong = [f"{fault}: {ending.err}"] if (fault := ending.fault(0)) else []
+        where = f"{stage.story.name}, {stage.name}, short {'from' if for_ever else 'at'} call {call}"
+        outcome.find(where, wrong + judged(folder, stage.story))
 
 
-def _told(ending: Ending) -> Iterator[str]:
-    """Yield what is wrong about how a run ended that could not be written."""
+def _wrong(folder: Path, story: Story, ending: Ending, *, older: bool = False) -> Iterator[str]:
+    """Yield what is wrong about how a run ended that could not be written, and what becomes of it afterwards."""
     if fault := ending.fault(0, 1, 2):
         yield f"{fault}: {ending.err}"
     elif ending.code and (ending.err.count("\n") != 1 or ending.out):
         yield f"said {ending.out!r} and {ending.err!r}"
-
-
-def _kept(folder: Path, story: Story, ending: Ending, *, older: bool) -> Iterator[str]:
-    """Yield what is wrong with what bears the final name."""
-    if not (folder / NAME).exists():
+    path = folder / NAME
+    if not path.exists():
         if older or ending.code == 0:
             yield "the result is gone"
-    elif not older or (folder / NAME).read_bytes() != OLDER:
-        yield from differences(contents(folder / NAME), story.expected)
-
-
-def _afterwards(folder: Path, story: Story) -> Iterator[str]:
-    """Yield what is wrong where the disk works again."""
-    path = folder / NAME
-    if path.exists() and path.read_bytes() == OLDER:
+    elif older and path.read_bytes() == OLDER:
         path.unlink()
-    if path.exists() and (folder / f"{NAME}.part").exists():
-        ending = isolated(lambda: command(["resume", f"{NAME}.part", "-q"], folder))
-    elif path.exists():
-        return
     else:
-        ending = isolated(lambda: command(words(story), folder))
-    if ending.code:
-        yield f"afterwards exit code {ending.code}: {ending.err}"
-    yield from judged(folder, story, others=(SCENARIO, f".{NAME}.lock", f".{NAME}.making").__contains__)
+        yield from differences(contents(path), story.expected)
+    yield from afterwards(folder, story, again=False)
 
 
 def _filling(outcome: Outcome, folder: Path, random: Random) -> None:
@@ -251,19 +198,13 @@ def _filling(outcome: Outcome, folder: Path, random: Random) -> None:
     for each in folder.iterdir():
         each.unlink()
     (folder / SCENARIO).write_text(story.text, encoding="utf-8")
-    child = Child.begin(lambda tell: _tell(isolated(lambda: command(words(story), folder)), tell))
-    child.wait_for("never", random.uniform(0.0, 1.5))
+    child = Child.begin(lambda _: command(words(story), folder), memory=MEMORY_BYTES)
+    time.sleep(random.uniform(0.0, 1.5))
     _fill(folder / "other")
-    child.end()
+    ending = child.end()
     (folder / "other").unlink()
-    ending = Ending(**json.loads(child.told[-1]))
     outcome.count(f"filled up: exit code {ending.code}")
-    for wrong in (*_told(ending), *_kept(folder, story, ending, older=False), *_afterwards(folder, story)):
-        outcome.find(f"filled up, {story.name}: {wrong}")
-
-
-def _tell(ending: Ending, tell: Tell) -> None:
-    tell(json.dumps(asdict(ending)))
+    outcome.find(f"filled up, {story.name}", _wrong(folder, story, ending))
 
 
 def _fill(path: Path) -> None:

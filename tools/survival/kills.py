@@ -4,7 +4,6 @@ A signal that can be caught gives the right exit code, soon, and one line.
 """
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -14,23 +13,30 @@ from dataclasses import dataclass, field
 from functools import cache, partial
 from pathlib import Path
 from random import Random
-from tempfile import TemporaryDirectory, mkdtemp
+from tempfile import TemporaryDirectory
 
-from fuzz.isolated import command, isolated
-
-import rubnoise
-from rubnoise.scenario import Scenario
 from rubnoise.storage.output import OutputPaths
-from survival.child import Child, Tell, telling
-from survival.stories import LONG, NAME, SCENARIO, SHORT, Outcome, Story, chance, judged, words, wrong_in
+from survival.child import Child, Ending, Tell, command
+from survival.stories import (
+    LONG,
+    NAME,
+    SCENARIO,
+    SHORT,
+    Outcome,
+    Story,
+    afterwards,
+    chance,
+    make,
+    telling,
+    words,
+    wrong_in,
+)
 
 BETWEEN_COMMITS = 0.02
 """Seconds, a fiftieth of what users have, so that there are many to lose."""
 
 AIMS = ("course", "course", "course", "set-up", "publication")
 PATIENCE = 600.0
-LEFT = frozenset(f".{NAME}.{name}" for name in ("lock", "making"))
-"""What a kill may leave beside a whole result, and the next run with this name removes."""
 
 
 @dataclass(kw_only=True)
@@ -43,28 +49,20 @@ class Pace:
 
     @classmethod
     def of(cls, story: Story) -> "Pace":
-        """Measure a run that nothing stops."""
-        folder = Path(mkdtemp(prefix="rubnoise-"))
-        child = Child.begin(partial(make, story.scenario, folder / NAME, again=False))
-        child.wait_for("entered", PATIENCE)
-        ready = time.monotonic() - child.began
-        child.wait_for("publishing", PATIENCE)
-        publishing = time.monotonic() - child.began
-        code = child.end()
-        pace = cls(ready=ready, publishing=publishing, ended=time.monotonic() - child.began)
-        shutil.rmtree(folder)
-        if code:
+        """Measure a run that nothing stops; what is expected of it is made before."""
+        _ = story.expected
+        with TemporaryDirectory(prefix="rubnoise-") as folder:
+            child = Child.begin(
+                partial(make, story.scenario, Path(folder) / NAME, again=False, seconds=BETWEEN_COMMITS)
+            )
+            child.wait_for("entered", PATIENCE)
+            ready = time.monotonic() - child.began
+            child.wait_for("publishing", PATIENCE)
+            publishing = time.monotonic() - child.began
+            ending = child.end()
+        if ending.code:
             raise RuntimeError(f"{story.name}: {child.told[-1]}")
-        return pace
-
-
-def make(scenario: Scenario, path: Path, tell: Tell, *, again: bool) -> None:
-    """Make a run, or resume the one that is there; ``again``: by resume, where there is a part file."""
-    with telling(tell, seconds=BETWEEN_COMMITS):
-        if again and OutputPaths.of(path).part.exists():
-            rubnoise.resume(f"{path}.part").close()
-        else:
-            rubnoise.run(scenario, path).close()
+        return cls(ready=ready, publishing=publishing, ended=ending.seconds)
 
 
 @dataclass(kw_only=True)
@@ -93,24 +91,27 @@ class Torture:
             self._look()
             if ended and not self.path.exists():
                 return
-        self._judge()
+        for wrong in afterwards(self.folder, self.story, again=True):  # a second name of the result goes
+            self._find(wrong)
+        self.outcome.count("runs")
 
     def _once(self) -> bool:
         """Let it run and kill it; return whether it ended by itself."""
         aim = self.random.choice(AIMS) if self.kills < self.most else "none"
         again = self.random.random() < 0.5
         engine = self.random.choice(("events", "batch")) if self.random.random() < 0.3 else self.story.engine
-        child = Child.begin(partial(make, self.story.by(engine), self.path, again=again))
+        task = partial(make, self.story.by(engine), self.path, again=again, seconds=BETWEEN_COMMITS)
+        child = Child.begin(task)
         if aim != "none":
             time.sleep(self._delay(child, aim))
             child.send(signal.SIGKILL)
-        code = child.end()
+        code = child.end().code
         self.history.append(f"{aim} {'resume' if again else 'run'} {engine} {child.told[-1:]}")
         self._compare(child)
         if code == -signal.SIGKILL:
             self.kills += 1
             self.outcome.count(f"killed, aiming at {aim}")
-            self.outcome.count(f"killed after it reported {_stage(child)}")
+            self.outcome.count(f"killed after it reported {child.told[-1].split()[0] if child.told else 'nothing'}")
         elif code:
             self._find(child.told[-1] if child.told else f"exit code {code}")
         return code != -signal.SIGKILL
@@ -147,42 +148,28 @@ class Torture:
         elif self.committed and not paths.part.exists():
             self._find("what was committed is gone")
 
-    def _judge(self) -> None:
-        if (self.folder / f"{NAME}.part").exists():  # a second name of the result, for resume to take away
-            rubnoise.resume(f"{self.path}.part").close()
-            self.outcome.count("second names taken away")
-        for wrong in judged(self.folder, self.story, others=LEFT.__contains__):
-            self._find(wrong)
-        self.outcome.count("runs")
-
     def _find(self, what: str) -> None:
-        self.outcome.find(f"{self.story.name}: {what}; {'; '.join(self.history[-3:])}")
-
-
-def _stage(child: Child) -> str:
-    told = [line.split()[0] for line in child.told]
-    return told[-1] if told else "nothing"
+        self.outcome.find(self.story.name, [f"{what}; {'; '.join(self.history[-3:])}"])
 
 
 def kills(count: int, seed: int, stories: tuple[Story, ...] = LONG) -> Outcome:
     """Kill runs so many times, about twenty times each."""
     outcome = Outcome()
-    paces = {story.name: (story.expected, Pace.of(story))[1] for story in stories}
+    paces = {story: Pace.of(story) for story in stories}
     turn = 0
     while outcome.counts["kills"] < count:
         story = stories[turn % len(stories)]
-        folder = Path(mkdtemp(prefix="rubnoise-kills-"))
-        torture = Torture(
-            story=story,
-            folder=folder,
-            random=chance(seed, turn),
-            pace=paces[story.name],
-            outcome=outcome,
-            most=min(20, count - outcome.counts["kills"]),
-        )
-        torture.go()
-        outcome.count("kills", torture.kills)
-        shutil.rmtree(folder)
+        with TemporaryDirectory(prefix="rubnoise-kills-") as folder:
+            torture = Torture(
+                story=story,
+                folder=Path(folder),
+                random=chance(seed, turn),
+                pace=paces[story],
+                outcome=outcome,
+                most=min(20, count - outcome.counts["kills"]),
+            )
+            torture.go()
+            outcome.count("kills", torture.kills)
         turn += 1
     return outcome
 
@@ -194,47 +181,40 @@ SECOND_OF = 5
 PROCESSES_OF = 10
 """Every so many are processes of their own, which load all that a run needs."""
 
-SAID = "said"
-LEFT_HERE = LEFT | {SCENARIO}
 CPU_SECONDS = 1.0
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stop:
-    """How a run took its signals: exit code, what it said, seconds by the clock and by the processor until its end."""
-
-    code: int
-    said: str
-    wall: float
-    cpu: float
-
-
 def signals(count: int, seed: int, stories: tuple[Story, ...] = SHORT) -> Outcome:
     """Send each of the two signals so many times."""
-    outcome, stops = Outcome(), []
-    paces = {story: (story.expected, Pace.of(story))[1] for story in stories}
+    outcome = Outcome()
+    taken: dict[str, list[float]] = {"wall": [], "cpu": []}
+    paces = {story: Pace.of(story) for story in stories}
     for turn in range(2 * count):
         random = chance(seed, turn)
         story, number = stories[turn // 2 % len(stories)], SIGNALS[turn % 2]
         twice, alone = turn // 2 % SECOND_OF == 1, turn // 2 % PROCESSES_OF == 0
         delay = random.uniform(0.0, 1.1 * paces[story].ended + (_start_seconds() if alone else 0.0))
-        with TemporaryDirectory(prefix="rubnoise-") as name:
-            stop = _stopped(story, Path(name), delay, number, twice=twice, alone=alone)
-            stops.append(stop)
-            outcome.count(f"{number.name}{' twice' if twice else ''}: {_end(stop)}")
-            for wrong in (*_wrong(stop, Path(name), number), *_afterwards(story, Path(name))):
-                kind = f"{number.name}{' twice' if twice else ''}{' to a process' if alone else ''}"
-                outcome.find(f"{turn}: {story.name}, {kind} after {delay:.2f} s: {wrong}")
-    for what, values in (("wall", [stop.wall for stop in stops]), ("cpu", [stop.cpu for stop in stops])):
+        kind = f"{number.name}{' twice' if twice else ''}"
+        where = f"{turn}: {story.name}, {kind}{' to a process' if alone else ''} after {delay:.2f} s"
+        with outcome.trial(where) as folder:
+            ending, wall, cpu = _stopped(story, folder, delay, number, twice=twice, alone=alone)
+            taken["wall"].append(wall)
+            taken["cpu"].append(cpu)
+            outcome.count(f"{kind}: {_end(ending)}")
+            outcome.find(where, _wrong(ending, cpu, folder, number))
+            outcome.find(where, afterwards(folder, story, again=True))
+    for what, values in taken.items():
         for share in (50, 95, 100):
             value = sorted(values)[max(0, len(values) * share // 100 - 1)]
             outcome.count(f"ms of {what} time until the end, {share} % of them within", round(1000 * value))
     return outcome
 
 
-def _stopped(story: Story, folder: Path, delay: float, number: int, *, twice: bool, alone: bool) -> Stop:
-    """Start a run and send it signals after a while."""
+def _stopped(
+    story: Story, folder: Path, delay: float, number: int, *, twice: bool, alone: bool
+) -> tuple[Ending, float, float]:
+    """Start a run and send it signals after a while; return its ending, and seconds by clock and processor until it."""
     (folder / SCENARIO).write_text(story.text, encoding="utf-8")
     child = Child.begin(lambda tell: _run(story, folder, tell, alone=alone))
     time.sleep(delay)
@@ -243,64 +223,43 @@ def _stopped(story: Story, folder: Path, delay: float, number: int, *, twice: bo
     if twice:
         time.sleep(0.002)
         child.send(number)
-    code = child.end()
-    ended = time.monotonic()
-    said = (folder / SAID).read_text(encoding="utf-8") if (folder / SAID).exists() else ""
-    (folder / SAID).unlink(missing_ok=True)
-    return Stop(code=code, said=said, wall=ended - sent, cpu=max(0.0, child.cpu - spent))
+    ending = child.end()
+    return ending, child.began + ending.seconds - sent, max(0.0, ending.cpu - spent)
 
 
 def _run(story: Story, folder: Path, tell: Tell, *, alone: bool) -> int:
     """Be the run: as this copy, or in a process that has yet to load everything."""
     signal.signal(signal.SIGINT, signal.default_int_handler)  # which what a shell runs behind a & is without
-    said = os.open(folder / SAID, os.O_WRONLY | os.O_CREAT)
-    for stream in (1, 2):
-        os.dup2(said, stream)
     if alone:
         os.chdir(folder)
         os.execv(sys.executable, [sys.executable, "-m", "rubnoise", *words(story)])
-    # Where Python's streams were replaced, as pytest does, they would not hear of it.
-    with (
-        os.fdopen(1, "w", closefd=False) as sys.stdout,
-        os.fdopen(2, "w", closefd=False) as sys.stderr,
-        telling(tell, seconds=BETWEEN_COMMITS),
-    ):
+    with telling(tell, seconds=BETWEEN_COMMITS):
         return command(words(story), folder)
 
 
-def _end(stop: Stop) -> str:
+def _end(ending: Ending) -> str:
     """Return how a run ended, in words."""
-    if stop.code == 0:
+    if ending.code == 0:
         return "was whole before"
-    if "continues it" in stop.said:
-        return f"exit code {stop.code}, and it can go on"
-    return f"exit code {stop.code}, nothing kept" if stop.code > 0 else f"left by {signal.Signals(-stop.code).name}"
+    if "continues it" in ending.err:
+        return f"exit code {ending.code}, and it can go on"
+    return (
+        f"exit code {ending.code}, nothing kept" if ending.code > 0 else f"left by {signal.Signals(-ending.code).name}"
+    )
 
 
-def _wrong(stop: Stop, folder: Path, number: int) -> Iterator[str]:
+def _wrong(ending: Ending, cpu: float, folder: Path, number: int) -> Iterator[str]:
     """Yield what is wrong about how a run took a signal; one that has not begun yet is ended by the signal itself."""
-    if stop.code not in {0, 128 + number, -number}:
-        yield f"exit code {stop.code}, {stop.said}"
-    elif stop.code >= 0 and ("Traceback" in stop.said or stop.said.count("\n") > 1):
-        yield f"said {stop.said}"
-    if stop.cpu > CPU_SECONDS:
-        yield f"worked for {stop.cpu:.2f} s more"
+    said = ending.out + ending.err
+    if ending.code not in {0, 128 + number, -number}:
+        yield f"exit code {ending.code}, {said}"
+    elif ending.code >= 0 and ("Traceback" in said or said.count("\n") > 1):
+        yield f"said {said}"
+    if cpu > CPU_SECONDS:
+        yield f"worked for {cpu:.2f} s more"
     parts = (folder / f"{NAME}.part").exists()
-    if ("continues it" in stop.said and not parts) or ("nothing was kept" in stop.said and parts):
-        yield f"{'a' if parts else 'no'} part is there, and it said {stop.said}"
-
-
-def _afterwards(story: Story, folder: Path) -> Iterator[str]:
-    """Resume the run that is there, and yield what is wrong."""
-    if (folder / f"{NAME}.part").exists():
-        ending = isolated(lambda: command(["resume", f"{NAME}.part", "-q"], folder))
-    elif not (folder / NAME).exists():
-        ending = isolated(lambda: command(words(story), folder))
-    else:
-        ending = None
-    if ending is not None and ending.code:
-        yield f"afterwards exit code {ending.code}: {ending.err}"
-    yield from judged(folder, story, others=LEFT_HERE.__contains__)
+    if ("continues it" in said and not parts) or ("nothing was kept" in said and parts):
+        yield f"{'a' if parts else 'no'} part is there, and it said {said}"
 
 
 def _spent(number: int) -> float:

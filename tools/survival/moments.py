@@ -3,26 +3,42 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import h5py
-from fuzz.isolated import command, isolated
 
 import rubnoise
 from rubnoise.api.sweeping import keep_run
-from rubnoise.errors import RubnoiseError
 from rubnoise.scenario.points import Point
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.sync_many import sync_many
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.run_status import found_run
-from survival.child import committing, telling
-from survival.kills import LEFT
+from survival.child import called, command
 from survival.recording import Recording
-from survival.stories import NAME, SCENARIO, SMALL, Outcome, Story, chance, contents, judged, words, wrong_in
+from survival.stories import (
+    NAME,
+    SCENARIO,
+    SMALL,
+    Outcome,
+    Story,
+    chance,
+    committing,
+    contents,
+    gone_on,
+    telling,
+    words,
+    wrong_in,
+)
+
+PART: Final = OutputPaths.of(NAME).part.name
+VERIFY = ("verify", NAME)
+OTHER = "published, verified, and yet other than it was"
+TOGETHER: Final = (1, 2, 1)
+"""How many runs of a sweep there are between two looks at the disk."""
 
 
 def recorded(story: Story, halfway: int | None = None, seconds: float = 0.0) -> Recording:
@@ -32,7 +48,12 @@ def recorded(story: Story, halfway: int | None = None, seconds: float = 0.0) -> 
         if halfway is not None:
             recorded(story).after_kill(folder, halfway)
         recording = Recording(folder)
-        with recording.recording(), telling(lambda line: _note(recording, line), seconds=seconds):
+
+        def note(line: str) -> None:
+            what, value = line.split()
+            recording.note(what, int(value))
+
+        with recording.recording(), telling(note, seconds=seconds):
             rubnoise.run(story.scenario, folder / NAME).close()
         return recording
 
@@ -50,54 +71,13 @@ def writes(_count: int, seed: int, stories: tuple[Story, ...] = SMALL, every: in
     return outcome
 
 
-def gone_on(outcome: Outcome, story: Story, folder: Path, committed: int, *, again: bool) -> Iterator[str]:
-    """Resume the run in a folder, and yield what is wrong; ``again``: by resume, where there is a part file."""
-    path, told = folder / NAME, [-1]
-
-    def tell(line: str) -> None:
-        if line.startswith("entered"):
-            told.append(int(line.split()[1]))
-
-    if (again or path.exists()) and (folder / f"{NAME}.part").exists():
-        outcome.count("gone on by resume")
-        with telling(tell, seconds=0.0):
-            rubnoise.resume(f"{path}.part").close()
-    elif not path.exists():
-        outcome.count("gone on by run")
-        with telling(tell, seconds=0.0):
-            rubnoise.run(story.scenario, path).close()
-    else:
-        outcome.count("whole already")
-    if 0 <= told[-1] < committed:
-        yield f"{committed} ticks had been committed, and it went on from {told[-1]}"
-    yield from judged(folder, story, others=LEFT.__contains__)
-
-
 def _stopped(outcome: Outcome, story: Story, recording: Recording, moment: int, seed: int, *, torn: bool) -> None:
     outcome.count("stopped in the middle of a write" if torn else "stopped after a call")
     where = f"{story.name}, call {moment} of {len(recording.calls)}{', torn' if torn else ''}"
-    with folder_of(outcome, where) as folder:
+    with outcome.trial(where) as folder:
         recording.after_kill(folder, moment, torn=torn)
         again = chance(seed, where).random() < 0.5
-        for wrong in gone_on(outcome, story, folder, recording.noted("committed", moment), again=again):
-            outcome.find(f"{where}: {wrong}")
-
-
-@contextmanager
-def folder_of(outcome: Outcome, where: str) -> Iterator[Path]:
-    """Yield a folder for one trial; what is raised there was found."""
-    with TemporaryDirectory(prefix="rubnoise-") as folder:
-        try:
-            yield Path(folder)
-        except RubnoiseError as problem:
-            outcome.find(f"{where}: {problem}")
-        except Exception as problem:  # noqa: BLE001  (whatever it is, it should not be)
-            outcome.find(f"{where}: {type(problem).__name__}: {problem}")
-
-
-def _note(recording: Recording, line: str) -> None:
-    what, value = line.split()
-    recording.note(what, int(value))
+        outcome.find(where, gone_on(outcome, story, folder, recording.noted("committed", moment), again=again))
 
 
 def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
@@ -113,33 +93,17 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
         moment = random.choice(recording.moments[-3:] if turn % 10 > 7 else recording.moments)
         where = f"{turn}: {story.name}, {'with' if often else 'without'} commits, call {moment}"
         outcome.count(f"power cuts {'with' if often else 'without'} commits")
-        with folder_of(outcome, where) as folder:
+        with outcome.trial(where) as folder:
             recording.after_power_cut(folder, moment, random)
-            _check_published(outcome, folder, where, published=recording.noted("published", moment) >= 0)
+            if recording.noted("published", moment) >= 0 and not (folder / NAME).exists():
+                outcome.find(where, ["it had been published, and is gone"])
+            names = OutputPaths.of(folder / NAME)
+            if names.final.exists() and not names.part.exists():
+                # Left alone beside a whole result, they do no harm.
+                names.remove_beside()
             committed = recording.noted("committed", moment)
-            _take_away_what_is_left(outcome, folder)
-            for wrong in gone_on(outcome, story, folder, committed, again=random.random() < 0.5):
-                outcome.find(f"{where}: {wrong}")
+            outcome.find(where, gone_on(outcome, story, folder, committed, again=random.random() < 0.5))
     return outcome
-
-
-def _check_published(outcome: Outcome, folder: Path, where: str, *, published: bool) -> None:
-    if published and not (folder / NAME).exists():
-        outcome.find(f"{where}: it had been published, and is gone")
-
-
-def _take_away_what_is_left(outcome: Outcome, folder: Path) -> None:
-    """Take away a journal and rows that are left alone beside a whole result, where they do no harm."""
-    names = OutputPaths.of(folder / NAME)
-    if names.final.exists() and not names.part.exists():
-        for what, path in (("journals", names.journal), ("files of rows", names.growing)):
-            if path.exists():
-                path.unlink()
-                outcome.count(f"{what} left beside a whole result")
-
-
-TOGETHER: Final = (1, 2, 1)
-"""How many runs there are between two looks at the disk."""
 
 
 def sweeps(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
@@ -154,15 +118,18 @@ def sweeps(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome
         moment = random.choice(recording.moments)
         where = f"{turn}: {story.name}, call {moment} of {len(recording.calls)}"
         outcome.count("power cuts in sweeps")
-        with folder_of(outcome, where) as root:
+        with outcome.trial(where) as root:
             (folder := SweepFolder(root)).run("x").parent.mkdir()
             recording.after_power_cut(folder.run("x").parent, moment, random)
             done = max(recording.noted("done", moment), 0)
-            _check_done(outcome, story, folder, points[:done], where)
-            _go_on(outcome, folder, points[done:])
-            _check_done(outcome, story, folder, points, f"{where}, gone on")
-            for left in sorted({path.name for path in folder.run("x").parent.iterdir()} - _own(points)):
-                outcome.find(f"{where}: {left} is left over")
+            outcome.find(where, _wrong_runs(story, folder, points[:done]))
+            for point in points[done:]:
+                outcome.count(f"runs {_made_up(point, folder)}")
+            outcome.find(f"{where}, gone on", _wrong_runs(story, folder, points))
+            own = {f"{point.run_id}.h5" for point in points}
+            own |= {f".{name}.{left}" for name in own for left in ("lock", "making")}
+            left = sorted({path.name for path in folder.run("x").parent.iterdir()} - own)
+            outcome.find(where, (f"{name} is left over" for name in left))
     return outcome
 
 
@@ -182,8 +149,7 @@ def recorded_sweep(story: Story, seconds: float) -> Recording:
         with recording.recording(), committing(seconds):
             done = 0
             for number in TOGETHER:
-                waiting = [_made(next(points), folder) for _ in range(number)]
-                sync_many(waiting)
+                sync_many([_made(next(points), folder) for _ in range(number)])
                 recording.note("done", done := done + number)
         return recording
 
@@ -192,23 +158,21 @@ def _made(point: Point, folder: SweepFolder) -> Path:
     return folder.root / keep_run(point, root=folder.root, command=("rubnoise",), durable=False).file
 
 
-def _go_on(outcome: Outcome, folder: SweepFolder, points: Sequence[Point]) -> None:
-    """Make what no journal lists as done, as a resumed sweep does."""
-    for point in points:
-        there = folder.run(point.run_id).exists()
-        found = found_run(point, root=folder.root, begun=True)
-        part = OutputPaths.of(folder.run(point.run_id)).part.exists()
-        if found is not None:
-            outcome.count("runs found whole")
-        else:
-            outcome.count("runs found torn" if there else "runs gone on with" if part else "runs made anew")
-            _made(point, folder)
+def _made_up(point: Point, folder: SweepFolder) -> str:
+    """Make a run that no journal lists as done, as a resumed sweep does; return how it was found."""
+    there = folder.run(point.run_id).exists()
+    found = found_run(point, root=folder.root, begun=True)
+    part = OutputPaths.of(folder.run(point.run_id)).part.exists()
+    if found is not None:
+        return "found whole"
+    _made(point, folder)
+    return "found torn" if there else "gone on with" if part else "made anew"
 
 
-def _check_done(outcome: Outcome, story: Story, folder: SweepFolder, points: Sequence[Point], where: str) -> None:
+def _wrong_runs(story: Story, folder: SweepFolder, points: Sequence[Point]) -> Iterator[str]:
     for point, expected in zip(points, _expected(story), strict=False):
         if wrong := wrong_in(folder.run(point.run_id), expected):
-            outcome.find(f"{where}: {point.run_id}: {wrong}")
+            yield f"{point.run_id}: {wrong}"
 
 
 @cache
@@ -220,32 +184,36 @@ def _expected(story: Story) -> list[Mapping[str, Any]]:
         return [contents(_made(point, folder)) for point in points_of(story)]
 
 
-def _own(points: Sequence[Point]) -> set[str]:
-    """Return the names that may be left: results, and what the next run of each would take away."""
-    names = [f"{point.run_id}.h5" for point in points]
-    return {*names, *(f".{name}.{left}" for name in names for left in ("lock", "making"))}
-
-
-VERIFY = ("verify", NAME)
-OTHER = "published, verified, and yet other than it was"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Stage:
-    """A run that did not finish: the files it left, and which bytes of its part are no rows."""
+    """A run that has not begun or did not finish, by the files that are there."""
 
     name: str
+    story: Story
     files: Mapping[str, bytes]
-    metadata: tuple[range, ...]
 
-    @property
-    def part(self) -> str:
-        """The name of the part."""
-        return OutputPaths.of(NAME).part.name
+    @contextmanager
+    def folder(self, changed: Mapping[str, bytes] | None = None) -> Iterator[Path]:
+        """Yield a folder with its files and its scenario; ``changed``: contents by name in place of its own."""
+        scenario = {SCENARIO: self.story.text.encode()}
+        with TemporaryDirectory(prefix="rubnoise-") as name:
+            for path, content in {**scenario, **self.files, **(changed or {})}.items():
+                (Path(name) / path).write_bytes(content)
+            yield Path(name)
+
+    def words(self, *, again: bool = True) -> list[str]:
+        """Return the words that go on with it: those of `resume`, or of the same `run` once more."""
+        return ["resume", PART, "-q"] if again and self.files else words(self.story)
+
+    @cached_property
+    def metadata(self) -> tuple[range, ...]:
+        """The stretches of the part that hold no rows."""
+        with self.folder() as folder:
+            return tuple(_metadata(folder / PART))
 
     def turned(self, bit: int) -> bytes:
         """Return the part with one bit of what is no row turned, counted from the first."""
-        content, place = bytearray(self.files[self.part]), bit // 8
+        content, place = bytearray(self.files[PART]), bit // 8
         for stretch in self.metadata:
             if place < len(stretch):
                 content[stretch[place]] ^= 1 << bit % 8
@@ -262,18 +230,18 @@ class Stage:
 def flips(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
     """Turn so many bits, one at a time, and go on each time."""
     outcome = Outcome()
-    stages = [(story, stage) for story in stories for stage in stages_of(story)]
+    stages = [stage for story in stories for stage in stages_of(story)]
     for story in stories:
-        _verify_here(story)
+        with Stage(name="run", story=story, files={}).folder() as folder:
+            # Copies of this process shall have all that is loaded for that.
+            if command(words(story), folder) or command(VERIFY, folder):
+                raise RuntimeError(f"{story.name}: does not verify by itself")
     for turn in range(count):
-        story, stage = stages[turn % len(stages)]
+        stage = stages[turn % len(stages)]
         random = chance(seed, turn)
         bit, again = random.randrange(stage.bits), random.random() < 0.75
-        where = f"{turn}: {story.name}, {stage.name}, bit {bit}"
-        with TemporaryDirectory(prefix="rubnoise-") as name:
-            turned = {stage.part: stage.turned(bit)}
-            for wrong in resumed(outcome, story, stage, turned, Path(name), again=again):
-                outcome.find(f"{where}, {'resume' if again else 'run'}: {wrong}")
+        where = f"{turn}: {stage.story.name}, {stage.name}, bit {bit}, {'resume' if again else 'run'}"
+        outcome.find(where, resumed(outcome, stage, {PART: stage.turned(bit)}, again=again))
     return outcome
 
 
@@ -282,14 +250,10 @@ def stages_of(story: Story) -> Iterator[Stage]:
     recording = recorded(story)
     gone = next(n for n, call in enumerate(recording.calls) if call == ("remove", OutputPaths.of(NAME).journal.name))
     for name, moment in (("half-way", gone // 2), ("whole, with its journal", gone), ("whole", gone + 1)):
-        yield _stage(name, recording, moment)
-
-
-def _stage(name: str, recording: Recording, moment: int) -> Stage:
-    with TemporaryDirectory(prefix="rubnoise-") as folder:
-        recording.after_kill(Path(folder), moment)
-        files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
-        return Stage(name=name, files=files, metadata=tuple(_metadata(OutputPaths.of(Path(folder) / NAME).part)))
+        with TemporaryDirectory(prefix="rubnoise-") as folder:
+            recording.after_kill(Path(folder), moment)
+            files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+        yield Stage(name=name, story=story, files=files)
 
 
 def _metadata(path: Path) -> Iterator[range]:
@@ -314,47 +278,22 @@ def _places(column: h5py.Dataset) -> Iterator[tuple[int, int]]:
         yield about.byte_offset, about.byte_offset + about.size
 
 
-def resumed(
-    outcome: Outcome, story: Story, stage: Stage, changed: Mapping[str, bytes], folder: Path, *, again: bool
-) -> Iterator[str]:
-    """Yield what is wrong with how `resume`, or the same `run` once more, takes the files of a run that did not finish.
-
-    ``changed``: contents by name, in place of those of the stage; all are put into the folder, which is empty.
-    """
-    for name, content in {**stage.files, **changed}.items():
-        (folder / name).write_bytes(content)
-    (folder / SCENARIO).write_text(story.text, encoding="utf-8")
-    given = ["resume", stage.part, "-q"] if again else words(story)
-    ending = isolated(lambda: command(given, folder))
-    outcome.count(f"{stage.name}: exit code {ending.code}")
-    if fault := ending.fault(0, 1, 2):
-        yield f"{fault}: {ending.err}"
-    elif ending.code and (ending.err.count("\n") != 1 or "internal error" in ending.err):
-        yield f"said {ending.err!r}"
-    yield from _published(outcome, story, folder, whole=ending.code == 0)
-
-
-def _published(outcome: Outcome, story: Story, folder: Path, *, whole: bool) -> Iterator[str]:
-    """Yield what is wrong with what bears the final name."""
-    path = folder / NAME
-    if not path.exists():
-        if whole:
-            yield "there is no result"
-        return
-    outcome.count("published")
-    verified = isolated(lambda: command(VERIFY, folder))
-    if verified.code:
-        yield f"published, and verify says {verified.code}: {verified.out} {verified.err}"
-        return
-    if wrong := wrong_in(path, story.expected):
-        yield f"{OTHER}: {wrong}"
-
-
-def _verify_here(story: Story) -> None:
-    """Verify a result in this process, so that copies of it have all that is loaded for that."""
-    with TemporaryDirectory(prefix="rubnoise-") as name:
-        folder = Path(name)
-        (folder / SCENARIO).write_text(story.text, encoding="utf-8")
-        if command([*words(story)], folder) or isolated(lambda: command(VERIFY, folder)).code:
-            raise RuntimeError(f"{story.name}: does not verify by itself")
-        command(VERIFY, folder)
+def resumed(outcome: Outcome, stage: Stage, changed: Mapping[str, bytes], *, again: bool) -> Iterator[str]:
+    """Yield what is wrong with how `resume`, or the same `run` once more, takes changed files of a stage."""
+    with stage.folder(changed) as folder:
+        ending = called(stage.words(again=again), folder)
+        outcome.count(f"{stage.name}: exit code {ending.code}")
+        if fault := ending.fault(0, 1, 2):
+            yield f"{fault}: {ending.err}"
+        elif ending.code and (ending.err.count("\n") != 1 or "internal error" in ending.err):
+            yield f"said {ending.err!r}"
+        if not (folder / NAME).exists():
+            if ending.code == 0:
+                yield "there is no result"
+            return
+        outcome.count("published")
+        verified = called(VERIFY, folder)
+        if verified.code:
+            yield f"published, and verify says {verified.code}: {verified.out} {verified.err}"
+        elif wrong := wrong_in(folder / NAME, stage.story.expected):
+            yield f"{OTHER}: {wrong}"

@@ -1,10 +1,11 @@
-"""The runs that are tortured: what is run, what its result has to be, and what came of it all."""
+"""The runs that are tortured: what is run, how it tells where it is, what its result has to be, and what came of it."""
 
 import json
 import math
 import sys
+import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,9 +19,15 @@ import h5py
 import xxhash
 
 import rubnoise
+from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario, build
+from rubnoise.simulation import draws
 from rubnoise.storage import growing as steps
+from rubnoise.storage import writer
+from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.writer import RunWriter
+from survival.child import Tell, command, isolated
 
 
 @dataclass(kw_only=True)
@@ -34,10 +41,22 @@ class Outcome:
         """Count something that happened."""
         self.counts[what] += number
 
-    def find(self, what: str) -> None:
-        """Keep something that should not be, and say so at once."""
-        print(what, file=sys.stderr, flush=True)
-        self.findings.append(what)
+    def find(self, where: str, wrong: Iterable[str]) -> None:
+        """Keep what should not be, and say so at once."""
+        for what in wrong:
+            print(f"{where}: {what}", file=sys.stderr, flush=True)
+            self.findings.append(f"{where}: {what}")
+
+    @contextmanager
+    def trial(self, where: str) -> Iterator[Path]:
+        """Yield a folder for one trial; what is raised there was found."""
+        with TemporaryDirectory(prefix="rubnoise-") as folder:
+            try:
+                yield Path(folder)
+            except RubnoiseError as problem:
+                self.find(where, [str(problem)])
+            except Exception as problem:  # noqa: BLE001  (whatever it is, it should not be)
+                self.find(where, [f"{type(problem).__name__}: {problem}"])
 
     def add(self, other: "Outcome") -> None:
         """Take over what another one holds."""
@@ -53,39 +72,18 @@ class Outcome:
 
 NAME: Final = "x.h5"
 SCENARIO: Final = "x.toml"
+LEFT: Final = frozenset(f".{NAME}.{name}" for name in ("lock", "making"))
+"""What a kill may leave beside a whole result, and the next run with this name removes."""
+
 SLIDER: Final = {
     "strength": {"mean": "250 MPa"},
     "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
 }
-FAMILY: Final[Mapping[str, Mapping[str, Any]]] = {
-    "gamma": {"birth": {"law": "gamma", "shape": 4}},
-    "clustered": {"birth": {"law": "clustered", "cluster_size": 3, "cluster_width": "2 um"}},
-    "jittered": {"birth": {"law": "jittered", "jitter": "30 %"}},
-    "parabolas off the centre line": {"pulse": {"shape": "parabola", "offset": "uniform"}},
-    "measured sizes": {"diameter": {"law": "empirical", "values": [3.1, 4.4, 5.0, 8.2], "sampled": "alive"}},
-}
+_TABLES: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+FAMILY: Final[Mapping[str, Any]] = _TABLES["family"]
 """Members of the family of models, by the tables of a scenario that make one."""
-KINDS: Final[Mapping[str, Mapping[str, Any]]] = {
-    "two-way": {"slider": {"coupling": "two-way"}},
-    "off-centre": {"pulse": {"offset": "uniform"}},
-    "under-load": {
-        "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
-        "load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05},
-    },
-    "free": {
-        "interface": {
-            "mean_real_contact_area": None,
-            "load": "0.05 N",
-            "hardness": "1 GPa",
-            "mean_junction_count": 0.5,
-        },
-        "strength": {"mean": "250 MPa"},
-        "sliding": {"speed": "1 m/s"},
-        "load": {"height_scale": "5 um", "mass": "5 g", "motion": "free", "restitution": 0.7},
-    },
-    **FAMILY,
-}
-"""Kinds of runs, by the keys of a scenario that make one; None: without that key."""
+
+KINDS: Final[Mapping[str, Any]] = {**_TABLES["kinds"], **FAMILY}
 ORIGIN: Final = ("scenario_toml", "seed", "stream_version", "propagator_constants")
 """Attributes of /provenance that do not depend on when and where a run was made."""
 
@@ -118,7 +116,7 @@ class Story:
             sections |= SLIDER
         for table, keys in KINDS.get(self.kind, {}).items():
             merged = {**sections.get(table, {}), **keys}
-            sections[table] = {key: value for key, value in merged.items() if value is not None}
+            sections[table] = {key: value for key, value in merged.items() if value != ""}
         return sections
 
     @property
@@ -149,24 +147,10 @@ class Story:
             return contents(Path(folder) / NAME)
 
 
-SMALL: Final = (
-    Story(name="events with slider"),
-    Story(name="batch with slider", engine="batch", tick="1 um"),
-    Story(name="contact alone", slider=False),
-    Story(name="compressed", slider=False, compression="gzip"),
-)
-"""Runs of five blocks."""
-
-LONG: Final = (
-    Story(name="events with slider", distance="40 mm", tick="1 um"),
-    Story(name="batch with slider", engine="batch", distance="100 mm", tick="0.5 um"),
-    Story(name="contact alone", slider=False, distance="40 mm", tick="1 um"),
-    Story(name="compressed", engine="batch", compression="gzip", distance="60 mm", tick="1 um"),
-)
-"""Runs that take half a second, or a second and a half where others want the processors too."""
-
+SMALL: Final = tuple(Story(**keys) for keys in _TABLES["small"])
+LONG: Final = tuple(Story(**keys) for keys in _TABLES["long"])
 SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
-"""Runs that take a quarter of that."""
+"""Runs that take a quarter of the time of the long ones."""
 
 
 def of_kind(kind: str, stories: Sequence[Story]) -> tuple[Story, ...]:
@@ -208,11 +192,11 @@ def contents(path: Path) -> dict[str, Any]:
     """
     found: dict[str, Any] = {}
     with h5py.File(path, "r") as file:
-        for group, column in _columns(file):
-            there = xxhash.xxh3_128_hexdigest(file[group][column][:].tobytes())
-            if there != (said := file[group][column].attrs["xxh3_128"].decode()):
-                raise ValueError(f"/{group}/{column} has the hash {there}, and the file says {said}")
-            found[f"{group}/{column}"] = there
+        for name in [f"{group}/{column}" for group in file for column in file[group]]:
+            there = xxhash.xxh3_128_hexdigest(file[name][:].tobytes())
+            if there != (said := file[name].attrs["xxh3_128"].decode()):
+                raise ValueError(f"/{name} has the hash {there}, and the file says {said}")
+            found[name] = there
         found["summary"] = {name: value.item() for name, value in file["summary"].attrs.items()}
         origin = file["provenance"].attrs
         found["provenance"] = {name: str(origin[name]) for name in ORIGIN} | {"finished": bool(origin["finished"])}
@@ -241,15 +225,78 @@ def words(story: Story, *more: str) -> list[str]:
     return ["run", SCENARIO, "-o", NAME, "-q", "--set", f"run.engine={story.engine}", *more]
 
 
-def judged(folder: Path, story: Story, others: Callable[[str], bool] = lambda _: False) -> list[str]:
-    """Return what is wrong with a folder in which the run has ended: its result, or what was left beside it."""
-    wrong = wrong_in(folder / NAME, story.expected)
-    left = [entry.name for entry in folder.iterdir() if entry.name != NAME and not others(entry.name)]
-    return wrong + [f"{name} is left over" for name in sorted(left)]
+def judged(folder: Path, story: Story, *, killed: bool = False) -> list[str]:
+    """Return what is wrong with a folder in which a run has ended: its result, or what was left beside it."""
+    expected = {NAME, SCENARIO, *(LEFT if killed else ())}
+    left = sorted({entry.name for entry in folder.iterdir()} - expected)
+    return wrong_in(folder / NAME, story.expected) + [f"{name} is left over" for name in left]
 
 
-def _columns(file: h5py.File) -> list[tuple[str, str]]:
-    return [(group, column) for group in file for column in file[group]]
+@contextmanager
+def committing(seconds: float) -> Iterator[None]:
+    """Commit after so many seconds, and after two blocks at most: small runs, too, shall have commits."""
+    with patch.object(writer, "COMMIT_SECONDS", seconds), patch.object(draws, "_DRAWN_AT_ONCE", 2000):
+        yield
+
+
+@contextmanager
+def telling(tell: Tell, *, seconds: float) -> Iterator[None]:
+    """Commit after so many seconds, and report every start, commit and end of a run, with the ticks that are done."""
+    enter, commit, publish = RunWriter.__enter__, RunWriter._commit, RunWriter.publish  # noqa: SLF001
+
+    def entering(self: RunWriter) -> RunWriter:
+        entered = enter(self)
+        tell(f"entered {self.state.ticks if self.state else 0}")
+        return entered
+
+    def telling_commit(self: RunWriter, state: Any, **how: Any) -> None:
+        commit(self, state, **how)
+        tell(f"committed {state.ticks}")
+
+    def publishing(self: RunWriter, *given: Any, **named: Any) -> None:
+        tell("publishing 0")
+        publish(self, *given, **named)
+        tell("published 0")
+
+    told = patch.multiple(RunWriter, __enter__=entering, _commit=telling_commit, publish=publishing)
+    with committing(seconds), told:
+        yield
+
+
+def make(scenario: Scenario, path: Path, tell: Tell, *, again: bool, seconds: float) -> None:
+    """Make a run that commits after so many seconds; ``again``: by resume, where there is a part file."""
+    with telling(tell, seconds=seconds):
+        if again and OutputPaths.of(path).part.exists():
+            rubnoise.resume(f"{path}.part").close()
+        else:
+            rubnoise.run(scenario, path).close()
+
+
+def gone_on(outcome: Outcome, story: Story, folder: Path, committed: int, *, again: bool) -> Iterator[str]:
+    """Resume the run in a folder, and yield what is wrong; ``again``: by resume, where there is a part file."""
+    path, told = folder / NAME, ["entered -1"]
+    part = OutputPaths.of(path).part.exists()
+    if part or not path.exists():
+        by_resume = part and (again or path.exists())
+        outcome.count(f"gone on by {'resume' if by_resume else 'run'}")
+        make(story.scenario, path, told.append, again=by_resume, seconds=0.0)
+    else:
+        outcome.count("whole already")
+    entered = [int(line.split()[1]) for line in told if line.startswith("entered")][-1]
+    if 0 <= entered < committed:
+        yield f"{committed} ticks had been committed, and it went on from {entered}"
+    yield from judged(folder, story, killed=True)
+
+
+def afterwards(folder: Path, story: Story, *, again: bool) -> Iterator[str]:
+    """Go on by the command line where there is no result yet, or a part beside it; yield what is wrong."""
+    part, whole = OutputPaths.of(folder / NAME).part.exists(), (folder / NAME).exists()
+    if part or not whole:
+        given = ["resume", f"{NAME}.part", "-q"] if part and (again or whole) else words(story)
+        ending = isolated(lambda: command(given, folder))
+        if ending.code:
+            yield f"afterwards exit code {ending.code}: {ending.err}"
+    yield from judged(folder, story, killed=True)
 
 
 def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
