@@ -15,7 +15,7 @@ from bench import results as results_module
 from bench.case import Case, Drawn, Given, Output
 from bench.checks import Truth, Verdict, Wrong, judged, relative_error, whole_run
 from bench.clock import Task, Timing, interleaved
-from bench.entrants import Entrant, areas, births, in_memory, runs
+from bench.entrants import AREAS, BIRTHS, IN_MEMORY, RUNS, Entrant
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
 from bench.off_centre import OffCentreTimings
@@ -31,7 +31,7 @@ from rubnoise.simulation.kernels.fine import FINEST
 ELSEWHERE = {"peers.superposed"}
 """Their libraries are in the benchmark's environment only."""
 
-HERE = [each for each in (*runs(("events",)), *areas(("events",))) if each.module not in ELSEWHERE]
+HERE = [each for each in (*RUNS, *AREAS) if each.module not in ELSEWHERE]
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def test_the_kernel_adds_every_life_also_those_too_short_for_series(monkeypatch:
 
 
 def test_rubnoise_is_right_at_every_number_of_ticks_and_junctions_that_is_timed(tmp_path: Path) -> None:
-    ours_alone = runs(("events",))[0]
+    ours_alone = next(each for each in RUNS if each.engine == "events")
     for case in (Case(20.0, 30.0, 60), Case(20.0, 2200.0, 20), Case(100.0, 220.0, 300)):
         given = checks.truth(case)
         verdict = judged("runs", ours_alone.name, whole_run(ours_alone, given, tmp_path), given)
@@ -139,7 +139,6 @@ def test_drawn_junctions_are_those_of_the_paper(mean_count: float) -> None:
 
 # What the benchmark makes of its numbers, and the cost of a sweep.
 # What the benchmark makes of its numbers: medians, ratios, a page and a picture.
-ENGINES = ("events", "batch")
 PNG = b"\x89PNG"
 
 
@@ -163,23 +162,22 @@ def passes(ratio: float) -> OffCentreTimings:
 def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
     """Return right numbers, with made-up times of all tools."""
     times = {"rubnoise, batch": batch, "rubnoise, events": 4.0, "numba loops, RK4": 3.0}
-    whole = {each.name: timing(times.get(each.name, 110.0)) for each in runs(ENGINES)}
-    bare = {each.name: timing(9.0 if "rubnoise" not in each.name else 0.25) for each in areas(ENGINES)}
+    whole = {each.name: timing(times.get(each.name, 110.0)) for each in RUNS}
+    bare = {each.name: timing(9.0 if "rubnoise" not in each.name else 0.25) for each in AREAS}
     verdicts = [Verdict("runs", name, area_error, 1e-12, 0.0) for name in whole]
     verdicts += [Verdict("areas", name, 1e-15, life=0.0) for name in bare]
     pulses = {kernel.OURS: timing(1.0), "C, the same polynomial": timing(0.95), kernel.ROOTS: timing(0.6)}
     loops = {kernel.OURS: timing(1.0), kernel.NUMBA: timing(3.0)}
-    kept = [each.name for each in in_memory(ENGINES)]
+    kept = [each.name for each in IN_MEMORY]
     verdicts += [Verdict("in memory", name, 1e-15, life=0.0) for name in kept]
     points = {"count": FULL.counts, "ticks": FULL.ticks, "length": FULL.lengths}
     return Results(
         plan=FULL,
         machine=("a processor", "some versions"),
-        engines=ENGINES,
-        verdicts=(*verdicts, *(Verdict("births", each.name, life=0.0) for each in births())),
+        verdicts=(*verdicts, *(Verdict("births", each.name, life=0.0) for each in BIRTHS)),
         runs=whole,
         areas=bare,
-        births={each.name: timing(16.0) for each in births()},
+        births={each.name: timing(16.0) for each in BIRTHS},
         kernel=KernelTimings(pulses, dict.fromkeys(pulses, 1e-15)),
         kernel_over_ticks=dict.fromkeys(FULL.kernel_ticks, KernelTimings(loops, dict.fromkeys(loops, 1e-15))),
         motion=MotionTimings({"lsim": timing(5.0), motion.OURS: timing(0.1)}, {"lsim": 1e-5, motion.OURS: 1e-14}),

@@ -10,7 +10,7 @@ import numpy as np
 
 from bench import oracle, ours
 from bench.case import Case, Doubles, Given, Output, doubles
-from bench.entrants import OURS, Entrant, areas, births, in_memory, runs
+from bench.entrants import AREAS, BIRTHS, IN_MEMORY, OURS, RUNS, Entrant
 
 SMALL = Case(junctions=150)
 MOST_TICKS = 3000
@@ -115,17 +115,17 @@ def _small(mean_count: float, ticks_per_life: float) -> Case:
     return Case(mean_count, ticks_per_life, round(lives * mean_count))
 
 
-def verdicts(engines: tuple[str, ...], folder: Path, wanted: tuple[Case, ...] = (SMALL,)) -> Iterator[Verdict]:
+def verdicts(folder: Path, wanted: tuple[Case, ...] = (SMALL,)) -> Iterator[Verdict]:
     """Yield a verdict on each entrant: runs into files and in memory in every case, areas and births in the first."""
     for case in wanted:
         known = truth(case)
-        for entrant in runs(engines):
+        for entrant in RUNS:
             yield judged("runs", entrant.name, whole_run(entrant, known, folder), known)
-        for entrant in in_memory(engines):
+        for entrant in IN_MEMORY:
             made = entrant.call(known.case, Given(known.birth, known.diameter))
             yield judged("in memory", entrant.name, made or Output(), known)
     known = truth(wanted[0])
-    for part, entrants in (("areas", areas(engines)), ("births", births())):
+    for part, entrants in (("areas", AREAS), ("births", BIRTHS)):
         for entrant in entrants:
             made = entrant.call(known.case, Given(known.birth, known.diameter))
             yield judged(part, entrant.name, made or Output(), known)

@@ -36,45 +36,41 @@ class Entrant:
         return function(case, draws, *path, **({"engine": self.engine} if self.engine else {}))
 
 
-def runs(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
-    """Return the tools that make a whole run: births, area, force, slider, and a file of it all."""
-    return (
-        *_ours(engines, "run"),
-        Entrant(NUMBA, "peers.numba_loops", "run", 100_000, 20_000),
-        Entrant(SUPERPOSED, "peers.superposed", "run", 10_000, 2_000),
-        Entrant(NAIVE_NUMPY, "peers.naive_numpy", "run", 10_000, 2_000),
-        Entrant(NAIVE_SIMPY, "peers.naive_simpy", "run", 5_000, 1_000),
-    )
+FASTEST = "batch"
+"""Our fastest engine."""
 
 
-def areas(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
-    """Return the tools that make births and the trace of the area, in memory."""
-    return (
-        *_ours(engines, "area_alone"),
-        Entrant("numba loops", "peers.numba_loops", "area_alone", 100_000, 20_000),
-        Entrant(SUPERPOSED_AREA, "peers.superposed", "area_alone", 20_000, 5_000),
-        Entrant("naive NumPy", "peers.naive_numpy", "area_alone", 20_000, 5_000),
-    )
+def _ours(function: str, engines: tuple[str, ...] = ("batch", "events"), of: str = "") -> tuple[Entrant, ...]:
+    return tuple(Entrant(f"{OURS}{name}{of}", "ours", function, 100_000, 100_000, name) for name in engines)
 
 
-def in_memory(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
-    """Return our fastest engine and the loops that come closest, in memory: the area alone, and with the slider."""
-    fastest = engines[-1:]
-    return (
-        *_ours(fastest, "area_alone", ", area"),
-        Entrant("numba loops, area", "peers.numba_loops", "area_alone", 100_000, 20_000),
-        *_ours(fastest, "area_and_slider", ", area and slider"),
-        Entrant("numba loops, area and slider", "peers.numba_loops", "area_and_slider", 100_000, 20_000),
-    )
+RUNS = (
+    *_ours("run"),
+    Entrant(NUMBA, "peers.numba_loops", "run", 100_000, 20_000),
+    Entrant(SUPERPOSED, "peers.superposed", "run", 10_000, 2_000),
+    Entrant(NAIVE_NUMPY, "peers.naive_numpy", "run", 10_000, 2_000),
+    Entrant(NAIVE_SIMPY, "peers.naive_simpy", "run", 5_000, 1_000),
+)
+"""Tools that make a whole run: births, area, force, slider, and a file of it all."""
 
+AREAS = (
+    *_ours("area_alone"),
+    Entrant("numba loops", "peers.numba_loops", "area_alone", 100_000, 20_000),
+    Entrant(SUPERPOSED_AREA, "peers.superposed", "area_alone", 20_000, 5_000),
+    Entrant("naive NumPy", "peers.naive_numpy", "area_alone", 20_000, 5_000),
+)
+"""Tools that make births and the trace of the area, in memory."""
 
-def births() -> tuple[Entrant, ...]:
-    """Return those who only tell births and deaths: discrete-event libraries that know no area."""
-    return (
-        Entrant(CIW, "peers.ciw_births", "births", 20_000, 5_000),
-        Entrant(SALABIM, "peers.salabim_births", "births", 2_000, 500),
-    )
+IN_MEMORY = (
+    *_ours("area_alone", (FASTEST,), ", area"),
+    Entrant("numba loops, area", "peers.numba_loops", "area_alone", 100_000, 20_000),
+    *_ours("area_and_slider", (FASTEST,), ", area and slider"),
+    Entrant("numba loops, area and slider", "peers.numba_loops", "area_and_slider", 100_000, 20_000),
+)
+"""Our fastest engine and the loops that come closest, in memory: the area alone, and with the slider."""
 
-
-def _ours(engines: tuple[str, ...], function: str, of: str = "") -> tuple[Entrant, ...]:
-    return tuple(Entrant(f"{OURS}{name}{of}", "ours", function, 100_000, 100_000, name) for name in reversed(engines))
+BIRTHS = (
+    Entrant(CIW, "peers.ciw_births", "births", 20_000, 5_000),
+    Entrant(SALABIM, "peers.salabim_births", "births", 2_000, 500),
+)
+"""Tools that only tell births and deaths: discrete-event libraries that know no area."""

@@ -7,6 +7,7 @@ from functools import partial
 from bench import checks, ours
 from bench.case import Case, Drawn, doubles
 from bench.clock import Task, Timing, interleaved
+from bench.entrants import FASTEST
 from bench.peers import naive_numpy, sliders
 
 LENGTHS = {"lsim": 5_000, "RK4, numba": 100_000, "RK4, Python": 5_000, "solve_ivp": 300, "solve_ivp, exact force": 60}
@@ -37,30 +38,30 @@ class MotionTimings:
             yield from checks.beyond(f"slider, {name}", "displacement", self.errors.get(name), bound)
 
 
-def errors(known: checks.Truth, engine: str) -> dict[str, float]:
+def errors(known: checks.Truth) -> dict[str, float]:
     """Return each tool's error on a small run; the peers are given the exact areas at the ticks."""
     made = {name: move(known.case, known.area) for name, move in MOVERS.items()}
     made[EXACT] = sliders.solve_exactly(known.case, known.birth, known.diameter)
-    made[OURS] = doubles(ours.in_memory(known.case, engine)["slider"]["displacement"])
+    made[OURS] = doubles(ours.in_memory(known.case, FASTEST)["slider"]["displacement"])
     return {name: checks.relative_error(x, known.displacement) for name, x in made.items()}
 
 
-def measured(engine: str, repeats: int) -> MotionTimings:
+def measured(repeats: int) -> MotionTimings:
     """Return times and errors of each tool's slider.
 
     Ours is the difference of a run in memory with the slider and one without, which holds the force's integrals too.
     """
-    found = interleaved(_tasks(engine), repeats)
+    found = interleaved(_tasks(), repeats)
     whole, bare = found.pop("with"), found.pop("without")
     seconds = tuple(a - b for a, b in zip(whole.seconds, bare.seconds, strict=True))
-    return MotionTimings({OURS: Timing(seconds, whole.units), **found}, errors(checks.truth(), engine))
+    return MotionTimings({OURS: Timing(seconds, whole.units), **found}, errors(checks.truth()))
 
 
-def _tasks(engine: str) -> dict[str, Task]:
+def _tasks() -> dict[str, Task]:
     case = Case(junctions=OUR_LENGTH)
     tasks = {
-        "with": Task(partial(ours.in_memory, case, engine), case.tick_count),
-        "without": Task(partial(ours.in_memory, case, engine, slider=False), case.tick_count),
+        "with": Task(partial(ours.in_memory, case, FASTEST), case.tick_count),
+        "without": Task(partial(ours.in_memory, case, FASTEST, slider=False), case.tick_count),
     }
     for name, junctions in LENGTHS.items():
         short = Case(junctions=junctions)

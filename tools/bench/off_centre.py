@@ -5,20 +5,16 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import rubnoise
-from bench import checks
-from bench.case import AREA, DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Doubles, doubles
+from bench import checks, ours
+from bench.case import AREA, RELATIVE_SPREAD, Case, Doubles, doubles
 from bench.clock import Task, Timing, interleaved
 
 OFFSETS = ("none", "uniform")
 ENGINE = "batch"
-SPREAD = 0.0362
-"""Relative spread of the diameters, as elsewhere in this benchmark."""
-
 AREA_BOUND = 1e-12
 """Of the largest area: rounding is all that may be left."""
 
@@ -44,24 +40,12 @@ class Contact:
         diameter = (AREA / self.mean_count * 3.0) ** 0.5
         tick = float(f"{2.0 * diameter / self.ticks_per_life:.4g}")
         ticks = round(junctions * 2.0 * diameter / self.mean_count / tick)
-        values: dict[str, Any] = {
-            "format": 1,
-            "title": "Benchmark, off the centre line",
-            "interface": {
-                "mean_real_contact_area": AREA,
-                "mean_junction_count": self.mean_count,
-                "calibration": "matched",
-            },
-            "diameter": {"law": "normal", "spread": SPREAD * diameter},
-            "pulse": {"offset": offset},
-            "sliding": {"distance": ticks * tick, "start": "empty"},
-            "output": {"tick": tick / finer},
-            "run": {"seed": seed, "engine": ENGINE},
-        }
-        if self.slider:
-            values["strength"] = {"law": "constant", "mean": STRENGTH}
-            values["sliding"]["speed"] = SPEED
-            values["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
+        values = ours.values(Case(self.mean_count), ENGINE, slider=self.slider, seed=seed)
+        values["interface"]["calibration"] = "matched"
+        values["diameter"]["spread"] = RELATIVE_SPREAD * diameter
+        values["pulse"] = {"offset": offset}
+        values["sliding"]["distance"] = ticks * tick
+        values["output"]["tick"] = tick / finer
         return rubnoise.build(values)
 
 

@@ -8,8 +8,13 @@ from bench.case import AREA, DAMPING, MASS, SEED, SPEED, STIFFNESS, STRENGTH, Ca
 
 
 def scenario(case: Case, engine: str, *, slider: bool = True, seed: int = SEED) -> rubnoise.Scenario:
-    """Return a case as a scenario; raises Refused where this version has no such engine."""
-    values: dict[str, Any] = {
+    """Return a case as a scenario."""
+    return rubnoise.build(values(case, engine, slider=slider, seed=seed))
+
+
+def values(case: Case, engine: str, *, slider: bool, seed: int) -> dict[str, Any]:
+    """Return the keys of a case's scenario by table."""
+    found: dict[str, Any] = {
         "format": 1,
         "title": "Benchmark",
         "interface": {
@@ -23,22 +28,10 @@ def scenario(case: Case, engine: str, *, slider: bool = True, seed: int = SEED) 
         "run": {"seed": seed, "engine": engine},
     }
     if slider:
-        values["strength"] = {"law": "constant", "mean": STRENGTH}
-        values["sliding"]["speed"] = SPEED
-        values["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
-    return rubnoise.build(values)
-
-
-def engines() -> tuple[str, ...]:
-    """Return the engines that this version has, the event queue first."""
-    found = []
-    for engine in ("events", "batch"):
-        try:
-            scenario(Case(), engine)
-        except rubnoise.Refused:
-            continue
-        found.append(engine)
-    return tuple(found)
+        found["strength"] = {"law": "constant", "mean": STRENGTH}
+        found["sliding"]["speed"] = SPEED
+        found["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
+    return found
 
 
 def output(record: Any, *, slider: bool) -> Output:

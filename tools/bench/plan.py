@@ -1,31 +1,27 @@
 """The plan of the measurements: all of them for the page, or a short version in a minute or two."""
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
+from pathlib import Path
 
 from bench.case import Case
-from bench.entrants import NAIVE_NUMPY, NAIVE_SIMPY, SUPERPOSED, Entrant
+from bench.entrants import Entrant
 
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Repeats of everything, and the points at which growth and memory are looked at.
-
-    ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths``,
-    ``memory`` and, of our runs with a slider that pushes back and off the centre line, ``two_way`` and ``off_centre``
-    numbers of junctions; ``swept`` is the number of short runs in a sweep. Whole runs need ticks that are fine enough
-    for each tool's slider.
-    """
+    """Repeats of everything, and the points at which growth and memory are looked at; plan.toml says more of each."""
 
     quick: bool
     repeats: int
     growth_repeats: int
-    counts: tuple[float, ...]
-    ticks: tuple[float, ...]
-    kernel_ticks: tuple[float, ...]
-    lengths: tuple[int, ...]
-    memory: tuple[int, ...]
+    counts: Sequence[float]
+    ticks: Sequence[float]
+    kernel_ticks: Sequence[float]
+    lengths: Sequence[int]
+    memory: Sequence[int]
     swept: int
     two_way: int
     two_way_repeats: int
@@ -48,35 +44,5 @@ class Plan:
         return junctions <= self.longest.get(name, inf)
 
 
-FULL = Plan(
-    quick=False,
-    repeats=21,
-    growth_repeats=3,
-    counts=(10.0, 100.0, 1000.0),
-    ticks=(10.0, 30.0, 220.0, 2200.0),
-    kernel_ticks=(3.0, 10.0, 30.0, 220.0, 2200.0),
-    lengths=(10_000, 100_000, 1_000_000),
-    memory=(100, 100_000, 1_000_000, 10_000_000),
-    swept=500,
-    two_way=100_000,
-    two_way_repeats=7,
-    off_centre=100_000,
-    off_centre_repeats=7,
-    longest={NAIVE_SIMPY: 10_000, NAIVE_NUMPY: 100_000, SUPERPOSED: 100_000},
-)
-QUICK = Plan(
-    quick=True,
-    repeats=3,
-    growth_repeats=1,
-    counts=(10.0, 100.0),
-    ticks=(30.0, 220.0),
-    kernel_ticks=(3.0, 30.0, 220.0),
-    lengths=(1_000, 10_000, 100_000),
-    memory=(100_000,),
-    swept=100,
-    two_way=20_000,
-    two_way_repeats=1,
-    off_centre=20_000,
-    off_centre_repeats=1,
-    longest={NAIVE_SIMPY: 1_000, NAIVE_NUMPY: 1_000, SUPERPOSED: 1_000},
-)
+_PLANS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+FULL, QUICK = (Plan(quick=name == "quick", **_PLANS[name]) for name in ("full", "quick"))

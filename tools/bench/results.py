@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench import checks, kernel, machine, memory, motion, off_centre, ours, speed, startup, two_way
+from bench import checks, kernel, machine, memory, motion, off_centre, speed, startup, two_way
 from bench.checks import Verdict, Wrong
-from bench.entrants import areas, births, in_memory, runs
+from bench.entrants import AREAS, BIRTHS, IN_MEMORY, RUNS
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
 from bench.off_centre import Contact, OffCentreTimings
@@ -25,7 +25,6 @@ class Results:
 
     plan: Plan
     machine: tuple[str, str]
-    engines: tuple[str, ...]
     verdicts: tuple[Verdict, ...]
     runs: Timings
     areas: Timings
@@ -68,32 +67,30 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     Raises Wrong before any time is taken if an entrant computes something wrong.
     """
     here = machine.described(gcc=c_kernel.available())
-    engines = ours.engines()
-    fastest, path = engines[-1], folder / "run.h5"
+    path = folder / "run.h5"
     tell("correctness: each entrant makes small runs")
-    verdicts = tuple(checks.verdicts(engines, folder, checks.cases(plan.counts, plan.ticks)))
+    verdicts = tuple(checks.verdicts(folder, checks.cases(plan.counts, plan.ticks)))
     if faults := [fault for verdict in verdicts for fault in verdict.faults()]:
         raise Wrong(*faults)
     tell("whole runs")
-    whole = speed.timed(runs(engines), plan, path)
+    whole = speed.timed(RUNS, plan, path)
     tell("the area alone, and births alone")
-    bare, born = speed.timed(areas(engines), plan), speed.timed(births(), plan)
+    bare, born = speed.timed(AREAS, plan), speed.timed(BIRTHS, plan)
     tell("the pulse kernel and the slider")
-    pulses, motions = kernel.measured(plan.repeats), motion.measured(fastest, plan.repeats)
+    pulses, motions = kernel.measured(plan.repeats), motion.measured(plan.repeats)
     over_ticks = kernel.measured_over_ticks(plan.repeats, plan.kernel_ticks)
     tell("the slider that pushes back")
     coupled = two_way.measured(plan.two_way, plan.two_way_repeats, folder)
     tell("junctions off the centre line")
     passes = off_centre.measured(plan.off_centre, plan.off_centre_repeats, folder)
     tell("growth")
-    growth = speed.growths(runs(engines), plan, path)
-    kept = speed.over_ticks(in_memory(engines), plan, plan.ticks)
+    growth = speed.growths(RUNS, plan, path)
+    kept = speed.over_ticks(IN_MEMORY, plan, plan.ticks)
     path.unlink()
     tell("memory and start-up")
     return Results(
         plan=plan,
         machine=here,
-        engines=engines,
         verdicts=verdicts,
         runs=whole,
         areas=bare,
@@ -105,7 +102,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
         off_centre=passes,
         growth=growth,
         in_memory=kept,
-        memory=memory.measured(runs(engines), plan.memory, folder),
-        startup=startup.measured(fastest, folder, repeats=plan.repeats),
-        beside=tuple(startup.beside(fastest, folder, repeats=plan.repeats, swept=plan.swept, junctions=plan.two_way)),
+        memory=memory.measured(RUNS, plan.memory, folder),
+        startup=startup.measured(folder, repeats=plan.repeats),
+        beside=tuple(startup.beside(folder, repeats=plan.repeats, swept=plan.swept, junctions=plan.two_way)),
     )

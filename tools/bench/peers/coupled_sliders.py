@@ -9,6 +9,7 @@ between which it does not look; fixed steps go over all this.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import acos, inf, sqrt
+from typing import Any
 
 import numba
 import numpy as np
@@ -81,7 +82,7 @@ def rk4_compiled(stretch: Stretch, step: float) -> Doubles:
     found = np.empty(stretch.times.size)
     rows = (stretch.birth, stretch.diameter, stretch.strength)
     constants = (stretch.mass, stretch.stiffness, stretch.damping, stretch.speed)
-    _rk4(*rows, *constants, stretch.displacement, stretch.times, step, found)
+    _rk4(rows, constants, stretch.displacement, stretch.times, step, found)
     return found
 
 
@@ -99,16 +100,17 @@ def _solve(stretch: Stretch, tolerance: float, force: Forces) -> Doubles:
         border = float(cuts[piece] if way > 0.0 else cuts[piece - 1])
         middle = min(max(0.5 * (s + border), s - 1.0), s + 1.0)
         live = np.flatnonzero((birth < middle) & (middle < birth + 2.0 * d))
-        events = _Events(stretch, (birth[live], d[live], strength[live]), force, (t, x, s), way, border)
+        rows = (birth[live], d[live], strength[live])
+        place, slope, events = _piece(stretch, rows, force, (t, x, s), way, border)
         until = min(until, end)
         asked = times[told : int(np.searchsorted(times, until))]
         step = solve_ivp(
-            events.slope,
+            slope,
             (t, until),
             (x, v),
             "DOP853",
             np.append(asked, until),
-            events=events.all,
+            events=events,
             rtol=tolerance,
             atol=tolerance * np.array([1.0, speed]),
         )
@@ -129,12 +131,12 @@ def _solve(stretch: Stretch, tolerance: float, force: Forces) -> Doubles:
             t, x, v = until, float(step.y[0][-1]), float(step.y[1][-1])
         else:
             t, (x, v) = float(step.t_events[which][0]), step.y_events[which][0].tolist()
-        s, until = events.place(t, x), t + LONGEST
+        s, until = place(t, x), t + LONGEST
         if which == BORDER:
             s = border
         if which != STANDSTILL:
             continue
-        v, bears, pull = speed, force(s, *events.rows), k * x + c * speed
+        v, bears, pull = speed, force(s, *rows), k * x + c * speed
         if abs(pull) > bears:
             way = 1.0 if pull > 0.0 else -1.0
             continue
@@ -147,70 +149,48 @@ def _solve(stretch: Stretch, tolerance: float, force: Forces) -> Doubles:
     return found
 
 
-class _Events:
-    """The slope and the events of a piece of slip: w = 0, the next birth, mid-life or death, and w turning from 0."""
+def _piece(
+    stretch: Stretch,
+    rows: tuple[Doubles, Doubles, Doubles],
+    force: Forces,
+    begin: tuple[float, float, float],
+    way: float,
+    border: float,
+) -> tuple[Callable[[float, float], float], Callable[[float, Doubles], list[float]], tuple[Any, ...]]:
+    """Return the place and the slope in a piece of slip, and its events: w = 0, the border, and w turning from 0."""
+    m, k, c, speed = stretch.mass, stretch.stiffness, stretch.damping, stretch.speed
+    start_time, start, start_place = begin
 
-    def __init__(
-        self,
-        stretch: Stretch,
-        rows: tuple[Doubles, Doubles, Doubles],
-        force: Forces,
-        begin: tuple[float, float, float],
-        way: float,
-        border: float,
-    ) -> None:
-        self.stretch, self.rows, self.force, self.begin, self.way, self.border = (
-            stretch,
-            rows,
-            force,
-            begin,
-            way,
-            border,
-        )
-        self.m, self.k, self.c, self.speed = stretch.mass, stretch.stiffness, stretch.damping, stretch.speed
+    def place(time: float, x: float) -> float:
+        return start_place + speed * (time - start_time) - (x - start)
 
-    def place(self, time: float, x: float) -> float:
-        t, start, s = self.begin
-        return s + self.speed * (time - t) - (x - start)
-
-    def slope(self, time: float, state: Doubles) -> list[float]:
+    def slope(time: float, state: Doubles) -> list[float]:
         x, v = state
-        force = self.force(self.place(time, x), *self.rows)
-        return [v, (self.way * force - self.c * v - self.k * x) / self.m]
+        return [v, (way * force(place(time, x), *rows) - c * v - k * x) / m]
 
-    @property
-    def all(self) -> tuple[Callable[[float, Doubles], float], ...]:
-        def standstill(_: float, state: Doubles) -> float:
-            return float(self.speed - state[1])
+    def standstill(_: float, state: Doubles) -> float:
+        return float(speed - state[1])
 
-        def border(time: float, state: Doubles) -> float:
-            # Where there is none, nothing is ever passed.
-            return float(np.clip(self.place(time, state[0]) - self.border, -1e9, 1e9))
+    def reached(time: float, state: Doubles) -> float:
+        # Where there is no border, nothing is ever passed.
+        return float(np.clip(place(time, state[0]) - border, -1e9, 1e9))
 
-        def turn(time: float, state: Doubles) -> float:
-            return -self.slope(time, state)[1]
+    def turn(time: float, state: Doubles) -> float:
+        return -slope(time, state)[1]
 
-        standstill.terminal, standstill.direction = True, -self.way  # type: ignore[attr-defined]
-        border.terminal = True  # type: ignore[attr-defined]
-        turn.direction = self.way  # type: ignore[attr-defined]
-        return standstill, border, turn
+    standstill.terminal, standstill.direction = True, -way  # type: ignore[attr-defined]
+    reached.terminal = True  # type: ignore[attr-defined]
+    turn.direction = way  # type: ignore[attr-defined]
+    return place, slope, (standstill, reached, turn)
 
 
 @numba.njit(cache=True)
 def _rk4(  # noqa: C901
-    birth: Doubles,
-    diameter: Doubles,
-    strength: Doubles,
-    m: float,
-    k: float,
-    c: float,
-    speed: float,
-    x: float,
-    times: Doubles,
-    step: float,
-    found: Doubles,
+    every: Sequence[Doubles], constants: Sequence[float], x: float, times: Doubles, step: float, found: Doubles
 ) -> None:
     """Fill displacements at the times, at which steps end, from rest at x; a step to w = 0 is found by bisection."""
+    birth, diameter, strength = every
+    _, k, c, speed = constants
     longest = 2.0 * diameter.max()
     start, t, v, way, told = x, 0.0, 0.0, 1.0, 0
     first, last = 0, 0
@@ -230,14 +210,14 @@ def _rk4(  # noqa: C901
         while last < birth.size and birth[last] < s + 1.0:
             last += 1
         rows = (birth[first:last], diameter[first:last], strength[first:last])
-        after, w = _rk4_step(t, x, v, h, way, start, m, k, c, speed, rows)
+        after, w = _rk4_step(t, x, v, h, way, start, constants, rows)
         if way * (speed - w) > 0.0:
             t, x, v = t + h, after, w
             continue
         low, high = 0.0, h
         for _ in range(50):
             h = 0.5 * (low + high)
-            after, w = _rk4_step(t, x, v, h, way, start, m, k, c, speed, rows)
+            after, w = _rk4_step(t, x, v, h, way, start, constants, rows)
             if way * (speed - w) > 0.0:
                 low = h
             else:
@@ -262,12 +242,10 @@ def _rk4_step(
     h: float,
     way: float,
     start: float,
-    m: float,
-    k: float,
-    c: float,
-    speed: float,
+    constants: Sequence[float],
     rows: Sequence[Doubles],
 ) -> tuple[float, float]:
+    m, k, c, speed = constants
     birth, d, strength = rows
     half = 0.5 * h
     a1 = (way * compiled_force(speed * t - (x - start), birth, d, strength) - c * v - k * x) / m
