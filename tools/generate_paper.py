@@ -1,15 +1,15 @@
-"""Write docs/paper.md and its pictures: `.venv/bin/python tools/generate_paper.py`, after `tools/dev.py sync`.
+"""Write the claims of docs/paper.md and its pictures: `.venv/bin/python tools/generate_paper.py`.
 
-The page holds every claim of the paper as `rubnoise claims` settles it; the pictures are what `rubnoise figures` draws.
+Needs `tools/dev.py sync`. The page holds every claim of the paper as `rubnoise claims` settles it; the pictures are
+what `rubnoise figures` draws.
 """
 
 import re
 import sys
-from collections.abc import Iterator
 from math import isnan
 from pathlib import Path
 
-from parts import table
+from parts import filled, table
 from small_png import small
 
 from rubnoise.claims.catalogue import evaluate_claims
@@ -19,34 +19,6 @@ from rubnoise.figures.paper_sources import Sources
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PICTURES = DOCS / "pictures" / "paper"
-
-HEAD = """\
-# The paper, claim by claim
-
-The paper *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran
-its model once and described the results. Here is each of its explicit and implied claims, in our own words with the
-printed numbers, beside runs from fixed seeds and exact theory. `rubnoise claims` repeats the runs in less than a
-minute. The [gallery](gallery.md#the-papers-figures) has its figures.
-
-Each simulated number is the mean of independent runs, or follows from such means, with a 95 % interval from their
-scatter. Two-way coupling has no exact numbers. If simulation and theory disagreed by more than four standard errors,
-the verdict would be *unsettled*, and `tools/generate_paper.py` would not write this page.
-"""
-
-LIMITS = r"""
-## What the paper leaves out
-
-Its separation is constant ([load](load.md) changes this), $A_{rm}$ and $N_{jm}$ are inputs ([surfaces](surfaces.md)
-derives them), and its slider does not act back ([two-way coupling](two-way.md) does). Its passes go through both
-centres. If centres pass at distances spread evenly from 0 to $d$ (`pulse.offset = "uniform"`,
-[theory](theory.md#passes-off-the-centre-line)), three claims change:
-
-- life_mean: the mean area over a life is $(\pi/16)\,d^2 = 0.196\,d^2$.
-- area_spread: from 10 to 50 junctions of equal size, the std falls by 24 µm² at 100 µm² and by 119 µm² at 500 µm².
-- psd_floor: the exponent is -5, because only a centred pass has a kink at mid-life. There is no floor either.
-
-$S(0)$ is 58 % larger, and the displacement of Figure 5 spreads by 226 µm, not by 195 µm.
-"""
 
 TYPESET = {
     "E[d^3]/(E[d] E[d^2])": r"$\mathrm{E}[d^3]/(\mathrm{E}[d]\,\mathrm{E}[d^2])$",
@@ -87,19 +59,16 @@ def main() -> int:
     for name in FIGURES:
         print(name, file=sys.stderr)
         (PICTURES / f"{name}.png").write_bytes(small(paper_figure(name, ["png"], Sources())["png"]))
-    (DOCS / "paper.md").write_text("\n".join(page(claims)) + "\n", encoding="utf-8")
+    path = DOCS / "paper.md"
+    path.write_text(page(claims, path.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 
-def page(claims: tuple[Claim, ...]) -> Iterator[str]:
-    """Yield the lines of the page."""
-    yield HEAD
+def page(claims: tuple[Claim, ...], text: str) -> str:
+    """Return the text of the page with what the claims say in it now."""
     rows = ((f"[{claim.name}](#{claim.name})", claim.where, claim.verdict.value) for claim in claims)
-    yield table(("claim", "where", "verdict"), rows)
-    yield "## Claims"
-    for claim in claims:
-        yield from _claim(claim)
-    yield LIMITS.rstrip()
+    index = table(("claim", "where", "verdict"), rows)
+    return filled(text, {"index": index, "claims": "\n".join(map(_claim, claims))})
 
 
 def typeset(text: str) -> str:
@@ -107,11 +76,10 @@ def typeset(text: str) -> str:
     return _PLAIN.sub(lambda found: TYPESET[found[0]], text)
 
 
-def _claim(claim: Claim) -> Iterator[str]:
-    yield f"\n### {claim.name}"
-    yield f"\n**{claim.where}.** {typeset(claim.says)}\n"
-    yield table(("quantity", "printed", "simulated (95 %)", "exact"), map(_quantity, claim.quantities))
-    yield f"**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
+def _claim(claim: Claim) -> str:
+    quantities = table(("quantity", "printed", "simulated (95 %)", "exact"), map(_quantity, claim.quantities))
+    verdict = f"**Verdict: {claim.verdict.value}.** {typeset(claim.because)} Runs: `scenarios/{claim.scenario}`."
+    return f"### {claim.name}\n\n**{claim.where}.** {typeset(claim.says)}\n\n{quantities}\n{verdict}\n"
 
 
 def _quantity(quantity: ClaimedNumber) -> tuple[str, ...]:

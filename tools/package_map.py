@@ -1,59 +1,48 @@
 """The map of the package: its layers as the contract has them, and the arrows that its imports really draw."""
 
-import ast
 import tomllib
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-ROOT: Final = Path(__file__).resolve().parent.parent
-PACKAGE: Final = ROOT / "src" / "rubnoise"
-CONTRACT: Final = ROOT / "pyproject.toml"
+import grimp
+
+CONTRACT: Final = Path(__file__).resolve().parent.parent / "pyproject.toml"
 """The layers are those that import-linter keeps, so a picture of others would fail its test."""
+
+
+def _contract() -> dict[str, Any]:
+    contracts = tomllib.loads(CONTRACT.read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
+    return dict(contracts[0])
 
 
 def layers() -> list[list[str]]:
     """Return the rooms of each layer, the highest first: packages, and files beside them."""
-    contract = tomllib.loads(CONTRACT.read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"][0]
-    return [[room.strip(" ()") for room in layer.split("|")] for layer in contract["layers"]]
+    return [[room.strip(" ()") for room in layer.split("|")] for layer in _contract()["layers"]]
 
 
-def arrows(package: Path = PACKAGE) -> dict[str, set[str]]:
+@cache
+def arrows() -> dict[str, set[str]]:
     """Return for each room the rooms that any of its files imports, wherever in the file."""
-    rooms, left_out = [room for layer in layers() for room in layer], exceptions()
+    graph = grimp.build_graph("rubnoise", cache_dir=None)
+    for importer, room in exceptions():
+        for imported in graph.find_modules_directly_imported_by(importer) if importer in graph.modules else ():
+            if imported.startswith(f"rubnoise.{room}."):
+                graph.remove_import(importer=importer, imported=imported)
+    rooms = {f"rubnoise.{room}": room for layer in layers() for room in layer}
+    for module in rooms:
+        graph.squash_module(module)
     return {
-        room: {
-            name
-            for file in files(room, package)
-            for name in _imported(file)
-            if name in rooms and (file.relative_to(package).with_suffix("").as_posix(), name) not in left_out
-        }
-        - {room}
-        for room in rooms
+        room: {rooms[each] for each in graph.find_modules_directly_imported_by(module) if each in rooms} - {room}
+        for module, room in rooms.items()
     }
 
 
 def exceptions() -> set[tuple[str, str]]:
-    """Return the files that the contract lets import a room above them, each with that room."""
-    contract = tomllib.loads(CONTRACT.read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"][0]
-    ends = (each.split(" -> ") for each in contract["ignore_imports"])
-    return {(file.removeprefix("rubnoise.").replace(".", "/"), room.split(".")[1]) for file, room in ends}
-
-
-def files(room: str, package: Path = PACKAGE) -> list[Path]:
-    """Return the files of a room."""
-    folder = package / room
-    return sorted(folder.rglob("*.py")) if folder.is_dir() else [package / f"{room}.py"]
-
-
-def _imported(file: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if not isinstance(node, ast.ImportFrom) or node.module is None:
-            continue
-        if node.module == "rubnoise":
-            yield from (alias.name for alias in node.names)
-        elif node.module.startswith("rubnoise."):
-            yield node.module.split(".")[1]
+    """Return the modules that the contract lets import a room above them, each with that room."""
+    ends = (each.split(" -> ") for each in _contract()["ignore_imports"])
+    return {(importer, imported.split(".")[1]) for importer, imported in ends}
 
 
 def shown_arrows(drawn: Mapping[str, set[str]]) -> dict[str, set[str]]:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
 _PART = re.compile(r"(<!-- \w+: ([\w -]+) -->\n)(.*?)(?=<!-- end -->)", re.DOTALL)
 
@@ -16,6 +17,11 @@ def filled(page: str, parts: Mapping[str, str]) -> str:
     if missing := sorted(parts.keys() - parts_of(page).keys()):
         raise ValueError(f"the page has no part called {', '.join(missing)}")
     return _PART.sub(lambda found: found[1] + parts.get(found[2], found[3]), page)
+
+
+def fill(path: Path, parts: Mapping[str, str]) -> None:
+    """Write some of the parts of a page into its file; raises ValueError for a part that the page has not."""
+    path.write_text(filled(path.read_text(encoding="utf-8"), parts), encoding="utf-8")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

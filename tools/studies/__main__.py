@@ -15,7 +15,6 @@ NAMES = (
     "run_cost",
     "surface_levels",
     "surfaces",
-    "sweep_cost",
     "two_way",
 )
 

@@ -14,7 +14,7 @@ from math import sqrt
 from pathlib import Path
 from typing import Final
 
-from parts import filled, table
+from parts import fill, table
 
 from rubnoise.analysis.agreement import Agreement, family_wise_bound
 from rubnoise.analysis.comparing.findings import (
@@ -262,5 +262,5 @@ def main() -> int:
     """Try every row, and write the page."""
     argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0]).parse_args()
     parts = {"detection": f"\n{table(HEAD, rows())}\n"}
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
+    fill(PAGE, parts)
     return 0

@@ -19,6 +19,8 @@ import os
 import sys
 import time
 import tomllib
+from collections import Counter
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,7 +31,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # PYTHONSAFEPATH and -P leave it out
 
 import numpy as np
-from parts import filled
+from parts import fill
 from parts import table as markdown
 
 from rubnoise.api.inferring import found_scenario, infer
@@ -47,15 +49,9 @@ from tests.models import recorded
 PER_LIFE = 64
 DIAMETER = 5.5
 COUNTS = (5, 20, 100)
-POPULATIONS = {"normal": 0.2, "lognormal": 0.5, "exponential": 1.0, "gamma": 0.4, "fixed": 0.0}
-WRONG = {
-    "stick-slip": "the spring force of a slider that sticks and slips (two-way coupling)",
-    "lorentzian": "Gaussian noise with a Lorentzian spectrum",
-    "exponential pulses": "pulses that decay exponentially",
-    "sine": "a sine with noise",
-    "white": "white noise",
-    "regular": "junctions born at regular distances",
-}
+WORDS: dict[str, Any] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+POPULATIONS: dict[str, float] = WORDS["populations"]
+WRONG: dict[str, str] = WORDS["wrong"]
 ZEROS: tuple[Literal["known", "unknown"], ...] = ("known", "unknown")
 DRIFT = 0.02
 """Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
@@ -66,6 +62,7 @@ CYCLES = (5, 10, 15, 20, 40)
 
 PAGE = Path(__file__).parents[2] / "docs" / "inference.md"
 DATA, COVERAGE = PAGE.with_name("right_traces.json"), PAGE.with_name("coverage.json")
+ALL = "all of these"
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
 
@@ -90,28 +87,22 @@ class Cell:
 def outside() -> list[Cell]:
     """Return the cells whose traces are made outside the package: with an option, and without it."""
 
-    def cell(name: str, contact: Contact, most: int, law: str = "fixed", **options: str) -> Cell:
-        given = tuple(options.items())
-        return Cell(name=f"outside {name}", kind="outside", contact=contact, fitted=law, options=given, most=most)
+    def cell(
+        name: str,
+        contact: Mapping[str, Any] | None = None,
+        options: Mapping[str, str] | None = None,
+        law: str = "fixed",
+        *,
+        judges: bool = False,
+    ) -> Cell:
+        made, given = Contact(**(contact or {})), tuple((options or {}).items())
+        most = JUDGED if judges else SHOWN
+        return Cell(name=f"outside {name}", kind="outside", contact=made, fitted=law, options=given, most=most)
 
-    one, two = Contact(bandwidth=5), Contact(bandwidth=5, poles=2)
-    unequal, off_centre = Contact(strength_spread=0.5), Contact(off_centre=True)
-    found = [
-        cell("equal strengths, through the centre", Contact(), JUDGED),
-        cell("one pole at 5 cycles a life", one, JUDGED, "auto", bandwidth="5"),
-        cell("one pole at 5 cycles a life, not said", one, SHOWN),
-        cell("two poles at 5 cycles a life", two, SHOWN, bandwidth="5", poles="2"),
-        cell("strengths of 50 %", unequal, JUDGED, "auto", strength_spread="50 %"),
-        cell("strengths of 50 %, not said", unequal, SHOWN),
-        cell("two strokes", Contact(strokes=2, lives=225, zero=0.3), JUDGED, "auto", strokes="5 %"),
-        cell("ten strokes", Contact(strokes=10, lives=60, zero=0.3), SHOWN, strokes="5 %"),
-        cell("off the centre", off_centre, JUDGED, "auto", offset="uniform"),
-        cell("off the centre, not said", off_centre, SHOWN),
-        cell("drift of 0.3", Contact(drift=0.3), JUDGED),
-    ]
+    found = [cell(name, **about) for name, about in WORDS["outside"].items()]
     for cycles in CYCLES:
-        found.append(cell(f"{cycles} cycles without", Contact(bandwidth=cycles), SHOWN))
-        found.append(cell(f"{cycles} cycles with", Contact(bandwidth=cycles), SHOWN, bandwidth=f"{cycles}"))
+        found.append(cell(f"{cycles} cycles without", {"bandwidth": cycles}))
+        found.append(cell(f"{cycles} cycles with", {"bandwidth": cycles}, {"bandwidth": f"{cycles}"}))
     return found
 
 
@@ -306,24 +297,18 @@ def stopped(rows: list[dict[str, Any]]) -> int:
 def table(folder: Path) -> None:
     """Print coverage and median errors of each cell, and how many traces were flagged or refused."""
     found = read(folder)
-    heads = "".join(f"{name.split('_')[-1]:>20}" for name in QUANTITIES)
-    print(f"{'cell':36}{'fits':>6}{'cpu ms':>7}{'flagged':>8}{heads}")
+    rows = []
     for cell in cells():
-        rows = found.get(cell.name, [])
-        if not rows:
-            continue
-        text = f"{cell.name:36}{len(rows):6}{1e3 * np.median([row['cpu'] for row in rows]):7.0f}{stopped(rows):8}"
-        for name in QUANTITIES:
-            score = scores(rows, name)
-            text += f"{'':>20}" if score is None else f"{100 * score[0] / score[1]:9.1f} %{100 * score[2]:7.2f} %"
-        print(text)
+        if fits := found.get(cell.name):
+            told = (scores(fits, name) for name in QUANTITIES)
+            shown = ("" if each is None else f"{100 * each[0] / each[1]:.1f} %, {100 * each[2]:.1f} %" for each in told)
+            cpu = 1e3 * np.median([fit["cpu"] for fit in fits])
+            rows.append((cell.name, str(len(fits)), f"{cpu:.0f}", str(stopped(fits)), *shown))
+    print(markdown(("cell", "fits", "cpu ms", "flagged", *QUANTITIES), rows))
     for kind in ("right", "clean", "drift", "auto", "unknown", "round trip", "outside"):
         print(f"{kind}: {pooled(found, kind)}")
-    flags: dict[str, int] = {}
-    for row in (row for cell in cells() if cell.kind != "wrong" for row in found.get(cell.name, [])):
-        for flag in row["flags"] or ():
-            flags[flag] = flags.get(flag, 0) + 1
-    print("flags of right traces:", flags)
+    right = (row for cell in cells() if cell.kind != "wrong" for row in found.get(cell.name, []))
+    print("flags of right traces:", dict(Counter(flag for row in right for flag in row["flags"] or ())))
 
 
 def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
@@ -337,21 +322,9 @@ def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
     return ", ".join([*parts, f"flagged or refused {stopped(rows)} of {len(rows)}"])
 
 
-LABELS = {"normal": "normal, 20 %", "lognormal": "lognormal, 50 %", "gamma": "gamma, 40 %"}
-ALL = "all of these"
-OTHERS = {
-    "clean": "without noise",
-    "long": "5000 lives",
-    "drift": "`--drift`",
-    "auto": "`--law auto`",
-    "unknown": "`--law auto`, zero unknown",
-    "round trip": "found.toml simulated",
-}
-
-
 def document(folder: Path) -> None:
     """Write the tables of the study into docs/inference.md."""
-    text, found = PAGE.read_text(encoding="utf-8"), read(folder)
+    found = read(folder)
     if seen := seen_outside(found):
         DATA.write_text(json.dumps(seen, indent=1) + "\n", encoding="utf-8")
     tables = {"wrong": _wrong(found)}
@@ -362,7 +335,7 @@ def document(folder: Path) -> None:
         data = json.loads(DATA.read_text(encoding="utf-8"))
         tables |= {"outside": outside_table(data), "bandwidth": bandwidth_table(data)}
     # What was not made again stays as it is.
-    PAGE.write_text(filled(text, {name: part for name, part in tables.items() if part}), encoding="utf-8")
+    fill(PAGE, {name: part for name, part in tables.items() if part})
 
 
 def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
@@ -428,7 +401,7 @@ def bandwidth_table(data: dict[str, Any]) -> str:
 def covered_by_cell(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
     """Return of each cell, and of all right ones, the traces, and of each quantity [share held, median error]."""
     right = {cell.name: rows for cell in cells() if cell.kind == "right" and (rows := found.get(cell.name))}
-    others = {cell.name: rows for cell in cells() if cell.kind in OTHERS and (rows := found.get(cell.name))}
+    others = {cell.name: rows for cell in cells() if cell.kind in WORDS["others"] and (rows := found.get(cell.name))}
     whole = {ALL: [row for rows in right.values() for row in rows]} if right else {}
     return {name: _covered(rows) for name, rows in (right | whole | others).items()}
 
@@ -441,7 +414,8 @@ def _covered(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def coverage_table(data: dict[str, Any]) -> str:
     """Return the table of the lowest share and the largest median error in the cells of each law and each kind."""
-    kinds = {cell.name: OTHERS.get(cell.kind, LABELS.get(cell.law, cell.law)) for cell in cells()} | {ALL: ALL}
+    others, labels = WORDS["others"], WORDS["labels"]
+    kinds = {cell.name: others.get(cell.kind, labels.get(cell.law, cell.law)) for cell in cells()} | {ALL: ALL}
     groups: dict[str, list[dict[str, Any]]] = {}
     for name, each in data.items():
         groups.setdefault(kinds[name], []).append(each)
@@ -472,14 +446,10 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--traces", type=int, default=300)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument(
-        "--only", default="", help="texts, one of which is part of KIND: NAME of a cell, between commas"
-    )
+    parser.add_argument("--only", default="", help="texts between commas, one of them part of KIND: NAME")
     asked = parser.parse_args()
     if asked.what == "run":
         run(asked.folder, asked.traces, asked.jobs, asked.only)
-    elif asked.what == "docs":
-        document(asked.folder)
     else:
-        table(asked.folder)
+        {"docs": document, "table": table}[asked.what](asked.folder)
     return 0

@@ -12,6 +12,7 @@ import argparse
 import json
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -42,7 +43,7 @@ class Case:
     count: float = 20.0
     lives: float = 3000.0
     ticks_per_life: float = 100.0
-    changes: tuple[str, ...] = ()
+    changes: Sequence[str] = ()
     slider: bool = True
 
     def scenario(self, engine: str) -> Scenario:
@@ -58,30 +59,11 @@ class Case:
             f"sliding.distance={self.lives * life:.8g} um",
             f"output.tick={life / self.ticks_per_life:.5g} um",
         )
-        return load(WITH_SLIDER if self.slider else CONTACT_ALONE, given + tuple(self.changes))
+        return load(WITH_SLIDER if self.slider else CONTACT_ALONE, (*given, *self.changes))
 
 
-CASES = {
-    "Figure 5": Case(),
-    "contact alone": Case(slider=False),
-    "few ticks": Case(ticks_per_life=20.0),
-    "fine ticks": Case(lives=300.0, ticks_per_life=2000.0),
-    "fine, alone": Case(lives=300.0, ticks_per_life=2000.0, slider=False),
-    "finest": Case(lives=20.0, ticks_per_life=20000.0),
-    "200 at once": Case(count=200.0, lives=300.0),
-    "200, fine": Case(count=200.0, lives=100.0, ticks_per_life=2000.0, slider=False),
-    "2000 at once": Case(count=2000.0, lives=50.0, ticks_per_life=200.0),
-    "20000 at once": Case(count=20000.0, lives=22.0, ticks_per_life=200.0),
-    "thin": Case(count=0.1, lives=30000.0, ticks_per_life=50.0),
-    "thinner, alone": Case(count=0.01, lives=30000.0, ticks_per_life=50.0, slider=False),
-    "triangles": Case(changes=("pulse.shape=triangle",)),
-    "strengths": Case(changes=("strength.law=normal", "strength.spread=10 %")),
-    "compressed": Case(lives=1000.0, changes=("output.compression=gzip",)),
-    "slow": Case(lives=1000.0, ticks_per_life=20.0, changes=("sliding.speed=200 um/s",)),
-    "slower": Case(lives=100.0, ticks_per_life=20.0, changes=("sliding.speed=30 um/s",)),
-    "slowest": Case(lives=100.0, ticks_per_life=20.0, changes=("sliding.speed=5 um/s",)),
-    "short": Case(lives=10.0),
-}
+_RUNS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+CASES, LARGE = ({name: Case(**about) for name, about in _RUNS[kind].items()} for kind in ("cases", "large"))
 TWO_WAY = {
     f"{speed}, {count:g}": Case(
         count=count,
@@ -90,10 +72,6 @@ TWO_WAY = {
     )
     for speed in ("10 um/s", "100 um/s", "1 mm/s", "10 mm/s", "100 mm/s", "1 m/s")
     for count, lives in ((0.5, 4000.0), (5.0, 4000.0), (20.0, 3000.0), (100.0, 1000.0), (500.0, 200.0))
-}
-LARGE = {
-    "100000 at once": Case(count=1e5, lives=22.0, ticks_per_life=200.0),
-    "a million at once": Case(count=1e6, lives=1.0, ticks_per_life=200.0, slider=False),
 }
 
 

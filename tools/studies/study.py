@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from parts import filled
+from parts import fill
 from pydantic import TypeAdapter
 
 DOCS: Final = Path(__file__).resolve().parents[2] / "docs"
@@ -49,6 +49,5 @@ class Study(Generic[Row]):
         if wrong := self.faults(rows):
             print(*wrong, sep="\n", file=sys.stderr)
             return 1
-        page = self.docs / self.page
-        page.write_text(filled(page.read_text("utf-8"), self.tables(rows)), "utf-8")
+        fill(self.docs / self.page, self.tables(rows))
         return 0

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from parts import filled, table
+from parts import fill, table
 from small_png import small
 
 import rubnoise
@@ -133,7 +133,7 @@ def main() -> int:
     PICTURES.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         parts = made(Path(folder), wishes.sweep, lambda text: print(text, file=sys.stderr))
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
+    fill(PAGE, parts)
     return 0
 
 
@@ -144,7 +144,7 @@ def take_reference(folder: Path) -> int:
     except ValueError as problem:
         print(f"two_way: {problem}", file=sys.stderr)
         return 1
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), {"reference": reference()}), encoding="utf-8")
+    fill(PAGE, {"reference": reference()})
     return 0
 
 
