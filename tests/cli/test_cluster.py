@@ -344,7 +344,7 @@ def _is_refused(answer: Answer, said: str) -> None:
 def _hangs_up(address: str) -> None:
     """Assert that a connection which speaks no TLS is not answered."""
     host, _, port = address.removeprefix("tls://").partition(":")
-    with socket.create_connection((host, int(port)), timeout=10.0) as line:
+    with socket.create_connection((host, int(port)), timeout=60.0) as line:
         try:
             line.sendall(bytes(1000))
             answered = line.recv(1000)

@@ -16,7 +16,7 @@ from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.sampling import mean_area_error
 from tests.lesson.node import answer, lessons, scenario_of, world_with
-from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until
+from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, painted, until
 from tests.verification.scores import seed_of
 
 # The page in a real browser: it opens, plays, is quick, fits, and makes no requests.
@@ -141,7 +141,7 @@ def test_it_fits(browser: Any, lesson_file: str, scheme: str) -> None:
 
 def test_who_wants_nothing_to_move_starts_it_himself(browser: Any, lesson_file: str) -> None:
     with opened(browser, lesson_file, **CALM) as page:
-        page.wait_for_timeout(200)
+        painted(page)
         assert page.evaluate("rub.run.distance") == 0
         page.locator("#play").click()
         until(page, "rub.run.distance > 0")

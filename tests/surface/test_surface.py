@@ -182,7 +182,7 @@ def test_theory_holds_against_brute_force(share):
     means, inside, counts, births = [], [], [], []
     for pair in range(24):
         a, b = surface(power, rng), surface(power, rng)
-        areas = areas_at(a, b, exact.level, range(0, N, 2))
+        areas = areas_at(a, b, exact.level, range(0, N, 8))
         means.append(areas.mean())
         inside.append(areas.var())
         counts.append(patch_counts(a, b, exact.level, range(0, N, 32)).mean())
