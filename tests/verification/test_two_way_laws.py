@@ -321,7 +321,7 @@ POINTS = (
     Point(speed=3.5e4, damping=0.5, count=20.0, distance=4e4),
     Point(speed=2.2e4, damping=0.2, count=80.0, distance=4e4),
 )
-FIELDS = 40
+FIELDS = 24
 told = logging.getLogger(__name__)
 
 
@@ -341,7 +341,7 @@ def ratio_of_spreads(point: Point) -> tuple[float, float]:
 
 
 def test_weak_coupling_at_five_points_by_one_chi_square() -> None:
-    """Sum of z^2 over five points, each z a Student deviate of 39 degrees of freedom.
+    """Sum of z^2 over five points, each z a Student deviate of 23 degrees of freedom.
 
     The bound is the quantile 0.9999 of chi-square with five degrees of freedom, widened by the deviates' variance.
     ``--log-cli-level=INFO`` shows the points.
