@@ -20,8 +20,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from markdown_it import MarkdownIt
+
+from rubnoise.web_page import part, web_page
+
 ROOT: Final = Path(__file__).resolve().parent.parent
 NOTEBOOKS: Final = ROOT / "notebooks"
+FORMULA: Final = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
+STYLE: Final = "pre.code { border-left: 3px solid #0072b2; }"
 INSTALL: Final = '# Where rubnoise is missing, as in Colab: %pip install "rubnoise[analysis,plot]"\n'
 
 
@@ -182,8 +188,8 @@ def static_page(title: str, cells: list[Cell]) -> str:
         if printed:
             parts.append(f"<pre>{html.escape(printed)}</pre>")
         if value is not None:
-            parts.append(f"<div class=result>{_shown(value)}</div>")
-    return PAGE.format(title=html.escape(title), body="\n".join(parts))
+            parts.append(f"<div>{_shown(value)}</div>")
+    return web_page(f"<main>{''.join(parts)}</main>", title=title, styles=[part("rubnoise.pages", "report.css"), STYLE])
 
 
 def _shown(value: Any) -> str:
@@ -201,65 +207,21 @@ def _shown(value: Any) -> str:
 
 
 def _text(text: str) -> str:
-    """Return Markdown as HTML, its formulas as pictures."""
-    import markdown  # type: ignore[import-untyped]
+    """Return Markdown as HTML, its formulas as MathML, which Markdown shall not touch."""
+    from docutils.utils.math.latex2mathml import tex2mathml  # type: ignore[import-untyped]
 
     formulas: list[str] = []
 
     def kept(found: re.Match[str]) -> str:
-        formulas.append(_formula(found[1] or found[2], apart=found[1] is not None))
+        formulas.append(tex2mathml(found[1] or found[2], as_block=found[1] is not None))
         return f"FORMULA{len(formulas) - 1}END"
 
-    page = markdown.markdown(re.sub(r"\$\$(.+?)\$\$|\$(.+?)\$", kept, text, flags=re.DOTALL), extensions=["tables"])
+    page = MarkdownIt("commonmark").enable("table").render(FORMULA.sub(kept, text))
     return re.sub(r"FORMULA(\d+)END", lambda found: formulas[int(found[1])], page)
-
-
-def _formula(text: str, *, apart: bool) -> str:
-    """Return a formula as a picture in the line of the text, drawn by matplotlib."""
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.mathtext import MathTextParser, math_to_image
-
-    source = " ".join(text.split())
-    font = FontProperties(size=15 if apart else 12)
-    drawn = io.BytesIO()
-    plain = source.replace(r"\text{", r"\mathrm{")
-    math_to_image(f"${plain}$", drawn, prop=font, dpi=160, format="png")
-    below = MathTextParser("agg").parse(f"${plain}$", dpi=72, prop=font).depth
-    size = f"height:{_height(drawn.getvalue()) / 160:.3f}in; vertical-align:{-below:.1f}pt"
-    picture = (
-        f'<img class=formula alt="{html.escape(source)}" style="{size}" src="{_inline("image/png", drawn.getvalue())}">'
-    )
-    return f"<div class=formula>{picture}</div>" if apart else picture
-
-
-def _height(png: bytes) -> int:
-    return int.from_bytes(png[20:24], "big")
 
 
 def _inline(kind: str, data: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
-
-
-PAGE: Final = """<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>{title}</title>
-<style>
-body {{ font: 17px/1.5 system-ui, sans-serif; max-width: 52rem; margin: 2rem auto; padding: 0 1rem; color: #222; }}
-pre {{ font: 14px/1.4 ui-monospace, monospace; overflow-x: auto; padding: .6rem .8rem; margin: .4rem 0; }}
-pre.code {{ background: #f4f4f4; border-left: 3px solid #0072b2; }}
-.result {{ overflow-x: auto; }}
-.result img {{ max-width: 100%; }}
-div.formula {{ text-align: center; margin: 1rem 0; }}
-table {{ border-collapse: collapse; font-size: 15px; }}
-td, th {{ padding: .15rem .6rem; border-bottom: 1px solid #ddd; text-align: left; }}
-</style>
-<body>
-{body}
-</body>
-</html>
-"""
 
 
 def main(arguments: list[str]) -> int:

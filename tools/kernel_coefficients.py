@@ -3,7 +3,6 @@
     python tools/kernel_coefficients.py                 print the generated lines
     python tools/kernel_coefficients.py --check FILE    exit 1 when FILE's generated lines differ
     python tools/kernel_coefficients.py --write FILE    replace FILE's generated lines
-    python tools/kernel_coefficients.py --measure       evaluate them in double and print the largest errors
 
 With --near they are those for the ends of a life, u <= 1/4, where shorter ones do.
 
@@ -14,7 +13,6 @@ over u gains one power: u^2.5 g1, u^3.5 g2, u^4.5 g3. Every g is analytic on [0,
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -38,18 +36,15 @@ Number = TypeVar("Number", float, mpmath.mpf)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """One of the four functions: the name of its tuple, how often the lens has been integrated, its peak's name."""
+    """One of the four functions: the name of its tuple, and how often the lens has been integrated."""
 
     name: str
     integrations: int
-    peak_name: str | None
 
 
-TARGETS = (
-    Target(name="AREA_COEFFICIENTS", integrations=0, peak_name=None),
-    Target(name="FIRST_INTEGRAL_COEFFICIENTS", integrations=1, peak_name="FIRST_INTEGRAL_PEAK"),
-    Target(name="SECOND_INTEGRAL_COEFFICIENTS", integrations=2, peak_name="SECOND_INTEGRAL_PEAK"),
-    Target(name="THIRD_INTEGRAL_COEFFICIENTS", integrations=3, peak_name="THIRD_INTEGRAL_PEAK"),
+TARGETS = tuple(
+    Target(name=f"{name}_COEFFICIENTS", integrations=integrations)
+    for integrations, name in enumerate(("AREA", "FIRST_INTEGRAL", "SECOND_INTEGRAL", "THIRD_INTEGRAL"))
 )
 
 
@@ -120,28 +115,17 @@ def coefficients(integrations: int, top: mpmath.mpf = WHOLE) -> tuple[float, ...
     raise ArithmeticError(f"no polynomial below degree 30 is within {TOLERANCE:g}")
 
 
-def near_source_lines() -> list[str]:
-    """Return the generated lines for the ends of a life, markers included."""
-    lines = [BEGIN_NEAR, "# fmt: off"]
+def source_lines(*, near: bool) -> list[str]:
+    """Return the generated lines, markers included; ``near``: those for the ends of a life."""
+    lines = [BEGIN_NEAR if near else BEGIN, "# fmt: off"]
     for target in TARGETS:
-        lines.append(f"NEAR_{target.name} = (")
-        lines += [f"    {four}," for four in in_fours(coefficients(target.integrations, NEAR))]
+        lines.append(f"{'NEAR_' if near else ''}{target.name} = (")
+        lines += [f"    {four}," for four in in_fours(coefficients(target.integrations, NEAR if near else WHOLE))]
         lines.append(")")
+    for target in () if near else TARGETS[1:]:
+        peak = float(closed_form(target.integrations, mpmath.mpf(1)))
+        lines.append(f"{target.name.replace('COEFFICIENTS', 'PEAK')} = {peak!r}")
     return [*lines, "# fmt: on", END]
-
-
-def source_lines() -> list[str]:
-    """Return the generated lines, markers included."""
-    lines = [BEGIN, "# fmt: off"]
-    peaks = []
-    for target in TARGETS:
-        lines.append(f"{target.name} = (")
-        lines += [f"    {four}," for four in in_fours(coefficients(target.integrations))]
-        lines.append(")")
-        if target.peak_name:
-            peak = float(closed_form(target.integrations, mpmath.mpf(1)))
-            peaks.append(f"{target.peak_name} = {peak!r}")
-    return [*lines, *peaks, "# fmt: on", END]
 
 
 def in_fours(numbers: Sequence[float]) -> list[str]:
@@ -165,48 +149,16 @@ def replaced(text: str, block: Sequence[str]) -> str:
     return "\n".join([*lines[:start], *block, *lines[stop:]]) + "\n"
 
 
-def evaluated(integrations: int, polynomial: Sequence[float], u: float) -> float:
-    """Return the lens area (d = 1) or one of its running integrals in double, as the kernel does."""
-    value = math.sqrt(u) * horner(polynomial, u)
-    for _ in range(integrations + 1):
-        value *= u
-    return value
-
-
-def largest_error(integrations: int, polynomial: Sequence[float], points: int) -> float:
-    """Return the largest relative error in double over a grid of u that also reaches down to 1e-12."""
-    grid = [(i + 1) / points for i in range(points)] + [10.0 ** (-12 * i / 200) for i in range(201)]
-    worst = mpmath.mpf(0)
-    for u in grid:
-        exact = mpmath.mpf(u) ** (mpmath.mpf(3) / 2 + integrations) * smooth_factor(integrations, mpmath.mpf(u))
-        worst = max(worst, abs(evaluated(integrations, polynomial, u) / exact - 1))
-    return float(worst)
-
-
-def measured() -> list[str]:
-    """Return one line for each function: its degree and its largest relative error in double."""
-    lines = []
-    for target in TARGETS:
-        polynomial = coefficients(target.integrations)
-        error = largest_error(target.integrations, polynomial, 4000)
-        lines.append(f"{target.name}: degree {len(polynomial) - 1}, largest relative error {error:.2g}")
-    return lines
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; return the process's exit code."""
     parser = argparse.ArgumentParser(description="Generate the kernel's polynomial coefficients.")
     action = parser.add_mutually_exclusive_group()
     action.add_argument("--check", type=Path, metavar="FILE", help="exit 1 when FILE's generated lines differ")
     action.add_argument("--write", type=Path, metavar="FILE", help="replace FILE's generated lines")
-    action.add_argument("--measure", action="store_true", help="print the largest errors in double")
     parser.add_argument("--near", action="store_true", help="those for the ends of a life, u <= 1/4")
     options = parser.parse_args(arguments)
     with mpmath.workdps(DIGITS):
-        if options.measure:
-            print("\n".join(measured()))
-            return 0
-        block = near_source_lines() if options.near else source_lines()
+        block = source_lines(near=options.near)
     if options.check:
         text = options.check.read_text(encoding="utf-8")
         return int(replaced(text, block) != text)

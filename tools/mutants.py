@@ -345,16 +345,10 @@ def main() -> int:
     parser.add_argument("--tenth", metavar="K", help="only each tenth fault from the K-th on; or today")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
     parser.add_argument("--resume", type=Path, metavar="FILE", help="keep verdicts there, and go on from those")
-    parser.add_argument("--list", action="store_true", help="only print the names, with file and test")
     asked = parser.parse_args()
     mutants = chosen(asked.names)
     if asked.tenth is not None:
         mutants = tenth(asked.tenth, mutants)
-    if asked.list:
-        rooms = {mutant.name: room for room, faults in ROOMS.items() for mutant in faults}
-        for mutant in mutants:
-            print(f"{mutant.name:44} {rooms[mutant.name]:12} {mutant.test}")
-        return 0
     with tempfile.TemporaryDirectory(prefix="rubnoise-mutants-") as place:
         folders = [copy_into(Path(tempfile.mkdtemp(dir=place))) for _ in range(max(asked.jobs, 1))]
         return _report(mutants, folders, Kept(asked.resume, folders[0]))

@@ -13,32 +13,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 CHECKOUT = "## Two commands"
-"""The heading of README.md from which it is about a checkout; the index has WHEEL from there on."""
-WHEEL = """## First commands
-
-You need Python 3.11, 3.12 or 3.13, on Linux or macOS; on Windows, commands that write a run are refused.
-
-    python3 -m pip install "rubnoise[plot,analysis]"
-    rubnoise run paper/fig5
-    rubnoise view fig5.h5
-    rubnoise plot fig5.h5
-    rubnoise docs
-
-The second simulates 20 mm of sliding into `fig5.h5`. The third writes a page to explore it in a browser, the fourth
-draws it beside theory, and the last writes the documentation as one page. `rubnoise --help` lists all commands,
-`rubnoise examples` the scenarios that come along, and `rubnoise cite` says how to cite.
-
-```python
-import rubnoise
-
-run = rubnoise.simulate("paper/fig5")
-print(run.slider["displacement"].std(), rubnoise.exact("paper/fig5").slider.displacement_std)
-run.plot("psd", of="velocity").savefig("spectrum.png")
-```
-
-The extras are `plot` (pictures), `analysis` (xarray, pandas), `tables` (Parquet), `surface` (measured surfaces),
-`teach` (notebooks) and `cluster` (Dask). The licence is BSD-3-Clause.
-"""
+"""The heading of README.md from which it is about a checkout; the index has package_page.md from there on."""
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?!https?://|#)([^)]+)\)")
 BRANCHES = {
     "Source": "",
@@ -55,7 +30,8 @@ class PackagePage(MetadataHookInterface):
         """Set readme and urls; called by hatchling."""
         root = Path(self.root)
         address = repository(root)
-        told = (root / "README.md").read_text(encoding="utf-8").partition(CHECKOUT)[0] + WHEEL
+        told = (root / "README.md").read_text(encoding="utf-8").partition(CHECKOUT)[0]
+        told += (root / "tools" / "package_page.md").read_text(encoding="utf-8")
         page = with_links(told, address, f"v{metadata['version']}")
         metadata["readme"] = {"content-type": "text/markdown", "text": page}
         metadata["urls"] = {name: address + path for name, path in BRANCHES.items()} if address else {}

@@ -13,9 +13,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from bootstrap import ROOT
+from dev import LOCKS
+
 COMPILE = ["uv", "pip", "compile", "pyproject.toml", "--no-config", "--default-index=https://pypi.org/simple"]
-LOCKS = ("run", "sync", "test", "all", "bench", "docs")
+BELOW = {locks[-1]: locks[:-1] for locks in LOCKS.values()}
+"""Each lock with those on top of which it is installed."""
 FOR_EVERYONE = ["--universal", "--python-version=3.11", "--generate-hashes", "--quiet"]
 
 
@@ -24,21 +29,13 @@ def main(arguments: list[str]) -> int:
     if not shutil.which("uv"):
         print("relock.py: uv is needed on the PATH (https://docs.astral.sh/uv/)", file=sys.stderr)
         return 1
-    options = [word for word in arguments if word not in LOCKS]
-    asked = [lock for lock in LOCKS if lock in arguments] or LOCKS
-    if "run" in asked and (failed := resolve("run", ["--group=build", *options])):
-        return failed
-    below = {
-        "sync": ("run",),
-        "test": ("run", "sync"),
-        "all": ("run", "sync", "test"),
-        "bench": ("run",),
-        "docs": ("run",),
-    }
-    return max(
-        [resolve(lock, [f"--group={lock}", *on_top_of(below[lock]), *options]) for lock in asked if lock != "run"],
-        default=0,
-    )
+    options = [word for word in arguments if word not in BELOW]
+    asked = [lock for lock in BELOW if lock in arguments] or BELOW
+    for lock in sorted(asked, key=lambda lock: len(BELOW[lock])):
+        group = "build" if lock == "run" else lock
+        if failed := resolve(lock, [f"--group={group}", *on_top_of(BELOW[lock]), *options]):
+            return failed
+    return 0
 
 
 def on_top_of(locks: tuple[str, ...]) -> list[str]:

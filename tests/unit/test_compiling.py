@@ -6,6 +6,7 @@ import ast
 import errno
 import hashlib
 import importlib.util
+import math
 import os
 import re
 import runpy
@@ -207,6 +208,14 @@ def generated_constants(text: str) -> dict[str, object]:
     }
 
 
+def evaluated(integrations: int, polynomial: object, u: float) -> float:
+    """Return the lens area (d = 1) or one of its running integrals in double, as the kernel does."""
+    value = float(math.sqrt(u) * tool.horner(polynomial, u))
+    for _ in range(integrations + 1):
+        value *= u
+    return value
+
+
 @pytest.fixture(scope="module")
 def kernel_text() -> str:
     return KERNELS.read_text(encoding="utf-8")
@@ -231,8 +240,8 @@ def test_the_polynomials_near_the_ends_hold_to_the_last_digits(target: object) -
     with mpmath.workdps(120):
         for u in (0.25 * u for u in GRID):
             exact = tool.closed_form(integrations, mpmath.mpf(u))
-            assert abs(tool.evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
-        beyond = tool.evaluated(integrations, polynomial, 1.0) / tool.closed_form(integrations, mpmath.mpf(1))
+            assert abs(evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
+        beyond = evaluated(integrations, polynomial, 1.0) / tool.closed_form(integrations, mpmath.mpf(1))
         assert abs(beyond - 1) > 1e-12
 
 
@@ -258,7 +267,7 @@ def test_the_kernel_polynomials_hold_to_the_last_digits(target: object, constant
     with mpmath.workdps(120):
         for u in GRID:
             exact = tool.closed_form(integrations, mpmath.mpf(u))
-            assert abs(tool.evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
+            assert abs(evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
 
 
 @pytest.mark.parametrize(("name", "exact"), [("FIRST", "1/3"), ("SECOND", "pi/32"), ("THIRD", "1/45")])
