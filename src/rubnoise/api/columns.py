@@ -199,7 +199,7 @@ class Column(NDArrayOperatorsMixin):
     def _moments(self) -> Moments:
         moments = Moments(powers=2)
         for chunk in self.chunks():
-            moments.add(chunk.astype(np.float64, copy=False))
+            moments.add_plain(chunk.astype(np.float64, copy=False))
         return moments
 
     def _shaped(self, index: tuple[Any, ...]) -> NDArray[Any]:
