@@ -10,8 +10,9 @@ from survival.stories import SHORT, SMALL, Story, growing, of_kind
 
 from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.journal import History, Journal
+from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.part import Part
 from rubnoise.storage.writer import RunWriter
 from rubnoise.sweep import run_status
 
@@ -29,7 +30,8 @@ def test_kills_lose_nothing() -> None:
 
 
 def test_commits_that_are_forgotten_are_found_by_kills(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(resume, "_history", lambda *_: History())
+    go_on_from = Part.go_on_from
+    monkeypatch.setattr(Part, "go_on_from", lambda part, _commits: go_on_from(part, []))
     outcome = kills.kills(6, seed=3, stories=(SHORTEST,))
     assert any("had been committed, and it went on from 0" in finding for finding in outcome.findings)
 
