@@ -174,9 +174,11 @@ def main() -> int:
     parser.add_argument("--parts", type=int, default=200, help="damaged parts and journals (200)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the damage (1)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
-    parser.add_argument("--only", type=int, nargs="*", help="the numbers of the damaged files to throw once more")
+    parser.add_argument("--only", type=int, nargs="+", help="the numbers of the damaged files to throw once more")
     asked = parser.parse_args()
-    thrown: dict[Callable[[int, Sequence[int]], Outcome], Sequence[int]] = {mutations: asked.only or range(asked.count)}
+    thrown: dict[Callable[[int, Sequence[int]], Outcome], Sequence[int]] = {
+        mutations: range(asked.count) if asked.only is None else asked.only
+    }
     if asked.only is None:
         thrown |= {parts: range(asked.parts), constructions: range(len(CONSTRUCTIONS))}
     outcome = Outcome()

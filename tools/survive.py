@@ -60,7 +60,7 @@ def main() -> int:
 
 
 def share(job: int, what: str, kind: str | None, count: int, seed: int, jobs: int) -> Outcome:
-    """Do the share of one of some processes, with a seed of its own, or with that which was asked where it is alone."""
+    """Do the share of one process. Each of several has a seed of its own; a single one has the given seed."""
     torture, _, stories = TORTURES[what]
     grown = kind == "growing"
     chosen = of_kind(kind, stories) if kind and not grown else stories

@@ -27,7 +27,7 @@ def until(page: Any, condition: str) -> None:
 
 
 def painted(page: Any) -> None:
-    """Wait until the page has drawn once more: what asked for a frame before this one is on the screen in the next."""
+    """Wait for two frames of the page. Everything that was to be drawn before is on the screen then."""
     page.evaluate("new Promise((on) => requestAnimationFrame(() => requestAnimationFrame(on)))")
 
 

@@ -33,7 +33,7 @@ def test_commits_that_are_forgotten_are_found_by_kills(monkeypatch: pytest.Monke
     go_on_from = Part.go_on_from
     monkeypatch.setattr(Part, "go_on_from", lambda part, _commits: go_on_from(part, []))
     outcome = kills.kills(6, seed=3, stories=(SHORTEST,))
-    assert any("had been committed, and it went on from 0" in finding for finding in outcome.findings)
+    assert any("had been committed, and it continued from 0" in finding for finding in outcome.findings)
 
 
 @pytest.mark.parametrize("story", [BARE, COMPRESSED], ids=lambda story: story.name)
@@ -58,7 +58,7 @@ def test_last_changes_that_the_journal_does_not_hold_are_found_by_stopping(monke
 def test_power_cuts_lose_nothing_that_was_committed() -> None:
     outcome = moments.power(24, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
-    assert outcome.counts["gone on by run"] > 0 < outcome.counts["gone on by resume"]
+    assert outcome.counts["continued by run"] > 0 < outcome.counts["continued by resume"]
 
 
 @pytest.mark.parametrize(
@@ -84,8 +84,8 @@ def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
 def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> None:
     outcome = moments.sweeps(16, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
-    assert outcome.counts["runs made anew"] > 0 < outcome.counts["runs found whole"]
-    assert outcome.counts["runs found torn"] > 0 < outcome.counts["runs gone on with"]
+    assert outcome.counts["runs made from the start"] > 0 < outcome.counts["runs found intact"]
+    assert outcome.counts["runs found truncated"] > 0 < outcome.counts["runs resumed"]
 
 
 def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:

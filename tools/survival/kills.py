@@ -135,7 +135,7 @@ class Torture:
         """Compare where it resumed with what had been committed."""
         entered = child.last("entered")
         if 0 <= entered < self.committed:
-            self._find(f"{self.committed} ticks had been committed, and it went on from {entered}")
+            self._find(f"{self.committed} ticks had been committed, and it continued from {entered}")
         self.outcome.count("commits", sum(line.startswith("committed") for line in child.told))
         self.committed = max(self.committed, child.last("committed"))
 

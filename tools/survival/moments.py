@@ -28,7 +28,7 @@ from survival.stories import (
     chance,
     committing,
     contents,
-    gone_on,
+    continued,
     telling,
     words,
     wrong_in,
@@ -77,7 +77,7 @@ def _stopped(outcome: Outcome, story: Story, recording: Recording, moment: int, 
     with outcome.trial(where) as folder:
         recording.after_kill(folder, moment, torn=torn)
         again = chance(seed, where).random() < 0.5
-        outcome.find(where, gone_on(outcome, story, folder, recording.noted("committed", moment), again=again))
+        outcome.find(where, continued(outcome, story, folder, recording.noted("committed", moment), again=again))
 
 
 def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
@@ -102,7 +102,7 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
                 # Left alone beside a whole result, they do no harm.
                 names.remove_beside()
             committed = recording.noted("committed", moment)
-            outcome.find(where, gone_on(outcome, story, folder, committed, again=random.random() < 0.5))
+            outcome.find(where, continued(outcome, story, folder, committed, again=random.random() < 0.5))
     return outcome
 
 
@@ -124,8 +124,8 @@ def sweeps(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome
             done = max(recording.noted("done", moment), 0)
             outcome.find(where, _wrong_runs(story, folder, points[:done]))
             for point in points[done:]:
-                outcome.count(f"runs {_made_up(point, folder)}")
-            outcome.find(f"{where}, gone on", _wrong_runs(story, folder, points))
+                outcome.count(f"runs {_make_missing(point, folder)}")
+            outcome.find(f"{where}, resumed", _wrong_runs(story, folder, points))
             own = {f"{point.run_id}.h5" for point in points}
             own |= {f".{name}.{left}" for name in own for left in ("lock", "making")}
             left = sorted({path.name for path in folder.run("x").parent.iterdir()} - own)
@@ -158,15 +158,15 @@ def _made(point: Point, folder: SweepFolder) -> Path:
     return folder.root / keep_run(point, root=folder.root, command=("rubnoise",), durable=False).file
 
 
-def _made_up(point: Point, folder: SweepFolder) -> str:
+def _make_missing(point: Point, folder: SweepFolder) -> str:
     """Make a run that no journal lists as done, as a resumed sweep does; return how it was found."""
     there = folder.run(point.run_id).exists()
     found = found_run(point, root=folder.root, begun=True)
     part = OutputPaths.of(folder.run(point.run_id)).part.exists()
     if found is not None:
-        return "found whole"
+        return "found intact"
     _made(point, folder)
-    return "found torn" if there else "gone on with" if part else "made anew"
+    return "found truncated" if there else "resumed" if part else "made from the start"
 
 
 def _wrong_runs(story: Story, folder: SweepFolder, points: Sequence[Point]) -> Iterator[str]:

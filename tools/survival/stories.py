@@ -272,24 +272,24 @@ def make(scenario: Scenario, path: Path, tell: Tell, *, again: bool, seconds: fl
             rubnoise.run(scenario, path).close()
 
 
-def gone_on(outcome: Outcome, story: Story, folder: Path, committed: int, *, again: bool) -> Iterator[str]:
+def continued(outcome: Outcome, story: Story, folder: Path, committed: int, *, again: bool) -> Iterator[str]:
     """Resume the run in a folder, and yield what is wrong; ``again``: by resume, where there is a part file."""
     path, told = folder / NAME, ["entered -1"]
     part = OutputPaths.of(path).part.exists()
     if part or not path.exists():
         by_resume = part and (again or path.exists())
-        outcome.count(f"gone on by {'resume' if by_resume else 'run'}")
+        outcome.count(f"continued by {'resume' if by_resume else 'run'}")
         make(story.scenario, path, told.append, again=by_resume, seconds=0.0)
     else:
         outcome.count("whole already")
     entered = [int(line.split()[1]) for line in told if line.startswith("entered")][-1]
     if 0 <= entered < committed:
-        yield f"{committed} ticks had been committed, and it went on from {entered}"
+        yield f"{committed} ticks had been committed, and it continued from {entered}"
     yield from judged(folder, story, killed=True)
 
 
 def afterwards(folder: Path, story: Story, *, again: bool) -> Iterator[str]:
-    """Go on by the command line where there is no result yet, or a part beside it; yield what is wrong."""
+    """Finish the run by the command line if there is no result yet, or a part beside it; yield what is wrong."""
     part, whole = OutputPaths.of(folder / NAME).part.exists(), (folder / NAME).exists()
     if part or not whole:
         given = ["resume", f"{NAME}.part", "-q"] if part and (again or whole) else words(story)
