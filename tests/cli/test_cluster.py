@@ -1,8 +1,10 @@
 """Sweeps on a cluster: the bits that a pool gives, and what docs/sweeps.md says of trust."""
 
 import json
+import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -195,8 +197,7 @@ class Dask:
         """Start `dask scheduler ...` or `dask worker ...`, and return its process number."""
         program = [sys.executable, "-m", f"distributed.cli.dask_{words[1]}", *words[2:]]
         process = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self._ending.callback(process.wait)
-        self._ending.callback(process.terminate)  # so that a worker ends its own processes too
+        self._ending.callback(_end, process)
         return process.pid
 
     def cluster(self, *, tls: bool, file: str = "scheduler.json") -> tuple[str, list[int]]:
@@ -209,6 +210,19 @@ class Dask:
         worker = self.start(*words)
         _until(lambda: sum(bool(_listening([process])) for process in _family(worker)) >= 2)  # and its nanny
         return address, [boss, *_family(worker)]
+
+
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    """Ask a process to leave, so that a worker ends its own processes too; kill them all if it does not."""
+    family = _family(process.pid)
+    process.terminate()
+    try:
+        process.wait(60.0)
+    except subprocess.TimeoutExpired:
+        for number in reversed(family):
+            with suppress(ProcessLookupError):
+                os.kill(number, signal.SIGKILL)
+        process.wait()
 
 
 def _until(reached: Callable[[], bool]) -> None:

@@ -28,7 +28,9 @@ def until(page: Any, condition: str) -> None:
 
 def painted(page: Any) -> None:
     """Wait for two frames of the page. Everything that was to be drawn before is on the screen then."""
-    page.evaluate("new Promise((on) => requestAnimationFrame(() => requestAnimationFrame(on)))")
+    page.evaluate("requestAnimationFrame(() => requestAnimationFrame(() => (document.painted = true)))")
+    until(page, "document.painted")
+    page.evaluate("delete document.painted")
 
 
 @contextmanager
