@@ -10,6 +10,7 @@ import time
 from io import StringIO
 from itertools import pairwise
 from pathlib import Path
+from types import FunctionType
 
 import h5py
 import numba
@@ -22,7 +23,8 @@ import rubnoise
 from rubnoise.cli.app import COMMANDS
 from rubnoise.cli.commands import escaped, escaping
 from rubnoise.cli.layout import cut, groups_that_fit, line, remark, sentence, table_row
-from rubnoise.cli.progress import Watcher, announce_compilation_by_workers, watching_reads
+from rubnoise.cli.progress import Watcher, announce_compilation_by_workers, watching, watching_reads
+from rubnoise.errors import RunStopped
 from rubnoise.simulation.kernels import coarse
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.rows import REMEDY
@@ -327,6 +329,25 @@ def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(h
     assert run.wait(60) == 130
     assert b"stopped by a signal" in shown
     assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize(("module", "waits"), [("llvmlite.binding.executionengine", True), ("numba.core", False)])
+def test_a_signal_in_a_function_that_the_compiler_calls_is_noted_after_it(module: str, *, waits: bool) -> None:
+    """What is raised there is printed and gets lost."""
+    returned: list[bool] = []
+
+    def called() -> None:
+        signal.raise_signal(signal.SIGTERM)
+        returned.append(True)
+
+    called_there = FunctionType(called.__code__, {"__name__": module, "signal": signal}, closure=called.__closure__)
+    handler, last = signal.getsignal(signal.SIGALRM), time.monotonic() + 60.0
+    with pytest.raises(RunStopped), watching(1000.0, shown=False):  # noqa: PT012  (when it is raised is the question)
+        called_there()
+        while time.monotonic() < last:
+            time.sleep(0.001)
+    assert returned == [True] * waits
+    assert signal.getsignal(signal.SIGALRM) == handler
 
 
 def test_a_sweep_announces_what_its_workers_compile(monkeypatch: pytest.MonkeyPatch) -> None:

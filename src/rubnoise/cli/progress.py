@@ -20,6 +20,9 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1
 _FIRST = 1.0
 """Seconds between two looks at a terminal, and before the first if most files take less."""
+_ALARM = getattr(signal, "SIGALRM", None)  # which Windows lacks
+_A_MOMENT = 0.01
+"""Seconds."""
 
 Given = ParamSpec("Given")
 
@@ -154,19 +157,38 @@ def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]
 
 @contextmanager
 def _at_first_signal(note: Callable[[int], None]) -> Iterator[None]:
-    """Call with the number of the first SIGINT or SIGTERM; a second signal ends the process at once."""
+    """Call with the number of the first SIGINT or SIGTERM; a second signal ends the process at once.
 
-    def noted(number: int, _frame: FrameType | None) -> None:
+    What the call raises would get lost in a function that the compiler calls: such a signal is noted a moment later.
+    """
+
+    def noted(number: int, frame: FrameType | None) -> None:
         for each in SIGNALS:
             signal.signal(each, signal.SIG_DFL)
-        note(number)
+        if _ALARM is not None and _is_called_by_compiler(frame):
+            signal.signal(_ALARM, lambda _, later: noted(number, later))
+            signal.setitimer(signal.ITIMER_REAL, _A_MOMENT)
+        else:
+            note(number)
 
     before = {each: signal.signal(each, noted) for each in SIGNALS}
+    alarm = None if _ALARM is None else signal.getsignal(_ALARM)
     try:
         yield
     finally:
+        if _ALARM is not None:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(_ALARM, alarm)
         for each, handler in before.items():
             signal.signal(each, handler)
+
+
+def _is_called_by_compiler(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith("llvmlite."):
+            return True
+        frame = frame.f_back
+    return False
 
 
 @contextmanager
