@@ -85,7 +85,7 @@ def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, schedu
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
-def test_a_sweep_whose_scheduler_is_killed_is_gone_on_with(file: Path, scheduler: tuple[Path, Processes]) -> None:
+def test_a_sweep_whose_scheduler_is_killed_is_resumed(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (boss, *workers) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
     boss.kill()

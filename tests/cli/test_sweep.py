@@ -263,7 +263,7 @@ def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
-def test_a_sweep_that_is_killed_is_gone_on_with(file: Path, tmp_path: Path) -> None:
+def test_a_sweep_that_is_killed_is_resumed(file: Path, tmp_path: Path) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
     workers = _children(begun.pid)
     begun.kill()
@@ -281,7 +281,7 @@ def test_a_sweep_that_is_killed_is_gone_on_with(file: Path, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_signal_stops_a_sweep_that_can_be_gone_on_with(file: Path, number: signal.Signals, code: int) -> None:
+def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.Signals, code: int) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
     begun.send_signal(number)
     out, err = begun.communicate(timeout=60)

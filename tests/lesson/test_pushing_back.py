@@ -178,7 +178,7 @@ def test_back_and_forth_the_same_is_seen(page: Any) -> None:
         assert page.evaluate("rub.run.distance") > before
 
 
-def test_a_jump_too_far_for_one_frame_is_gone_on_with(page: Any) -> None:
+def test_a_jump_too_far_for_one_frame_continues_in_the_next(page: Any) -> None:
     page.evaluate("rub.run.goTo(rub.run.end)")
     assert page.evaluate("rub.run.goal") == page.evaluate("rub.run.end")
     assert 0.0 < page.evaluate("rub.run.distance") < page.evaluate("rub.run.end")

@@ -201,7 +201,7 @@ def test_arrays_come_back_too(tmp_path: Path) -> None:
             assert np.array_equal(kept[name], values, equal_nan=values.dtype.kind == "f")
 
 
-def test_a_journal_cut_anywhere_loses_nothing_but_its_last_entry_and_can_be_gone_on_with(tmp_path: Path) -> None:
+def test_a_journal_cut_anywhere_loses_nothing_but_its_last_entry_and_can_be_continued(tmp_path: Path) -> None:
     whole = _written(tmp_path / "j", DONE, FAILED)
     first = whole.index(b"\n") + 1
     for end in range(first, len(whole)):

@@ -292,7 +292,7 @@ def test_the_last_changes_in_the_journal_mend_all_that_is_no_row(
     assert names(tmp_path) == ["x.h5"]
 
 
-def test_a_part_is_gone_on_with_only_as_it_was_read(tmp_path: Path) -> None:
+def test_a_part_is_resumed_only_as_it_was_read(tmp_path: Path) -> None:
     stop_after(tmp_path / "x.h5", WHOLE, 2)
     paths = OutputPaths.of(tmp_path / "x.h5")
     with open_run(paths.part) as run:
@@ -306,7 +306,7 @@ def test_a_part_is_gone_on_with_only_as_it_was_read(tmp_path: Path) -> None:
             open_part(paths, run)
 
 
-def test_a_compressed_part_that_is_damaged_cannot_be_gone_on_with(tmp_path: Path) -> None:
+def test_a_compressed_part_that_is_damaged_cannot_be_resumed(tmp_path: Path) -> None:
     part = whole_part(tmp_path, GZIP)
     with h5py.File(part, "r") as file:
         place = int(file["trace/distance"].id.get_chunk_info(0).byte_offset) + 9

@@ -306,7 +306,7 @@ def test_an_older_result_is_replaced_only_by_force(tmp_path: Path) -> None:
     assert names(tmp_path) == ["x.h5"]
 
 
-def test_a_run_that_is_being_written_is_looked_at_and_not_gone_on_with(tmp_path: Path) -> None:
+def test_a_run_that_is_being_written_is_looked_at_and_not_resumed(tmp_path: Path) -> None:
     path = tmp_path / "x.h5"
     stop_after(path, WHOLE, 2)
     with sole_writer(OutputPaths.of(path)):

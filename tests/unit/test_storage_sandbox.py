@@ -314,7 +314,7 @@ def test_a_new_result_is_what_a_survey_finds(values: dict[str, Any], tmp_path: P
         assert not run._file.damaged()
 
 
-def test_so_is_one_that_was_gone_on_with(tmp_path: Path) -> None:
+def test_so_is_one_that_was_resumed(tmp_path: Path) -> None:
     path = tmp_path / "long.h5"
     scenario = rubnoise.build(MOVING | {"sliding": {"distance": 3000.0, "speed": 1000.0}})
 

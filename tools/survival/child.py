@@ -20,6 +20,9 @@ from typing import BinaryIO, NoReturn
 from unittest.mock import patch
 
 SECONDS = 120.0
+LONGEST_SECONDS = 300.0
+"""A copy that lives longer hangs."""
+
 MEMORY_BYTES = 1 << 30
 """Beside what the program has loaded."""
 
@@ -105,7 +108,7 @@ class Child:
         """Send it a signal; one that has ended takes no notice."""
         os.kill(self.number, number)
 
-    def end(self, seconds: float = float("inf")) -> Ending:
+    def end(self, seconds: float = LONGEST_SECONDS) -> Ending:
         """Wait for its end; so many seconds after its begin end it, and its own children."""
         hung = False
         while not (found := os.wait4(self.number, os.WNOHANG))[0]:

@@ -66,7 +66,7 @@ class Pace:
 
 
 @dataclass(kw_only=True)
-class Torture:
+class KilledRun:
     """One run from its start to its end, killed on the way again and again."""
 
     story: Story
@@ -105,9 +105,12 @@ class Torture:
         if aim != "none":
             time.sleep(self._delay(child, aim))
             child.send(signal.SIGKILL)
-        code = child.end().code
+        ending = child.end()
+        code = ending.code
         self.history.append(f"{aim} {'resume' if again else 'run'} {engine} {child.told[-1:]}")
         self._compare(child)
+        if ending.hung:
+            self._find("hangs")
         if code == -signal.SIGKILL:
             self.kills += 1
             self.outcome.count(f"killed, aiming at {aim}")
@@ -160,7 +163,7 @@ def kills(count: int, seed: int, stories: tuple[Story, ...] = LONG) -> Outcome:
     while outcome.counts["kills"] < count:
         story = stories[turn % len(stories)]
         with TemporaryDirectory(prefix="rubnoise-kills-") as folder:
-            torture = Torture(
+            killed = KilledRun(
                 story=story,
                 folder=Path(folder),
                 random=chance(seed, turn),
@@ -168,8 +171,8 @@ def kills(count: int, seed: int, stories: tuple[Story, ...] = LONG) -> Outcome:
                 outcome=outcome,
                 most=min(20, count - outcome.counts["kills"]),
             )
-            torture.go()
-            outcome.count("kills", torture.kills)
+            killed.go()
+            outcome.count("kills", killed.kills)
         turn += 1
     return outcome
 

@@ -1,4 +1,4 @@
-"""The runs that are tortured: what is run, how it tells where it is, what its result has to be, and what came of it."""
+"""The runs that are interrupted: what is run, how it tells where it is, what its result must be, what came of it."""
 
 import json
 import math
