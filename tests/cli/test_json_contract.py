@@ -6,12 +6,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import chdir
 from dataclasses import dataclass, replace
 from itertools import chain
-from math import inf
+from math import inf, nan
 from pathlib import Path
 from string import Formatter
 from typing import Any, NoReturn
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 
 from rubnoise.analysis.replicates import PooledEstimate
@@ -22,7 +23,7 @@ from rubnoise.claims.field import FieldClaim, Known, Publication
 from rubnoise.cli import derivation, theory
 from rubnoise.cli import load as load_lines
 from rubnoise.cli.claims import claim_as_json, row_as_json
-from rubnoise.cli.rendering import LineWords
+from rubnoise.cli.rendering import LineWords, json_text
 from rubnoise.cli.surface import contents
 from rubnoise.model import Model
 from rubnoise.scenario import load
@@ -272,12 +273,26 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     tell(here / "bare.h5", "provenance", "intervention", "__main__.largest_goes")
     told.append(("info", call("info", "bare.h5", "--json").json()))
     told.append(("verify", call("verify", "long.h5", "--json").json()))
-    told += [("claim", claim_as_json(A_CLAIM)), ("claims", {"claims": [claim_as_json(A_CLAIM)]})]
+    claim = _printed(claim_as_json(A_CLAIM))
+    told += [("claim", claim), ("claims", {"claims": [claim]})]
     # A scan needs another library; what the command prints of two surfaces is what these are made into.
     track, slider = (Surface.synthesise(points=64, cutoff="8 um", seed=seed) for seed in (1, 2))
-    told.append(("surface", contents(track.slide(slider, cutoff="8 um", load="20 mN", hardness="1 GPa"))))
-    rows = [row_as_json(row) for row in (A_ROW, replace(A_ROW, quantity=None, published=None, scenario=None))]
+    told.append(("surface", _printed(contents(track.slide(slider, cutoff="8 um", load="20 mN", hardness="1 GPa")))))
+    rows = [_printed(row_as_json(row)) for row in (A_ROW, replace(A_ROW, quantity=None, published=None, scenario=None))]
     return [*told, *(("row", row) for row in rows), ("ledger", {"claims": rows})]
+
+
+def _printed(answer: Any) -> Any:
+    return json.loads(json_text(answer), parse_constant=_refuse)
+
+
+def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:
+    bound = A_CLAIM.quantities[0].simulated
+    endless = replace(A_CLAIM.quantities[0], simulated=replace(bound, standard_error=inf), exact=nan)
+    told = _printed(claim_as_json(replace(A_CLAIM, quantities=(endless,))))["quantities"][0]
+    assert told["simulated"] == {"value": bound.value, "low": None, "high": None, "runs": bound.runs}
+    assert told["exact"] is None
+    assert _printed({"curve": np.array([1.0, inf])}) == {"curve": [1.0, None]}
 
 
 def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:

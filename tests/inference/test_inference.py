@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from rubnoise.cli.infer import contents
+from rubnoise.cli.rendering import json_text
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
@@ -284,7 +285,7 @@ def test_json_has_null_for_an_end_that_an_interval_lacks(found: InferenceResult)
     number = found.estimates["junction_count"]
     endless = replace(number, standard_error=inf, interval=(number.interval[0], inf))
     answer = contents(replace(found, estimates={**found.estimates, "junction_count": endless}), "trace.csv")
-    read = json.loads(json.dumps(answer, allow_nan=False))["estimates"]
+    read = json.loads(json_text(answer))["estimates"]
     assert read["junction_count"]["interval"] == [number.interval[0], None]
     assert read["junction_count"]["standard_error"] is None
     assert read["diameter"]["interval"] == list(found.estimates["diameter"].interval)

@@ -19,6 +19,7 @@ from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agre
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Publication, exponent, exponent_of
 from rubnoise.claims.field_page import as_range, page
 from rubnoise.cli.claims import row_as_json
+from rubnoise.cli.rendering import json_text
 from rubnoise.figures.paper import FIGURES
 from rubnoise.scenario.shipped import shipped
 from tests.architecture.sources import ROOT
@@ -285,7 +286,7 @@ def test_page_and_json_are_what_the_command_writes(field_claims: dict[str, Field
     rows = tuple(field_claims.values())
     assert (ROOT / "docs" / "field.md").read_text(encoding="utf-8") == "\n".join(page(rows)) + "\n"
     kept = json.loads((ROOT / "docs" / "field.json").read_text(encoding="utf-8"))
-    found = json.loads(json.dumps({"claims": [row_as_json(claim) for claim in rows]}))
+    found = json.loads(json_text({"claims": [row_as_json(claim) for claim in rows]}))
     kept_numbers, found_numbers = (dict(leaves(each, float)) for each in (kept, found))
     # Sums of numpy and scipy differ in the last digits from one processor to another.
     assert kept_numbers == pytest.approx(found_numbers, rel=1e-9)

@@ -1,6 +1,5 @@
 """`rubnoise check`: what scenario files say, what follows from them, and what is wrong with them."""
 
-import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
@@ -12,6 +11,7 @@ import typer
 
 from rubnoise.cli.layout import about, grouped, groups_that_fit, line, printable
 from rubnoise.cli.options import AsJson, Changes
+from rubnoise.cli.rendering import json_text
 from rubnoise.errors import RubnoiseError
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def command(
         if not as_json:
             print("\n".join([f"{file}: ok", *lines]))
     if as_json:
-        print(json.dumps(answers))
+        print(json_text(answers))
     if answers["refused"]:
         raise typer.Exit(2)
 

@@ -1,6 +1,5 @@
 """`rubnoise claims`: what the paper claims, settled by simulation and by theory."""
 
-import json
 from collections.abc import Sequence
 from math import isnan
 from pathlib import Path
@@ -11,7 +10,7 @@ import typer
 from rubnoise.cli.layout import remark, table_row
 from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal
-from rubnoise.cli.rendering import finite
+from rubnoise.cli.rendering import json_text
 
 if TYPE_CHECKING:
     from rubnoise.claims.claim import Claim, ClaimedNumber
@@ -61,7 +60,7 @@ def _paper(*, as_json: bool, quiet: bool) -> None:
     with StatusLine(shown=on_terminal() and not quiet) as status:
         claims = evaluate_claims(status.show)
     print(
-        json.dumps({"claims": [claim_as_json(claim) for claim in claims]})
+        json_text({"claims": [claim_as_json(claim) for claim in claims]})
         if as_json
         else "\n".join(format_claims(claims))
     )
@@ -79,7 +78,7 @@ def _field(folder: Path | None, *, force: bool, as_json: bool, quiet: bool) -> N
     with StatusLine(shown=on_terminal() and not quiet) as status:
         claims = evaluate_field(status.show)
     if as_json:
-        print(json.dumps({"claims": [row_as_json(claim) for claim in claims]}))
+        print(json_text({"claims": [row_as_json(claim) for claim in claims]}))
     elif folder is None:
         print("\n".join(format_ledger(claims)))
     if wrong := disagreeing(claims):
@@ -111,7 +110,7 @@ def _quantity(quantity: "ClaimedNumber") -> dict[str, Any]:
         "unit": quantity.unit,
         "printed": quantity.printed,
         "simulated": {"value": quantity.simulated.value, "low": low, "high": high, "runs": quantity.simulated.runs},
-        "exact": finite(quantity.exact),
+        "exact": quantity.exact,
         "agree": quantity.agrees,
     }
 
@@ -159,10 +158,10 @@ def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
         "conditions": claim.conditions,
         "quantity": None if quantity is None else quantity.name,
         "unit": None if quantity is None else quantity.unit,
-        "published": finite(claim.published or (None, None)),
-        "exact": None if quantity is None else finite(quantity.exact),
+        "published": claim.published or (None, None),
+        "exact": None if quantity is None else quantity.exact,
         "simulated": None if quantity is None else quantity.simulated.value,
-        "interval": finite(interval),
+        "interval": interval,
         "verdict": claim.verdict.value,
         "because": claim.because,
         "scenario": claim.scenario,
@@ -199,7 +198,7 @@ def write_ledger(folder: Path, claims: Sequence["FieldClaim"], *, force: bool) -
     from rubnoise.claims.field_page import page
     from rubnoise.storage.output import whole_file
 
-    contents = json.dumps({"claims": [row_as_json(claim) for claim in claims]}, indent=1)
+    contents = json_text({"claims": [row_as_json(claim) for claim in claims]}, indent=1)
     paths = [folder / name for name in _FILES]
     for path, text in zip(paths, ("\n".join(page(claims)), contents), strict=True):
         with whole_file(path, force=force) as part:

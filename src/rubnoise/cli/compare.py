@@ -1,6 +1,5 @@
 """`rubnoise compare`: the rows of a result beside the theory of its scenario."""
 
-import json
 from collections.abc import Iterator
 from math import isfinite
 from pathlib import Path
@@ -11,7 +10,7 @@ import typer
 from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
 from rubnoise.cli.layout import FIGURE_HEADS, agreement_row, printable, remark, table_row
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import finite
+from rubnoise.cli.rendering import json_text
 from rubnoise.errors import Refused, RunOutside
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def command(
         except RecordTooShort as refusal:
             raise Refused(str(refusal)) from refusal
         if as_json:
-            print(json.dumps(comparison_as_json(found, file) | _white_as_json(model)))
+            print(json_text(comparison_as_json(found, file) | _white_as_json(model)))
         else:
             print("\n".join([*format_comparison(found, file), *_white_in_words(model)]))
     if found.outside:
@@ -93,8 +92,7 @@ def _white_as_json(model: "Model") -> dict[str, Any]:
     white = _white(model)
     if white is None:
         return {}
-    stds = {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}
-    return {"white_noise": finite(stds)}
+    return {"white_noise": {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}}
 
 
 def _white_in_words(model: "Model") -> Iterator[str]:

@@ -1,6 +1,5 @@
 """`rubnoise contact`: real contact area and number of contacts of a rough surface under a load."""
 
-import json
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
@@ -10,6 +9,7 @@ import typer
 
 from rubnoise.cli.layout import line, number, remark, sentence
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import json_text
 
 
 class Heights(StrEnum):
@@ -71,7 +71,7 @@ def command(
         with whole_file(output, force=False) as part:
             part.write_text(f"format = 1\n\n{found.interface()}", encoding="utf-8", newline="\n")
     if as_json:
-        print(json.dumps(asdict(found) | {"interface": found.interface()}))
+        print(json_text(asdict(found) | {"interface": found.interface()}))
         return
     index = "not known without a hardness" if found.plasticity_index is None else number(found.plasticity_index)
     lines = [

@@ -12,7 +12,7 @@ import typer
 
 from rubnoise.cli.layout import line, printable, remark
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import finite
+from rubnoise.cli.rendering import json_text
 from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
@@ -138,8 +138,6 @@ def command(
 
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
-    import json
-
     from rubnoise.api.inferring import found_scenario, infer
     from rubnoise.errors import Refused, TraceDoubtful
     from rubnoise.storage.output import check_output, whole_file
@@ -180,7 +178,7 @@ def command(
     with ExitStack() as files:  # each gets its name when all are written: all or none
         for path, text in texts.items():
             files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
-    print(json.dumps(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
+    print(json_text(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
     if found.refused_because is not None:
         raise TraceDoubtful(f"{printable(trace)}: refused: {found.refused_because}")
     if found.flags:
@@ -189,7 +187,7 @@ def command(
 
 def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
     """Return an inference by name, as JSON has it."""
-    answer = {
+    return {
         "trace": trace,
         "law": found.law,
         "estimates": _in_order(found.estimates),
@@ -217,7 +215,6 @@ def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
         "bootstrap": {name: asdict(each) for name, each in found.bootstrap.items()},
     }
-    return dict(finite(answer))
 
 
 def _in_order(estimates: Mapping[str, "Estimate"]) -> dict[str, Any]:

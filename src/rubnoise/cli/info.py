@@ -1,6 +1,5 @@
 """`rubnoise info`: what is in a result, in an unfinished run, or in the folder of a sweep."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from math import floor, log10
@@ -11,7 +10,7 @@ import typer
 
 from rubnoise.cli.layout import agreement_table, grouped, line, printable, sentence, size
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import finite
+from rubnoise.cli.rendering import finite, json_text
 from rubnoise.cli.sweep import format_failures
 from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder
@@ -61,13 +60,13 @@ def command(
         raise typer.BadParameter("--figures and --over are for the folder of a sweep")
     if file.suffix == SUFFIX:
         answer = part_as_json(file)
-        print(json.dumps(answer) if as_json else "\n".join(format_part(answer)))
+        print(json_text(answer) if as_json else "\n".join(format_part(answer)))
         return
     with api.open(file) as run:
         if not run.provenance["finished"]:
             raise refusal(file)
         answer = run_as_json(run, file)
-        print(json.dumps(answer) if as_json else "\n".join(format_run(run, answer)))
+        print(json_text(answer) if as_json else "\n".join(format_run(run, answer)))
 
 
 def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
@@ -80,7 +79,7 @@ def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json:
         answer = sweep_as_json(sweep, folder)
         if figures is not None:
             answer["estimates"] = estimates_as_json(sweep, [name.strip() for name in figures.split(",")], over)
-    print(json.dumps(answer) if as_json else "\n".join(format_sweep(answer)))
+    print(json_text(answer) if as_json else "\n".join(format_sweep(answer)))
 
 
 def run_as_json(run: "Run", file: Path) -> dict[str, Any]:

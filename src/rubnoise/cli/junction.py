@@ -1,6 +1,5 @@
 """`rubnoise junction`: one life in words and numbers, as a curve, or as a picture."""
 
-import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +9,7 @@ import typer
 
 from rubnoise.cli.layout import filled, grouped, number, printable, table_row
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import finite
+from rubnoise.cli.rendering import json_text
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
@@ -53,7 +52,7 @@ def command(
         if plot:
             _draw(life, file, picture or Path(f"{file.stem}_junction{life.number}.png"), force=force)
         elif as_json:
-            print(json.dumps(life_as_json(life, file)))
+            print(json_text(life_as_json(life, file)))
         elif as_csv:
             print("\n".join(curve_lines(life)))
         else:
@@ -73,7 +72,7 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
         "death_distance": life.death_distance,
         "life_distance": life.life_distance,
         "birth_time": life.birth_time,
-        "mid_life_time": None if middle is None else finite(life.time(middle)),
+        "mid_life_time": None if middle is None else life.time(middle),
         "death_time": life.death_time,
         "diameter": life.diameter,
         "lateral_offset": life.lateral_offset,
@@ -81,7 +80,7 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
         "shear_strength": life.shear_strength,
         "peak": {
             "distance": life.peak_distance,
-            "time": finite(life.time(life.peak_distance)),
+            "time": life.time(life.peak_distance),
             "area": life.peak_area,
             "force": life.peak_force,
             "real_contact_area": life.real_contact_area,
@@ -90,7 +89,7 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
             "force_share": life.force_share,
             "others_alive": life.beside.rows.tolist(),
         },
-        "curve": finite(life.curve()),
+        "curve": life.curve(),
     }
 
 

@@ -1,9 +1,7 @@
 """`rubnoise junctions`: the rows of a result that meet a condition, as text, CSV or JSON."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -12,6 +10,7 @@ import typer
 from rubnoise.cli.junction import state_names
 from rubnoise.cli.layout import grouped, groups_that_fit, number, printable
 from rubnoise.cli.options import AsJson
+from rubnoise.cli.rendering import json_text
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
@@ -132,14 +131,12 @@ def print_json(found: ChosenRows) -> None:
     about: dict[str, Any] = {"file": str(found.path), "where": found.where, "sort": found.sort}
     about |= {"rows": found.run.rows("junctions"), "matched": found.total}
     names = [column.name for column in found.columns]
-    print(json.dumps(about)[:-1] + ', "junctions": [', end="")
+    print(json_text(about)[:-1] + ', "junctions": [', end="")
     for i, row in enumerate(found.values()):
-        values: dict[str, Any] = {
-            name: value if isfinite(value) else None for name, value in zip(names, row, strict=True)
-        }
+        values: dict[str, Any] = dict(zip(names, row, strict=True))
         if "state" in values:
             values["state"] = state_names(JunctionState(values["state"]))
-        print(",\n" if i else "\n", json.dumps(values), sep="", end="")
+        print(",\n" if i else "\n", json_text(values), sep="", end="")
     print("]}")
 
 

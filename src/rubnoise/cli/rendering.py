@@ -4,6 +4,7 @@ Words name values: `std {slider.velocity_std} um/s` prints a number to seven dig
 write a value: a name of FORMS, or a format of Python.
 """
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import reduce
@@ -58,6 +59,11 @@ def lines(answer: Mapping[str, Any], wanted: Iterable[LineWords]) -> Iterator[st
             with suppress(KeyError):
                 yield line(label, words(way, values))
                 break
+
+
+def json_text(answer: Any, *, indent: int | None = None) -> str:
+    """Return an answer as JSON: arrays as lists, and null for what is no finite number."""
+    return json.dumps(finite(answer), allow_nan=False, indent=indent)
 
 
 def finite(value: Any) -> Any:

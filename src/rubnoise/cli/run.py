@@ -1,6 +1,5 @@
 """`rubnoise run` and `rubnoise resume`: a scenario file in, a result file out, and a few lines about it."""
 
-import json
 import sys
 import time
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, line, sentence, size
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
+from rubnoise.cli.rendering import json_text
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
     check_disk_space(scenario, budget, path)
     forecast = budget_as_json(budget)
     if as_json:
-        print(json.dumps({"output": str(path), "dry_run": True} | forecast | {"warnings": list(scenario.warnings)}))
+        print(json_text({"output": str(path), "dry_run": True} | forecast | {"warnings": list(scenario.warnings)}))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
@@ -200,7 +200,7 @@ def _print_json(result: "Run", path: Path, warnings: Sequence[str]) -> None:
         "summary": as_json(result.summary),
         "warnings": list(warnings),
     }
-    print(json.dumps(answer))
+    print(json_text(answer))
 
 
 _BLAS = "scipy.linalg.cython_blas"

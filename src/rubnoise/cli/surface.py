@@ -1,6 +1,5 @@
 """`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise."""
 
-import json
 from collections.abc import Iterator
 from contextlib import ExitStack
 from enum import StrEnum
@@ -12,7 +11,7 @@ import typer
 
 from rubnoise.cli.layout import line, number, printable, remark, sentence
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import finite
+from rubnoise.cli.rendering import json_text
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
@@ -129,7 +128,7 @@ def command(
         slider, cutoff=cutoff, load=load, hardness=hardness, longest=longest, slider_length=slider_length
     )
     _write(contact, output, report, _wanted(speed, distance, mass, damping_ratio), force=force)
-    print(json.dumps(contents(contact)) if as_json else "\n".join(described(contact)))
+    print(json_text(contents(contact)) if as_json else "\n".join(described(contact)))
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
@@ -160,7 +159,7 @@ def _keep_synthetic(made: "Surface", path: Path, *, as_json: bool, force: bool) 
         made.save(part)
     roughness = made.roughness()
     if as_json:
-        print(json.dumps({"surface": str(path), "digest": made.map.digest, "roughness": roughness}))
+        print(json_text({"surface": str(path), "digest": made.map.digest, "roughness": roughness}))
         return
     print(sentence(f"{path}: {made.map.history[0]}"))
     for name, value in roughness.items():
@@ -255,7 +254,7 @@ def contents(contact: "SlidingContact") -> dict[str, Any]:
     waves = np.geomspace(0.02, 20.0, _WAVES) * np.pi / contact.cutoff
     tables: dict[str, dict[str, float | None]] = {name: {} for name in HEADINGS}
     for table, key, _, _, value in figures(contact):
-        tables[table][key] = finite(value)
+        tables[table][key] = value
     return {
         "track": _map(contact, 0),
         "slider": _map(contact, 1),

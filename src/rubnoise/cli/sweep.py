@@ -1,6 +1,5 @@
 """`rubnoise sweep`: every run of a sweep that is not done yet, and an index of them all."""
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,6 +9,7 @@ import typer
 from rubnoise.cli.layout import grouped, printable, remark
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
+from rubnoise.cli.rendering import json_text
 
 if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
@@ -130,7 +130,7 @@ def _print_outcome(
 
     answer = outcome_as_json(sweep, folder, ending, merged)
     if as_json:
-        print(json.dumps(answer))
+        print(json_text(answer))
     elif not quiet:
         print("\n".join(format_outcome(answer)))
     if answer["failures"] and not as_json:

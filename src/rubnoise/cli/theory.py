@@ -1,6 +1,5 @@
 """`rubnoise theory`: exact values of a scenario without a run, as text, CSV, JSON or a picture."""
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -13,7 +12,7 @@ from rubnoise.cli.layout import ONE_WAY_ALONE, line, printable, remark, sentence
 from rubnoise.cli.load import format_load
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.cli.plot import check_picture, write_picture
-from rubnoise.cli.rendering import LineWords, lines, plain, words
+from rubnoise.cli.rendering import LineWords, json_text, lines, plain, words
 
 
 def command(
@@ -97,7 +96,7 @@ def command(
     )
     answer = theory_answer.theory_as_json(model, points, segment, white=white)
     if as_json:
-        print(json.dumps(answer))
+        print(json_text(answer))
     else:
         heading = f"{file}: {scenario.title}".removesuffix(": ")
         text = partial(format_theory, heading, model.calibration, two_way=model.is_two_way)

@@ -1,6 +1,5 @@
 """`rubnoise verify`: check that every value of a result file is what it should be."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -11,6 +10,7 @@ from rubnoise.cli.commands import Command
 from rubnoise.cli.layout import grouped, printable, remark
 from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal, watching_reads
+from rubnoise.cli.rendering import json_text
 from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
 
@@ -66,7 +66,7 @@ def command(
     else:
         with finished_run(file) as run, watching_reads(run, shown=on_terminal() and not as_json):
             found = verify(run, regenerate or 0)
-    print(json.dumps(verification_as_json(found, file)) if as_json else "\n".join(format_verification(found, file)))
+    print(json_text(verification_as_json(found, file)) if as_json else "\n".join(format_verification(found, file)))
     if found.different:
         places = [check.first for check in found.different if check.first is not None]
         first = next((place for place in places if place.row is not None), places[0])  # one with a row says most
