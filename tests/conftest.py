@@ -23,6 +23,22 @@ settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
 
 
+OF_THE_SHELL = (
+    *("COLUMNS", "FORCE_COLOR", "NO_COLOR", "PY_COLORS", "GITHUB_ACTIONS", "MPLBACKEND"),
+    *("PYTHONWARNINGS", "PYTHONDEVMODE"),
+)
+"""Settings of a shell or a service that change the width, colours, pictures and warnings of a program."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def plain_shell() -> Iterator[None]:
+    """Have every program that a test starts begin in a shell without settings of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in OF_THE_SHELL:
+            patch.delenv(name, raising=False)
+        yield
+
+
 @pytest.fixture(scope="session", autouse=True)
 def warm_workers() -> Iterator[None]:
     """Fork the processes of sweeps from one that has loaded the program, and compile each kernel once."""
