@@ -47,7 +47,9 @@ class Warm(subprocess.Popen):
             channel = _channel()
             socket.send_fds(channel, [len(content).to_bytes(LENGTH_BYTES, "big")], [told, *streams, *pass_fds])
             channel.sendall(content)
-            self.pid = int.from_bytes(channel.recv(LENGTH_BYTES, socket.MSG_WAITALL), "big")
+            answer = channel.recv(LENGTH_BYTES, socket.MSG_WAITALL)
+            assert answer, "the process that is copied has ended"
+            self.pid = int.from_bytes(answer, "big")
         os.close(told)
         self._child_created = True
         self._close_pipe_fds(p2cread, p2cwrite, c2pread, c2pwrite, errread, errwrite)

@@ -27,7 +27,6 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests import warm
 
 MOST_DESCRIPTORS = 16
-CHANNEL, OUT_OF_THE_WAY = 499, 500
 
 
 def load() -> None:
@@ -73,13 +72,11 @@ def serve(tests: socket.socket) -> None:
                 os.read(ended, 4096)
             _tell(living)
         for channel in [each for each in channels if each in ready]:
-            start, received, _, _ = socket.recv_fds(channel, warm.LENGTH_BYTES, MOST_DESCRIPTORS)
-            if not start:
+            if (request := _request(channel)) is None:
                 channels.remove(channel)
                 channel.close()
                 continue
-            told, *descriptors = received
-            content = _received(channel, int.from_bytes(start, "big"))
+            content, told, *descriptors = request
             ours, its = socket.socketpair()
             child = os.fork()
             if child == 0:
@@ -93,7 +90,8 @@ def serve(tests: socket.socket) -> None:
             its.close()
             for descriptor in descriptors:
                 os.close(descriptor)
-            channel.sendall(child.to_bytes(warm.LENGTH_BYTES, "big"))
+            with suppress(BrokenPipeError):  # killed since it asked
+                channel.sendall(child.to_bytes(warm.LENGTH_BYTES, "big"))
 
 
 def _tell(living: dict[int, int]) -> None:
@@ -106,11 +104,19 @@ def _tell(living: dict[int, int]) -> None:
             os.close(pipe)
 
 
-def _received(channel: socket.socket, count: int) -> bytes:
-    content = b""
-    while len(content) < count:
-        content += channel.recv(count - len(content))
-    return content
+def _request(channel: socket.socket) -> tuple[bytes, *tuple[int, ...]] | None:
+    """Return a request and its descriptors; None for one that is not whole, since whoever asked is gone."""
+    content, descriptors = b"", list[int]()
+    with suppress(ConnectionResetError):
+        start, descriptors, _, _ = socket.recv_fds(channel, warm.LENGTH_BYTES, MOST_DESCRIPTORS)
+        count = int.from_bytes(start, "big")
+        while len(content) < count and (piece := channel.recv(count - len(content))):
+            content += piece
+        if start and len(content) == count:
+            return content, *descriptors
+    for descriptor in descriptors:
+        os.close(descriptor)
+    return None
 
 
 def _be_python(request: dict, descriptors: list[int], channel: socket.socket) -> NoReturn:
@@ -122,9 +128,9 @@ def _be_python(request: dict, descriptors: list[int], channel: socket.socket) ->
         signal.signal(signal.SIGINT, signal.default_int_handler)
         if request["process_group"] >= 0:
             os.setpgid(0, request["process_group"])
-        _take([*descriptors, channel.detach()], [0, 1, 2, *request["passed"], CHANNEL])
-        warm.CHANNELS[:] = [socket.socket(fileno=CHANNEL)]
-        os.set_inheritable(CHANNEL, False)  # noqa: FBT003
+        channel = _above(request["passed"], channel.detach())
+        warm.CHANNELS[:] = [socket.socket(fileno=channel)]
+        _take(descriptors, [0, 1, 2, *request["passed"]])
         os.chdir(request["folder"])
         os.environ.clear()
         os.environ.update(request["environment"])
@@ -137,11 +143,16 @@ def _be_python(request: dict, descriptors: list[int], channel: socket.socket) ->
         os._exit(code)
 
 
+def _above(places: list[int], descriptor: int) -> int:
+    """Return a descriptor of the same file above all places; the old one is closed."""
+    moved = fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, max(places, default=2) + 1)
+    os.close(descriptor)
+    return moved
+
+
 def _take(descriptors: list[int], places: list[int]) -> None:
     """Put descriptors where they are looked for, and the standard streams upon the first three."""
-    aside = [fcntl.fcntl(descriptor, fcntl.F_DUPFD, OUT_OF_THE_WAY) for descriptor in descriptors]
-    for descriptor in descriptors:
-        os.close(descriptor)
+    aside = [_above(places, descriptor) for descriptor in descriptors]
     for descriptor, place in zip(aside, places, strict=True):
         os.dup2(descriptor, place)
         os.close(descriptor)

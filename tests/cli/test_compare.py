@@ -308,7 +308,7 @@ def test_the_ledger_is_told_with_source_numbers_and_verdict(rows: list[FieldClai
 
 def test_the_ledger_is_written_as_a_page_and_as_json(rows: list[FieldClaim], tmp_path: Path) -> None:
     done = call("claims", "--field", "-o", str(tmp_path))
-    assert done.out.split() == [str(tmp_path / name) for name in ("field.md", "field.json")]
+    assert done.out.splitlines() == [str(tmp_path / name) for name in ("field.md", "field.json")]
     kept = json.loads((tmp_path / "field.json").read_text(encoding="utf-8"))["claims"]
     assert kept == json.loads(call("claims", "--field", "--json").out)["claims"]
     assert kept[0]["published"] == [0.5, None]

@@ -368,6 +368,24 @@ def test_it_is_a_process_of_its_own_whose_traces_are_lost() -> None:
     assert len({first.out.split()[0], second.out.split()[0], str(os.getpid())}) == 3
 
 
+@pytest.mark.parametrize("sent", ["half of a request", "a request whose answer nobody reads"])
+def test_one_that_is_killed_while_it_asks_for_a_copy_keeps_no_other_from_one(sent: str) -> None:
+    request = {"words": ["-c", ""], "folder": "/", "environment": {}, "passed": [], "process_group": -1}
+    content = json.dumps(request).encode()
+    if sent.startswith("half"):
+        content = content[: len(content) // 2]
+    asks = f"""
+import os, signal, socket
+from tests import warm
+socket.send_fds(warm.CHANNELS[0], [({len(json.dumps(request))}).to_bytes(warm.LENGTH_BYTES, "big")], [1, 0, 1, 2])
+warm.CHANNELS[0].sendall({content!r})
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    assert spawn_program(asks).code == -signal.SIGKILL
+    with start([sys.executable, "-c", "print('there')"], stdout=subprocess.PIPE, text=True) as after:
+        assert after.communicate(timeout=60)[0] == "there\n"
+
+
 def test_variables_that_python_reads_make_a_fresh_one() -> None:
     program = "import sys; print('rubnoise.cli.app' in sys.modules)"
     words = [sys.executable, "-c", program]
