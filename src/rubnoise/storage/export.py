@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused, Refused, needing
 from rubnoise.record.reader import chunks
-from rubnoise.storage.layout import stored_columns, stored_groups
+from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.output import check_output, naming_file, whole_files
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile
@@ -35,14 +35,18 @@ class ExportTable:
 
     file: RunFile
     group: Group
-    columns: tuple[Dataset, ...]
     rows: int
 
     @classmethod
     def of(cls, file: RunFile, name: str) -> Self:
         """Return a group that the file has."""
         group = next(group for group in stored_groups(file.features) if group.name == name)
-        return cls(file=file, group=group, columns=stored_columns(group, file.features), rows=file.rows(name))
+        return cls(file=file, group=group, rows=file.rows(name))
+
+    @property
+    def columns(self) -> tuple[Dataset, ...]:
+        """Its columns."""
+        return self.group.columns
 
     def chunks(self, rows: int | None = None) -> Iterator[tuple[int, list[NDArray[Any]]]]:
         """Yield the first row and the columns of each stretch of at most so many rows."""

@@ -188,10 +188,12 @@ def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
     model, engine = scenario.model(), cast(Engine, scenario.run.engine)
-    size = expected_bytes(rows_at_most(model, rows), features_of(model)) + len(scenario.text.encode())
+    most, features = rows_at_most(model, rows), features_of(model)
+    columns = expected_bytes(most, features)
+    size = columns + len(scenario.text.encode())
     copy = size if _is_compressed(scenario) else 0
     # Rows that grow lie beside the part until they are copied into it.
-    growing = expected_bytes(rows_at_most(model, rows), features_of(model)) - expected_bytes(rows, features_of(model))
+    growing = columns - expected_bytes(rows, features)
     junctions = _likely_junctions(model) if rows.junctions is None else rows.junctions
     return Budget(
         junctions=junctions,
@@ -199,7 +201,7 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
         result_bytes=size,
         disk_bytes=size + (copy or growing),
         working_bytes=working_bytes(model, engine),
-        slider_rows_at_most=rows_at_most(model, rows).slider if model.is_two_way else None,
+        slider_rows_at_most=most.slider if model.is_two_way else None,
         work=work(model, engine, junctions, rows.ticks) | {"packed byte": float(copy)},
     )
 

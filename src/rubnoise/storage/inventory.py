@@ -18,7 +18,7 @@ from rubnoise.storage.layout import Name, RunDescription
 from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.read_structure import ATTRIBUTE_BYTES, structure_read_by
 from rubnoise.storage.schema import Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, put_text
+from rubnoise.storage.structure import LIBRARY_VERSIONS, Words, complete, compose, put_text
 
 OBJECTS_LIMIT: Final = 20_000
 """More groups and columns are in no file of ours, be it the index of the largest sweep."""
@@ -51,7 +51,7 @@ def expected_inventory(
     with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         compose(file, description, compressed=compressed)
         if ending is not None:
-            complete(file, *ending)
+            complete(file, Words.of(description), *ending)
         return inventory_of(file)
 
 

@@ -1,7 +1,8 @@
 """What one run stores: which columns, how many rows and bytes, and where they lie in its file."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -49,10 +50,14 @@ def features_of(model: Model) -> frozenset[Feature]:
     return frozenset(feature for feature, value in given.items() if value is not None and value is not False)
 
 
+@cache
 def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
-    """Return the groups of columns that a run with these features has, as its file describes them."""
+    """Return the groups that a run with these features has, with the columns that it has, as its file describes them.
+
+    Kept, since the runs of a sweep have the same.
+    """
     return tuple(
-        group.as_in(features)
+        replace(group.as_in(features), columns=stored_columns(group, features))
         for group in GROUPS
         if (not group.needs or not features.isdisjoint(group.needs)) and features.isdisjoint(group.lacks)
     )
@@ -93,7 +98,7 @@ def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
     return STRUCTURE_BYTES + sum(
         row_count(group, extent) * np.dtype(column.dtype).itemsize
         for group in stored_groups(features)
-        for column in stored_columns(group, features)
+        for column in group.columns
     )
 
 

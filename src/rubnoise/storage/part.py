@@ -28,7 +28,7 @@ from rubnoise.storage.pages import PagedFile, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
 from rubnoise.storage.run_description import check_structure
 from rubnoise.storage.schema import CHUNK_ROWS, Feature, Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, Written, complete, compose, enlarge
+from rubnoise.storage.structure import LIBRARY_VERSIONS, Words, Written, complete, compose, enlarge
 
 SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
@@ -57,7 +57,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
             if durable:
                 disk.sync(descriptor)  # a power cut could leave the name of a file that cannot be read
             pulse = pulse_of(description.scenario_resolved)
-            part = Part(descriptor, columns, structure, pulse, growing, hashed=hashed)
+            part = Part(descriptor, columns, structure, Words.of(description), pulse, growing, hashed=hashed)
             disk.rename(paths.making, paths.part)
         opening.pop_all()
     return part
@@ -76,7 +76,8 @@ def open_part(paths: OutputPaths, run: RunFile) -> "Part":
         if groups := _growing_groups(run.places, run.features, run.extent):
             growing = GrowingFile.found(paths.growing, groups)
             opening.callback(growing.close)
-        part = Part(descriptor, run.places, structure, stored_pulse(run.provenance["scenario_resolved"]), growing)
+        pulse = stored_pulse(run.provenance["scenario_resolved"])
+        part = Part(descriptor, run.places, structure, Words(run.attributes, run.provenance), pulse, growing)
         opening.pop_all()
     return part
 
@@ -121,8 +122,8 @@ class Part:
     """A part file opened for rows, with its columns where its structure has them.
 
     ``descriptor`` becomes its own, and is closed when the context ends; ``structure`` is what the file has outside of
-    its rows, in memory, where no other program can change it. ``growing`` holds the rows that lie beside it, where
-    there are any. Without ``hashed`` its columns get no hashes.
+    its rows, in memory, where no other program can change it, and ``words`` what it says there. ``growing`` holds the
+    rows that lie beside it, where there are any. Without ``hashed`` its columns get no hashes.
     """
 
     def __init__(
@@ -130,12 +131,14 @@ class Part:
         descriptor: int,
         columns: Mapping[Name, ByteRange],
         structure: PagedFile,
+        words: Words,
         pulse: Pulse,
         growing: GrowingFile | None = None,
         *,
         hashed: bool = True,
     ) -> None:
         self.descriptor = descriptor
+        self.words = words
         self._places = columns
         self._structure = structure
         self._growing = growing
@@ -223,7 +226,7 @@ class Part:
         try:
             with h5py.File(self._structure, "r+", libver=LIBRARY_VERSIONS) as file:
                 grown = enlarge(file, self.grown_rows())
-                complete(file, digests, summary, finished)
+                complete(file, self.words, digests, summary, finished)
         except (OSError, RuntimeError, LookupError, ValueError) as problem:  # of one that was not made here
             raise RubnoiseError(f"HDF5 fails on the structure of the part: {problem}") from problem
         size, places = self._structure.size, {**self._places, **grown}
@@ -274,7 +277,7 @@ def compressed(
     Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, NotAsWritten
     if the disk has another file, and RubnoiseError if rows are missing; the part is left as it was.
     """
-    digests = part.digests()
+    digests, words = part.digests(), Words.of(description)
     with new_file(making) as descriptor:
         target = Unfailing(descriptor)
         try:
@@ -282,11 +285,12 @@ def compressed(
                 extent = replace(description.extent, **part.grown_rows())
                 compose(file, replace(description, extent=extent), compressed=True)
                 _copy(part, file, between)
-                complete(file, digests, summary, finished)
+                complete(file, words, digests, summary, finished)
         finally:
             target.raise_first_error()
         disk.sync(descriptor)
-        _check_hashes(making, Written.of(os.fstat(descriptor), description, part.columns(), summary, finished))
+        written = Written.of(os.fstat(descriptor), description.features, words, part.columns(), summary, finished)
+        _check_hashes(making, written)
         yield descriptor
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import xxhash
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.layout import stored_columns, stored_groups
+from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.rows import REMEDY
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT, FORMAT_VERSION, HASH, Dataset, Feature, Scalar
@@ -256,8 +256,7 @@ def _columns(file: h5py.File, features: frozenset[Feature], size: int) -> dict[s
         if group.added and not has_hard_link(file, group.name):
             continue
         owner = sound_group(file, group.name)
-        columns = stored_columns(group, features)
-        found[group.name] = {column.name: _column(owner, column, size) for column in columns}
+        found[group.name] = {column.name: _column(owner, column, size) for column in group.columns}
     return found
 
 

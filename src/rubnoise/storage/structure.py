@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import Any, Self
 
@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.storage.columns import ColumnFile
-from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
-from rubnoise.storage.read_structure import INTERVENTION, read_provenance, read_root, seal_of
+from rubnoise.storage.read_structure import INTERVENTION, seal_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -25,6 +25,7 @@ from rubnoise.storage.schema import (
     HASH,
     HASH_DIGITS,
     Dataset,
+    Feature,
     Group,
     Scalar,
     motion_of,
@@ -46,9 +47,9 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
         _put(file.id, name, value)
     places: dict[Name, ByteRange] = {}
     for group in stored_groups(description.features):
-        rows, columns = row_count(group, description.extent), stored_columns(group, description.features)
-        for column, dataset in _compose_group(file, group, columns, rows, compressed=compressed):
-            places[group.name, column.name] = _place(dataset, column)
+        rows = row_count(group, description.extent)
+        for column, dataset in _compose_group(file, group, rows, compressed=compressed):
+            places[group.name, column.name] = _place(dataset, column, rows)
     _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
     provenance = _create_notes(file, "provenance")
     for name, value in ({"NX_class": "NXcollection"} | provenance_attributes(description)).items():
@@ -59,33 +60,58 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, ByteRange]:
     """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
     places: dict[Name, ByteRange] = {}
-    features = motion_of(file["junctions"])
-    for group in (each.as_in(features) for each in GROUPS):
-        if group.name in rows:
-            stored = tuple(column for column in group.columns if column.name in file[group.name])
-            del file[group.name]
-            for column, dataset in _compose_group(file, group, stored, rows[group.name], compressed=False):
-                places[group.name, column.name] = _place(dataset, column)
+    for name, count in rows.items():
+        group = next(group for group in GROUPS if group.name == name).as_in(motion_of(file["junctions"]))
+        stored = replace(group, columns=tuple(column for column in group.columns if column.name in file[name]))
+        del file[name]
+        for column, dataset in _compose_group(file, stored, count, compressed=False):
+            places[name, column.name] = _place(dataset, column, count)
     return places
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """What a file says of itself, as it reads: at its root, and of its origin; that may be before its run has ended."""
+
+    root: Mapping[str, Scalar]
+    provenance: Mapping[str, Scalar]
+
+    @classmethod
+    def of(cls, description: RunDescription) -> Self:
+        """Return those of a run that has not ended."""
+        provenance = _as_stored(provenance_attributes(description))
+        del provenance[HASH]  # it stands apart, since it is taken of all the others
+        return cls(_as_stored(root_attributes(description)), provenance)
+
+    def at_the_end(self, finished: str) -> "Words":
+        """Return those of the run when it has ended."""
+        return replace(self, provenance={**self.provenance, "finished": finished})
+
+    def seal(self, summary: Mapping[str, Scalar]) -> str:
+        """Return the hash of all that the file says."""
+        return seal_of(self.root, _as_stored(summary), self.provenance)
 
 
 def complete(
     file: h5py.File,
+    words: Words,
     digests: Mapping[Name, str],
     summary: Mapping[str, Scalar],
     finished: str,
 ) -> None:
-    """Fill in what is known only when the last row is written: hashes, summary, the time of the end and the seal."""
+    """Fill in what is known only when the last row is written: hashes, summary, the time of the end and the seal.
+
+    ``words`` are those of the file, so that nothing is read from it.
+    """
     owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
     for (group, column), digest in digests.items():
         h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
-    _clear(h5py.h5g.open(file.id, b"summary"))
-    for owner, values in (("summary", summary), ("provenance", {"finished": finished})):
-        group = h5py.h5g.open(file.id, owner.encode())
-        for name, value in values.items():
-            _replace(group, name, value)
-    seal = seal_of(read_root(file), dict(summary), read_provenance(file))
-    _replace(h5py.h5g.open(file.id, b"provenance"), HASH, seal)
+    figures, provenance = h5py.h5g.open(file.id, b"summary"), h5py.h5g.open(file.id, b"provenance")
+    _clear(figures)
+    for name, value in summary.items():
+        _put(figures, name, value)
+    _replace(provenance, "finished", finished)
+    _replace(provenance, HASH, words.at_the_end(finished).seal(summary))
 
 
 def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
@@ -93,8 +119,8 @@ def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
     _put(owner.id, name, text)
 
 
-def _place(dataset: h5py.h5d.DatasetID, column: Dataset) -> ByteRange:
-    return ByteRange(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
+def _place(dataset: h5py.h5d.DatasetID, column: Dataset, rows: int) -> ByteRange:
+    return ByteRange(offset=dataset.get_offset() or 0, rows=rows, dtype=column.dtype)
 
 
 def root_attributes(description: RunDescription) -> dict[str, Scalar]:
@@ -113,7 +139,6 @@ def root_attributes(description: RunDescription) -> dict[str, Scalar]:
 def _compose_group(
     file: h5py.File,
     group: Group,
-    stored: tuple[Dataset, ...],
     rows: int,
     *,
     compressed: bool,
@@ -123,7 +148,7 @@ def _compose_group(
     creation = _chunked(min(rows, CHUNK_ROWS)) if compressed and rows else _contiguous()
     columns = [
         (column, h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation))
-        for column in stored
+        for column in group.columns
     ]
     (first, scale), *rest = columns
     h5py.h5ds.set_scale(scale, first.name.encode())
@@ -294,22 +319,21 @@ class Written:
     def of(
         cls,
         file: os.stat_result,
-        description: RunDescription,
+        features: frozenset[Feature],
+        words: Words,
         columns: Iterable[NamedColumn],
         summary: Mapping[str, Scalar],
         finished: str,
     ) -> Self:
         """Return a whole file of plain columns."""
-        root = _as_stored(root_attributes(description))
-        provenance = _as_stored(provenance_attributes(description) | {"finished": finished})
-        del provenance[HASH]  # it stands apart, since it is taken of all the others
+        words = words.at_the_end(finished)
         found = {
-            "features": sorted(description.features),
+            "features": sorted(features),
             "columns": _columns(columns),
-            "attributes": {"value": root},
+            "attributes": {"value": words.root},
             "summary": {"value": _as_stored(summary)},
-            "provenance": {"value": provenance},
-            "seal": {"value": seal_of(root, _as_stored(summary), provenance)},
+            "provenance": {"value": words.provenance},
+            "seal": {"value": words.seal(summary)},
         }
         return cls(file, found)
 

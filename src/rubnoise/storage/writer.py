@@ -180,7 +180,8 @@ class RunWriter:
     def _written(self, file: os.stat_result, summary: Mapping[str, Scalar], finished: str) -> Written:
         if self.description.compression == "gzip" or not self._safe:
             return Written(file)
-        return Written.of(file, self.description, self._part.columns(), summary, finished)
+        part, features = self._part, self.description.features
+        return Written.of(file, features, part.words, part.columns(), summary, finished)
 
     def _name(self, checked: int, *, durable: bool) -> None:
         # The part is whole and needs nothing beside it any more; what went last would be left over by a kill.

@@ -14,7 +14,7 @@ from rubnoise.record.reader import HashedReader, Reader
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reread import Reread, reread
 from rubnoise.scenario.scenario import flattened
-from rubnoise.storage.layout import features_of, stored_columns, stored_groups
+from rubnoise.storage.layout import features_of, stored_groups
 from rubnoise.storage.provenance import environment
 from rubnoise.streams import STREAM_VERSION
 
@@ -23,7 +23,7 @@ def layout_check(model: Model, run: HashedReader) -> Check:
     """Return whether a file has the groups, columns and ticks that a run of its scenario has."""
     notes, features = Notes("layout"), features_of(model)
     for group in stored_groups(features):
-        expected = tuple(column.name for column in stored_columns(group, features))
+        expected = tuple(column.name for column in group.columns)
         notes.say(f"/{group.name}", found=tuple(run.columns.get(group.name, ())), expected=expected)
     notes.say("/trace rows", found=run.rows("trace"), expected=model.tick_count + 1)
     if model.slider_rows and "slider" in run.columns:
