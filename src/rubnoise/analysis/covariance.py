@@ -1,4 +1,7 @@
-"""The autocovariance of a record: at once, at chosen lags of a stream, and at all lags of a stream up to a reach."""
+"""The autocovariance of a record: at once, at chosen lags of a stream, and at all lags of a stream up to a reach.
+
+numpy's transforms are scipy's to the last bit and as fast, and scipy takes longer to be imported than all of numpy.
+"""
 
 from collections.abc import Sequence
 
@@ -14,11 +17,22 @@ def autocovariance(values: Doubles, reach: int) -> Doubles:
     of long lags down, and makes R_j smaller than it is expected by a part j/n, and by the variance of the mean.
     Source: Priestley, Spectral Analysis and Time Series, section 5.3.
     """
-    from scipy.fft import irfft, next_fast_len, rfft
+    size = _fast_length(values.size + reach)
+    power = np.square(np.abs(np.fft.rfft(values - values.mean(), size)))
+    return np.asarray(np.fft.irfft(power, size)[: reach + 1] / values.size, dtype=np.float64)
 
-    size = next_fast_len(values.size + reach, real=True)
-    power = np.square(np.abs(rfft(values - values.mean(), size)))
-    return np.asarray(irfft(power, size)[: reach + 1] / values.size, dtype=np.float64)
+
+def _fast_length(least: int) -> int:
+    """Return the first number from ``least`` on that has no prime factor above 5: its transform is fast."""
+    found = 1 << (least - 1).bit_length()
+    fives = 1
+    while fives < found:
+        odd = fives
+        while odd < found:
+            found = min(found, odd << (-(-least // odd) - 1).bit_length())
+            odd *= 3
+        fives *= 5
+    return found
 
 
 class LaggedProducts:
@@ -68,8 +82,6 @@ class CovarianceSum:
     """
 
     def __init__(self, reach: int, centre: float) -> None:
-        from scipy.fft import next_fast_len
-
         self._reach = reach
         self._centre = centre
         self._stretch = max(_SHORTEST, _STRETCHES_A_REACH * reach)
@@ -77,7 +89,7 @@ class CovarianceSum:
         self._waiting = 0
         self._head = np.empty(0)
         self._tail = np.zeros(reach)
-        self._size = next_fast_len(self._stretch + reach, real=True)
+        self._size = _fast_length(self._stretch + reach)
         self._waves = np.zeros(self._size // 2 + 1, dtype=np.complex128)
         self._count = 0
         self._total = 0.0
@@ -96,22 +108,18 @@ class CovarianceSum:
 
     def _multiply(self) -> None:
         """Add the products of what is held with itself and with what came before: an overlap-save correlation."""
-        from scipy.fft import rfft
-
         row = np.concatenate([self._tail, *self._held])
         self._held, self._waiting = [], 0
         for first in range(self._reach, row.size, self._stretch):
             part = row[first : first + self._stretch]
             around = row[first - self._reach : first + part.size]
-            self._waves += np.conj(rfft(part, self._size)) * rfft(around, self._size)
+            self._waves += np.conj(np.fft.rfft(part, self._size)) * np.fft.rfft(around, self._size)
         self._tail = row[row.size - self._reach :]
 
     def covariances(self) -> Doubles:
         """Return the mean of (x_i - mean)(x_(i+j) - mean) over the n - j pairs of each lag j; nan for a lag without."""
-        from scipy.fft import irfft
-
         self._multiply()
-        products = irfft(self._waves, self._size)[self._reach :: -1]
+        products = np.fft.irfft(self._waves, self._size)[self._reach :: -1]
         pairs = np.maximum(self._count - np.arange(self._reach + 1), 0).astype(np.float64)
         mean = self._total / max(self._count, 1)
         head = np.pad(self._head, (0, self._reach - self._head.size))

@@ -91,10 +91,8 @@ class WelchSum:
         self._rest = row[whole * step :]
 
     def _add_segments(self, row: Doubles, count: int, step: int) -> None:
-        from scipy.fft import rfft
-
         parts = sliding_window_view(row, self._window.size)[: (count - 1) * step + 1 : step]
-        waves = rfft((parts - parts.mean(axis=1, keepdims=True)) * self._window, axis=1)
+        waves = np.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * self._window, axis=1)
         power = self._scale * (np.square(waves.real) + np.square(waves.imag))
         self._sums += power.sum(axis=0), np.square(power).sum(axis=0)
         self._segments += count
@@ -126,8 +124,6 @@ def shared_variance(ticks: int, segments: int, neighbours: int = _NEIGHBOURS) ->
     b the bins' distance; at b = 0 it is what the segments' overlap adds to their mean square. A real record's own
     fourth cumulant comes on top. Source: Welch (1967), as above.
     """
-    from scipy.fft import fft
-
     window, step = hann(ticks), half_of(ticks)
     norm = float(np.square(window).sum()) ** 2
     bins = np.arange(neighbours + 1) % ticks
@@ -136,7 +132,7 @@ def shared_variance(ticks: int, segments: int, neighbours: int = _NEIGHBOURS) ->
         product = np.zeros(ticks)
         product[: ticks - apart * step] = window[: ticks - apart * step] * window[apart * step :]
         share = (1.0 if apart == 0 else 2.0) * (1.0 - apart / segments)
-        total += share * np.square(np.abs(fft(product)[bins])) / norm
+        total += share * np.square(np.abs(np.fft.fft(product)[bins])) / norm
     return total
 
 

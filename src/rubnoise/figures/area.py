@@ -1,6 +1,7 @@
 """The contact along the sliding distance: its real area, the single junctions under it, and their number."""
 
 from heapq import heappop, heappush
+from math import exp, lgamma, log
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -232,9 +233,7 @@ def _count_shares(stretch: Stretch) -> tuple[int, NDArray[np.float64]]:
 
 def _poisson(numbers: NDArray[np.int64], mean: float) -> NDArray[np.float64]:
     """Return the probabilities m^n exp(-m) / n! of a Poisson number of mean m."""
-    from scipy.special import gammaln, xlogy
-
-    return np.asarray(np.exp(xlogy(numbers, mean) - mean - gammaln(numbers + 1.0)), dtype=np.float64)
+    return np.array([exp(n * log(mean) - mean - lgamma(n + 1.0)) for n in numbers.tolist()])
 
 
 BAR: Final = 0.7
