@@ -25,9 +25,12 @@ settings.load_profile("repeatable")
 
 OF_THE_SHELL = (
     *("COLUMNS", "FORCE_COLOR", "NO_COLOR", "PY_COLORS", "GITHUB_ACTIONS", "MPLBACKEND"),
-    *("PYTHONWARNINGS", "PYTHONDEVMODE"),
+    *("PYTHONWARNINGS", "PYTHONDEVMODE", "CI", "BUILD_NUMBER"),
 )
-"""Settings of a shell or a service that change the width, colours, pictures and warnings of a program."""
+"""Settings of a shell or a service that change the width, colours, pictures and warnings of a program.
+
+In a service pytest compares what differs line by line, which takes hours for the columns of a result.
+"""
 
 
 @pytest.fixture(scope="session", autouse=True)

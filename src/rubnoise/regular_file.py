@@ -46,7 +46,9 @@ def open_regular(path: str | os.PathLike[str]) -> int:
         _check(Path(path).stat(), path)
         descriptor = os.open(path, _READING)
     except ValueError as problem:
-        raise OSError(errno.EINVAL, str(problem), os.fspath(path)) from problem
+        # Each version of Python words it in its own way.
+        reason = "embedded null byte" if "\0" in os.fspath(path) else str(problem)
+        raise OSError(errno.EINVAL, reason, os.fspath(path)) from problem
     try:
         _check(os.fstat(descriptor), path)
     except BaseException:

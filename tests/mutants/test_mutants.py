@@ -78,6 +78,21 @@ def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
     assert (copy / "src" / "rubnoise" / "model.py").read_text() == (PACKAGE / "model.py").read_text()
 
 
+def test_columns_that_differ_are_no_long_work_in_a_service(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CI", "true")
+    test = copy / "tests" / "test_columns.py"
+    test.write_text(
+        "import random\n\n\ndef test_columns():\n"
+        "    assert {'x': random.Random(1).randbytes(1000000)} == {'x': random.Random(2).randbytes(1000000)}\n",
+        encoding="utf-8",
+    )
+    trial = mutants.tried(copy, [str(test)], seconds=60.0)
+    test.unlink()
+    assert [failure.partition(" {")[0] for failure in trial.failures] == [
+        "FAILED tests/test_columns.py::test_columns - assert"
+    ]
+
+
 def test_a_small_score_is_no_kill() -> None:
     faint = mutants.Trial(
         failures=("FAILED tests/x.py::y - assert not {}",), scores=((-7.9, "a"), (4.5, "b")), passed=False, report=""
