@@ -23,7 +23,7 @@ from rubnoise.claims.field import FieldClaim, Known, Publication
 from rubnoise.cli import derivation, theory
 from rubnoise.cli import load as load_lines
 from rubnoise.cli.claims import claim_as_json, row_as_json
-from rubnoise.cli.rendering import LineWords, json_text
+from rubnoise.cli.layout import LineWords, json_text
 from rubnoise.cli.surface import contents
 from rubnoise.model import Model
 from rubnoise.scenario import load

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rubnoise.cli.infer import contents
-from rubnoise.cli.rendering import json_text
+from rubnoise.cli.layout import json_text
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
@@ -26,7 +26,7 @@ from rubnoise.inference.populations import POPULATIONS, energy_table, life_energ
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal, strokes
 from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.pulse_energy import mean_energy
+from rubnoise.theory.transform import mean_energy
 from tests.inference.traces import contact, signal
 
 SHAPES = {"fixed": 0.0, "normal": 0.2, "lognormal": 0.5, "exponential": 1.0, "gamma": 0.4}

@@ -17,12 +17,11 @@ from rubnoise.theory.correlation import autocovariance, covariance_reach, lag_ed
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.mean_life import age_table
 from rubnoise.theory.occupancy import area_from_empty, count_covariance, mean_count, mean_count_error
-from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
 from rubnoise.theory.quadrature import complementary_error, cut_size_rule, panels, size_edges, size_range, size_rule
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
-from rubnoise.theory.transform import transform_of
+from rubnoise.theory.transform import largest_swinging_wavenumber, transform_of
 from rubnoise.theory.transform_lens import hankel_modulus, hankel_without_swing, y1
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model
 

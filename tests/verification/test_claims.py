@@ -19,7 +19,7 @@ from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agre
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Publication, exponent, exponent_of
 from rubnoise.claims.field_page import as_range, page
 from rubnoise.cli.claims import row_as_json
-from rubnoise.cli.rendering import json_text
+from rubnoise.cli.layout import json_text
 from rubnoise.figures.paper import FIGURES
 from rubnoise.scenario.shipped import shipped
 from tests.architecture.sources import ROOT

@@ -1,19 +1,160 @@
-"""Verification of a result file: hashes, structure, and its run played again and compared row by row."""
+"""Verification of a result file: hashes, structure, origin, and its run played again and compared row by row."""
 
-from collections.abc import Sequence
-from typing import Protocol
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from shlex import split
+from typing import Any, Final, Protocol
 
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
 from rubnoise.analysis.verifying.columns import area_check, curve_check, hash_check, summary_check, unreadable
-from rubnoise.analysis.verifying.findings import Check, Difference, Verification
-from rubnoise.analysis.verifying.origin import layout_check, machines, other_streams, scenario_check
-from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.record.reader import HashedReader, chunks
+from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
+from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
+from rubnoise.model import Model
+from rubnoise.record.reader import HashedReader, Reader, chunks
 from rubnoise.record.tally import TALLIED, Tally
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
+from rubnoise.scenario.reread import Reread, reread
+from rubnoise.scenario.scenario import flattened
 from rubnoise.storage.inventory import Inventory
+from rubnoise.storage.layout import features_of, stored_groups
+from rubnoise.storage.provenance import environment
+from rubnoise.streams import STREAM_VERSION
+
+
+def layout_check(model: Model, run: HashedReader) -> Check:
+    """Return whether a file has the groups, columns and ticks that a run of its scenario has."""
+    notes, features = Notes("layout"), features_of(model)
+    for group in stored_groups(features):
+        expected = tuple(column.name for column in group.columns)
+        notes.say(f"/{group.name}", found=tuple(run.columns.get(group.name, ())), expected=expected)
+    notes.say("/trace rows", found=run.rows("trace"), expected=model.tick_count + 1)
+    if model.slider_rows and "slider" in run.columns:
+        notes.say("/slider rows", found=run.rows("slider"), expected=model.slider_rows)
+    return notes.check()
+
+
+def other_streams(run: Reader) -> str:
+    """Return why the seed of a file stands for other numbers than it does here; empty if it does not."""
+    version = run.provenance["stream_version"]
+    if version == STREAM_VERSION:
+        return ""
+    return (
+        f"has random streams of version {version}, which can't be drawn again: this rubnoise draws version"
+        f" {STREAM_VERSION}, and {run.attributes['source']} wrote the file"
+    )
+
+
+def machines(run: Reader) -> str:
+    """Return on which machines a run was made and played again, for rows that only its play contradicts."""
+    return (
+        "the areas agree with the rows, and the rows not with the play: the run was made on"
+        f" {run.provenance['environment']} and played again on {json.dumps(environment())}"
+    )
+
+
+PLACE: Final = "/provenance scenario_toml"
+
+WITH_VALUE: Final = frozenset(("-o", "--output", "--set", "--seed", "--engine", "--jobs", "-j", "--cluster", "--shard"))
+"""Options of `run` and `sweep` that take a value."""
+
+MOST_NAMED: Final = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What a command line asks for: which command of rubnoise, and the keys that it changes, as KEY=VALUE."""
+
+    command: str
+    overrides: tuple[str, ...]
+
+
+def asked_by(command: str) -> Asked | None:
+    """Return what a command line of `rubnoise run` or `rubnoise sweep` asks for; None for any other program."""
+    try:
+        program, *words = split(command)
+    except ValueError:
+        return None
+    words = [word for word in words if word != "--debug"]
+    if program != "rubnoise" or words[:1] not in (["run"], ["sweep"]):
+        return None
+    given: dict[str, list[str]] = {"--set": [], "--seed": [], "--engine": []}
+    for option, value in _options(words[1:]):
+        given.setdefault(option, []).append(value)
+    named = (("run.seed", given["--seed"]), ("run.engine", given["--engine"]))
+    last = [f"{key}={values[-1]}" for key, values in named if values]
+    return Asked(command=words[0], overrides=(*given["--set"], *last))
+
+
+def _options(words: list[str]) -> Iterator[tuple[str, str]]:
+    """Yield the options that have a value, with it."""
+    rest = iter(words)
+    for word in rest:
+        if word == "--":
+            return
+        option, equals, value = word.partition("=")
+        if word in WITH_VALUE:
+            yield word, next(rest, "")
+        elif equals and option in WITH_VALUE and option.startswith("--"):
+            yield option, value
+
+
+def scenario_check(scenario: Scenario, provenance: Mapping[str, object]) -> tuple[Check, list[LeftOut]]:
+    """Return whether the text of the scenario, with what the command line changed, is the scenario that was run.
+
+    A run that a program of its own made may have been changed by that: what differs then is listed as left out.
+    """
+    notes, text, run = Notes("scenario"), str(provenance["scenario_toml"]), scenario.resolved()
+    asked = asked_by(str(provenance["command"]))
+    if not text:
+        notes.say(PLACE, found="empty", expected="the file as read" if asked else "empty")
+        return notes.check(), []
+    try:
+        again = reread(text, run, asked.overrides if asked else ())
+    except ScenarioRefused as refusal:
+        notes.say(PLACE, found=str(refusal).partition("\n")[0], expected="the scenario of the run")
+        return notes.check(), []
+    different = dict(_differences(again, run, asked))
+    if asked is None:
+        notes.say(PLACE, found="a scenario", expected="a scenario")
+        return notes.check(), _changed_elsewhere(different)
+    for key in _keys(again.resolved, run):
+        by_text, by_run = different.get(key, ("as run", "as run"))
+        notes.say(f"{PLACE} {key}", found=by_text, expected=by_run)
+    return notes.check(), [] if again.self_contained else [LeftOut(name="scenario", reason=_BASE)]
+
+
+_BASE: Final = "scenario_toml extends a file that is not kept: keys that stand in that one alone are not compared"
+
+
+def _differences(again: Reread, run: Mapping[str, Any], asked: Asked | None) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield the keys in which the two scenarios differ, with the values by the text and of the run."""
+    by_text, by_run = flattened(again.resolved), flattened(run)
+    of_sweep = bool(again.seeds) or (asked is not None and asked.command == "sweep")
+    for key in _keys(again.resolved, run):
+        from_file, had = (json.dumps(flat.get(key), ensure_ascii=False) for flat in (by_text, by_run))
+        if key == "run.seed" and of_sweep:
+            if again.seeds and by_run[key] not in again.seeds:
+                yield key, (f"{from_file}, from which no replicate has the seed of the run", had)
+        elif key in {"run.seed", "run.engine"} and asked is None:
+            continue  # a program hands these over beside the scenario
+        elif from_file != had:
+            yield key, (from_file, had)
+
+
+def _changed_elsewhere(different: Mapping[str, tuple[str, str]]) -> list[LeftOut]:
+    if not different:
+        return []
+    named = [f"{key} is {by_text} there and {by_run} in the run" for key, (by_text, by_run) in different.items()]
+    more = [f"and {len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
+    from_file = "; ".join([*named[:MOST_NAMED], *more])
+    return [LeftOut(name="scenario", reason=f"scenario_toml was changed by the program that made the run: {from_file}")]
+
+
+def _keys(*scenarios: Mapping[str, Any]) -> list[str]:
+    return list(dict.fromkeys(key for scenario in scenarios for key in flattened(scenario)))
 
 
 class ResultFile(HashedReader, Protocol):

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.answer import LeftOut
-from rubnoise.analysis.verification import ResultFile, verify
+from rubnoise.analysis.verification import ResultFile, asked_by, verify
 from rubnoise.analysis.verifying.attributes import INDEX_RULES, compare_attributes, compare_structure, shown
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
-from rubnoise.analysis.verifying.origin import asked_by
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.scenario.points import Case, Point, points_of
 from rubnoise.scenario.reading import stored_sizes

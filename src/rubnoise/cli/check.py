@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import about, grouped, groups_that_fit, line, printable
+from rubnoise.cli.layout import about, grouped, groups_that_fit, json_text, line, printable
 from rubnoise.cli.options import AsJson, Changes
-from rubnoise.cli.rendering import json_text
 from rubnoise.errors import RubnoiseError
 
 if TYPE_CHECKING:

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import remark, table_row
+from rubnoise.cli.layout import json_text, remark, table_row
 from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal
-from rubnoise.cli.rendering import json_text
 
 if TYPE_CHECKING:
     from rubnoise.claims.claim import Claim, ClaimedNumber

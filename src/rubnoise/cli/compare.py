@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
-from rubnoise.cli.layout import FIGURE_HEADS, agreement_row, printable, remark, table_row
+from rubnoise.cli.layout import FIGURE_HEADS, agreement_row, json_text, printable, remark, table_row
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import json_text
 from rubnoise.errors import Refused, RunOutside
 
 if TYPE_CHECKING:

@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rubnoise.cli.layout import line, number, remark, sentence
+from rubnoise.cli.layout import json_text, line, number, remark, sentence
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import json_text
 
 
 class Heights(StrEnum):

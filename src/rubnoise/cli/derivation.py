@@ -6,9 +6,8 @@ from typing import Any, Final
 
 from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.summary import missing_for_motion
-from rubnoise.cli.layout import ONE_WAY_ALONE, grouped, line, number, remark, too_short_for_motion
+from rubnoise.cli.layout import ONE_WAY_ALONE, LineWords, grouped, line, lines, number, remark, too_short_for_motion
 from rubnoise.cli.load import format_load, load_as_json
-from rubnoise.cli.rendering import LineWords, lines
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario

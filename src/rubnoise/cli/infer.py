@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import line, printable, remark
+from rubnoise.cli.layout import json_text, line, printable, remark
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import json_text
 from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:

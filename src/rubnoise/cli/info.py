@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import agreement_table, grouped, line, printable, sentence, size
+from rubnoise.cli.layout import agreement_table, finite, grouped, json_text, line, printable, sentence, size
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import finite, json_text
 from rubnoise.cli.sweep import format_failures
 from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.layout import filled, grouped, number, printable, table_row
+from rubnoise.cli.layout import filled, grouped, json_text, number, printable, table_row
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import json_text
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import typer
 
 from rubnoise.cli.junction import state_names
-from rubnoise.cli.layout import grouped, groups_that_fit, number, printable
+from rubnoise.cli.layout import grouped, groups_that_fit, json_text, number, printable
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import json_text
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:

@@ -1,12 +1,20 @@
-"""How text is laid out: lines of a label, a value and a unit, tables, and the width of the terminal."""
+"""How an answer is printed: lines of a label, a value and a unit, tables as wide as the terminal, and JSON.
 
+An answer has its values by name, and words name them: `std {slider.velocity_std} um/s` prints a number to seven digits.
+After a colon stands another way to write a value: a name of FORMS, or a format of Python.
+"""
+
+import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import reduce
 from math import isfinite
+from operator import getitem
+from string import Formatter
 from textwrap import fill
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
@@ -208,3 +216,65 @@ def agreement_row(
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
     z = "" if figure.z is None else score(figure.z)
     return table_row(f"  {label:<{width}}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}{mark}")
+
+
+LineWords = tuple[str, ...]
+"""A label and the words beside it. Of several words, the first count whose values are all known, and else the last."""
+
+
+def plain(value: Any) -> str:
+    """Return a value as text: a number to seven digits, yes or no, none where it is not known."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "none" if value is None else number(value) if isinstance(value, float) else str(value)
+
+
+FORMS: Final[Mapping[str, Callable[[Any], str]]] = {
+    "": plain,
+    "about": about,
+    "change": lambda ratio: f"{ratio - 1.0:+.2%}",
+    "duration": duration,
+    "grouped": grouped,
+    "percent": lambda share: f"{100.0 * share:.3g} %",
+    "size": size,
+}
+"""How a value may be written, by name."""
+
+
+class _Words(Formatter):
+    def get_field(self, field_name: str, _args: object, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
+        return reduce(getitem, field_name.split("."), kwargs), field_name
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        return FORMS[format_spec](value) if format_spec in FORMS else format(value, format_spec)
+
+
+def words(text: str, answer: Mapping[str, Any]) -> str:
+    """Return a text with the values of an answer where it names them; raises KeyError for one that is not there."""
+    return _Words().vformat(text, (), answer)
+
+
+def lines(answer: Mapping[str, Any], wanted: Iterable[LineWords]) -> Iterator[str]:
+    """Yield the lines of an answer; a line with a value that the answer does not have is left out."""
+    known = {name: value for name, value in answer.items() if value is not None}
+    for label, *ways, last in wanted:
+        for way, values in (*((way, known) for way in ways), (last, answer)):
+            with suppress(KeyError):
+                yield line(label, words(way, values))
+                break
+
+
+def json_text(answer: Any, *, indent: int | None = None) -> str:
+    """Return an answer as JSON: arrays as lists, and null for what is no finite number."""
+    return json.dumps(finite(answer), allow_nan=False, indent=indent)
+
+
+def finite(value: Any) -> Any:
+    """Return a value as JSON has it: arrays as lists, and None for what is no finite number."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {name: finite(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

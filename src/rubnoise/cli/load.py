@@ -5,8 +5,7 @@ from dataclasses import fields
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.cli.layout import remark
-from rubnoise.cli.rendering import LineWords, lines
+from rubnoise.cli.layout import LineWords, lines, remark
 
 if TYPE_CHECKING:
     from rubnoise.theory.exact import Exact

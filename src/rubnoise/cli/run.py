@@ -11,10 +11,9 @@ import typer
 
 from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.cli import layout
-from rubnoise.cli.layout import duration, grouped, line, sentence, size
+from rubnoise.cli.layout import duration, grouped, json_text, line, sentence, size
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
-from rubnoise.cli.rendering import json_text
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.layout import line, number, printable, remark, sentence
+from rubnoise.cli.layout import json_text, line, number, printable, remark, sentence
 from rubnoise.cli.options import AsJson
-from rubnoise.cli.rendering import json_text
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import grouped, printable, remark
+from rubnoise.cli.layout import grouped, json_text, printable, remark
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
-from rubnoise.cli.rendering import json_text
 
 if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep

@@ -8,11 +8,21 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.layout import ONE_WAY_ALONE, line, printable, remark, sentence
+from rubnoise.cli.layout import (
+    ONE_WAY_ALONE,
+    LineWords,
+    json_text,
+    line,
+    lines,
+    plain,
+    printable,
+    remark,
+    sentence,
+    words,
+)
 from rubnoise.cli.load import format_load
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.cli.plot import check_picture, write_picture
-from rubnoise.cli.rendering import LineWords, json_text, lines, plain, words
 
 
 def command(

@@ -11,9 +11,8 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import coupling_as_json
-from rubnoise.cli.layout import printable
+from rubnoise.cli.layout import finite, printable
 from rubnoise.cli.load import load_as_json
-from rubnoise.cli.rendering import finite
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.base_excitation import base_response

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.cli.commands import Command
-from rubnoise.cli.layout import grouped, printable, remark
+from rubnoise.cli.layout import grouped, json_text, printable, remark
 from rubnoise.cli.options import AsJson
 from rubnoise.cli.progress import StatusLine, on_terminal, watching_reads
-from rubnoise.cli.rendering import json_text
 from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
 

@@ -17,8 +17,8 @@ from rubnoise.contact.births import ClusteredBirths, JitteredBirths, PoissonBirt
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.mean_life import ORDERS, area_by_age, cumulants_by_age
-from rubnoise.theory.pulse_energy import mean_energy, mean_life_transform, mean_transform
 from rubnoise.theory.quadrature import size_range
+from rubnoise.theory.transform import mean_energy, mean_life_transform, mean_transform
 
 _MOST, _MOST_OF_ONE_SIZE = 2**14, 2**17
 _FAINT = 6.3  # widths times wavenumber at which exp(-(k j)^2) is 1e-17

@@ -18,8 +18,8 @@ from rubnoise.model import Model
 from rubnoise.theory.birth_noise import has_noise_of_its_own, jittered_lines
 from rubnoise.theory.log_table import LogTable, log_table
 from rubnoise.theory.mean_life import ORDERS, age_table, area_by_age, cumulants_by_age
-from rubnoise.theory.pulse_energy import mean_life_transform, mean_transform
 from rubnoise.theory.quadrature import complementary_error, cut_size_rule, panels, size_edges, size_range
+from rubnoise.theory.transform import mean_life_transform, mean_transform
 
 
 def need_random_births(model: Model, quantity: str) -> None:

@@ -11,10 +11,10 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.drive import Drive, drive_of, motion_drive_of, separation_of
-from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
 from rubnoise.theory.quadrature import distinct, panels, size_range
 from rubnoise.theory.regular_births import spectral_lines
 from rubnoise.theory.spectrum import force_spectral_density
+from rubnoise.theory.transform import largest_swinging_wavenumber
 
 Rule = tuple[Doubles, Doubles]
 

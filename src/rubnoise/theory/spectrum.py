@@ -13,8 +13,8 @@ from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.birth_noise import excess_density, has_noise_of_its_own
 from rubnoise.theory.drive import force_power
-from rubnoise.theory.pulse_energy import energy_spread, mean_energy
 from rubnoise.theory.regular_births import are_at_random, need_random_births, spectral_lines
+from rubnoise.theory.transform import energy_spread, mean_energy
 
 
 def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:

@@ -1,16 +1,19 @@
-"""The Fourier transform of one junction's life, for every pulse shape: itself, its square, their means over a swing."""
+"""The Fourier transform of one junction's life: itself, its square, its means over a swing and over sizes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Protocol
+from functools import lru_cache
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.arrays import Complexes, Doubles
+from rubnoise.arrays import Complexes, Doubles, slices
+from rubnoise.contact.laws import Law
+from rubnoise.contact.laws.discrete import parts_of
 from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory import off_centre, transform_lens, transform_parabola, transform_triangle
-from rubnoise.theory.quadrature import complementary_error
+from rubnoise.theory.quadrature import complementary_error, cut_size_rule, hard_ends, size_range
 
 _STEP_FROM = 32.0
 # The step from the transform itself to its mean over a swing: an error function of width 8.5 about phase 90. It holds
@@ -160,3 +163,169 @@ def swing_left(phase: Doubles) -> Doubles:
     blended = (phase > 2.0 * _STEP_CENTRE - STEP_END) & (phase < STEP_END)
     left[blended] = 0.5 * complementary_error((phase[blended] - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
     return left
+
+
+_LARGEST_PHASE = 480.0  # k (d_high - d_low) up to which the swing of the transform is followed through the sizes
+_PANEL_PHASE = 20.0
+_FIRST_PHASES = (5.0, 10.0)
+_NODES = 24
+_AT_ONCE = 256
+_MOST_KEPT = 1 << 14  # wavenumbers whose energies are kept for later calls
+_ROUNDING = 1e-12  # by which probabilities may miss 1 without any size being left out
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Life:
+    """What a life of unit diameter brings at phases k d, to be multiplied by d^power.
+
+    ``followed`` is it itself; ``damped`` has its swing averaged out for large phases, and ``scatter`` is the mean
+    square of the swing that is then missing, if a mean square is asked for.
+    """
+
+    power: int
+    followed: Callable[[Doubles], NDArray[Any]]
+    damped: Callable[[Doubles], NDArray[Any]]
+    scatter: Callable[[Doubles], Doubles] = np.zeros_like
+
+
+Average = Callable[[NDArray[Any], Doubles, Doubles], NDArray[Any]]
+"""An average over sizes, the last axis, from values, scatter about them, and probabilities."""
+
+
+def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+    """Return E[|A^(k)|^2] in um^6 for k >= 0 in rad/um of any shape; not ``exact``, without the swing of its tail."""
+    if parts := parts_of(law):
+        return sum((p * mean_energy(part, pulse, wavenumber, exact=exact) for p, part in parts), np.zeros(1))
+    k = np.asarray(wavenumber, dtype=np.float64)
+    if k.size > _MOST_KEPT:
+        return _mean_energy(law, pulse, k, exact=exact)
+    # Spreads, errors and cumulants of one motion ask at the nodes of one rule.
+    kept = _kept_energy(cast("Hashable", law), cast("Hashable", pulse), k.tobytes(), exact=exact)
+    return kept.reshape(k.shape).copy()
+
+
+@lru_cache(maxsize=8)
+def _kept_energy(law: Any, pulse: Any, wavenumbers: bytes, *, exact: bool) -> Doubles:
+    return _mean_energy(law, pulse, np.frombuffer(wavenumbers), exact=exact)
+
+
+def _mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool) -> Doubles:
+    transform = energy_of(pulse)
+    square = transform.square if exact else transform.mean_square
+    return _over_sizes(law, wavenumber, _Life(power=6, followed=square, damped=transform.mean_square), _mean).real
+
+
+def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
+    """Return E[A^(k)] in um^3, about the birth, for k >= 0 in rad/um of any shape: the transform of the mean life."""
+    if parts := parts_of(law):
+        return sum((p * mean_transform(part, pulse, wavenumber) for p, part in parts), np.zeros(1, np.complex128))
+    transform = transform_of(pulse)
+    life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth)
+    return _over_sizes(law, wavenumber, life, _mean)
+
+
+def mean_life_transform(law: Law, wavenumber: Doubles) -> Complexes:
+    """Return E[(exp(2ikd) - 1)/(ik)] in um for k >= 0 in rad/um of any shape: the count of a life."""
+    if parts := parts_of(law):
+        return sum((p * mean_life_transform(part, wavenumber) for p, part in parts), np.zeros(1, np.complex128))
+    life = _Life(power=1, followed=life_from_birth, damped=mean_life_from_birth)
+    return _over_sizes(law, wavenumber, life, _mean)
+
+
+def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
+    """Return E[|A^(k)|^2] - |E[A^(k)]|^2 in um^6, about the birth, for k >= 0 in rad/um; 0 for one size.
+
+    It is added up from deviations, so that a narrow law keeps its digits.
+    """
+    if parts := parts_of(law):
+        mean = mean_transform(law, pulse, wavenumber)
+        spread = np.zeros(1)
+        for weight, part in parts:
+            apart = np.square(np.abs(mean_transform(part, pulse, wavenumber) - mean))
+            spread = spread + weight * (energy_spread(part, pulse, wavenumber) + apart)
+        return spread
+    transform = transform_of(pulse)
+
+    def scatter(phases: Doubles) -> Doubles:
+        return transform.mean_square(phases) - np.square(np.abs(transform.mean_from_birth(phases)))
+
+    life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth, scatter=scatter)
+    return _over_sizes(law, wavenumber, life, _spread).real
+
+
+def largest_swinging_wavenumber(law: Law) -> float:
+    """Return the wavenumber in rad/um beyond which no swing is left; inf for one size and for a law with a hard end."""
+    if parts := parts_of(law):
+        return max(largest_swinging_wavenumber(part) for _, part in parts)
+    return np.inf if hard_ends(law) != (None, None) else _largest_followed(law)
+
+
+def _largest_followed(law: Law) -> float:
+    """Return the wavenumber in rad/um up to which nodes follow the swing through all sizes; inf for one size.
+
+    At k (d_high - d_low) = 480 a normal law of standard deviation sigma has k sigma > 25, and its spread leaves a
+    factor exp(-320) of the swing; a gamma law with sigma = mean/10 has k sigma = 11. A law so wide that it has phases
+    below 160 beside larger ones is smooth enough for the step of `PulseTransform.mean_square`.
+    """
+    low, high = size_range(law)
+    return np.inf if low == high else _LARGEST_PHASE / (high - low)
+
+
+def _over_sizes(law: Law, wavenumber: Doubles, life: _Life, average: Average) -> Complexes:
+    """Average where nodes follow the swing through the sizes, and where it averages out.
+
+    Small diameters are followed everywhere: they matter where a wide law has an edge at d = 0. So are those near an
+    end at which the density jumps, with a weight that fades away from it as smoothly as `swing_left` does.
+    """
+    k = wavenumber.ravel()
+    result = np.empty(k.size, dtype=np.complex128)
+    followed = k <= _largest_followed(law)
+    for rows in _chunks(k, np.flatnonzero(followed)):
+        diameters, probabilities = cut_size_rule(law, _followed_cuts(law, float(k[rows].max())), _NODES)
+        phases = np.multiply.outer(k[rows], diameters)
+        result[rows] = average(life.followed(phases) * diameters**life.power, np.zeros(1), probabilities)
+    steps = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, STEP_END + 1.0, _PANEL_PHASE))
+    ends = [(end, sign) for end, sign in zip(hard_ends(law), (1.0, -1.0), strict=True) if end is not None]
+    for rows in _chunks(k, np.flatnonzero(~followed)):
+        near = k[rows, None]
+        cuts = np.concatenate([steps / near, *(end + sign * steps / near for end, sign in ends)], axis=-1)
+        diameters, probabilities = cut_size_rule(law, cuts, _NODES)
+        phases, powers = near * diameters, diameters**life.power
+        values, scatter, shares = life.damped(phases) * powers, life.scatter(phases) * powers**2, probabilities
+        for end, sign in ends:
+            swinging = probabilities * swing_left(sign * (phases - near * end))
+            kept = swinging > 0.0
+            each = np.zeros_like(values[:, : diameters.shape[-1]])
+            each[kept] = life.followed(phases[kept]) * powers[kept]
+            values = np.concatenate([values, each], axis=-1)
+            scatter = np.concatenate([scatter, np.zeros_like(swinging)], axis=-1)
+            shares = np.concatenate([shares, swinging], axis=-1)
+            shares[:, : diameters.shape[-1]] -= swinging
+        result[rows] = average(values, scatter, shares)
+    return result.reshape(wavenumber.shape)
+
+
+def _chunks(wavenumbers: Doubles, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Return few rows at a time, in order of wavenumber, so that memory and nodes stay few."""
+    ordered = rows[np.argsort(wavenumbers[rows])]
+    return [ordered[part] for part in slices(0, ordered.size, _AT_ONCE)]
+
+
+def _followed_cuts(law: Law, fastest: float) -> Doubles:
+    low, high = size_range(law)
+    phases = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, fastest * (high - low), _PANEL_PHASE))
+    return low + phases / max(fastest, 1.0 / high)
+
+
+def _mean(values: NDArray[Any], _scatter: Doubles, probabilities: Doubles) -> NDArray[Any]:
+    """Return E[X]; one set of probabilities serves all wavenumbers, or each has its own."""
+    return values @ probabilities if probabilities.ndim == 1 else np.sum(values * probabilities, axis=-1)
+
+
+def _spread(values: Complexes, scatter: Doubles, probabilities: Doubles) -> Doubles:
+    """Return E[|X|^2] - |E[X]|^2; what the probabilities miss belongs to diameters near 0, where X = 0."""
+    mean = np.sum(values * probabilities, axis=-1)
+    missing = 1.0 - np.sum(probabilities, axis=-1)
+    missing = np.where(missing > _ROUNDING, missing, 0.0)
+    deviations = np.square(np.abs(values - mean[..., None])) + scatter
+    return np.sum(deviations * probabilities, axis=-1) + missing * np.square(np.abs(mean))
