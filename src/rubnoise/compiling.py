@@ -8,11 +8,10 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any, Final
 
-from numba import float64, njit
+from numba import extending, float64, njit
 from numba.core.caching import IndexDataCacheFile
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
-from numba.extending import intrinsic
 
 SOURCES = (
     "compiling.py",
@@ -208,17 +207,20 @@ def inlined(function: Any) -> Any:
     return njit(forceinline=True, error_model=_DIVISION, **_BARE, **_WITHIN)(function)
 
 
-def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:
+intrinsic: Callable[[Any], Any] = extending.intrinsic
+"""Let compiled code call a function that gives its types and generates its instructions; no other code may call it."""
+
+
+@intrinsic
+def fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:
+    """Return factor * other + term, rounded once, by one instruction or else by a slow function with the same bits.
+
+    The compiler is never left to choose where to fuse.
+    """
+
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         del context, signature
         return builder.fma(*values)
 
     del typing_context, factor, other, term
     return float64(float64, float64, float64), generate
-
-
-fused: Any = intrinsic(_fused)
-"""factor * other + term, rounded once: one instruction if there is one, else a slow function with the same bits.
-
-Only to be called by what is compiled. The compiler is never left to choose where to fuse.
-"""

@@ -14,10 +14,10 @@ from numba import float64, types
 from numba.core.cgutils import get_or_insert_function
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, models, register_model
+from numba.extending import models, register_model
 from numba.np.arrayobj import make_array
 
-from rubnoise.compiling import inlined
+from rubnoise.compiling import inlined, intrinsic
 
 WIDTH = 8
 
@@ -72,7 +72,10 @@ def _place(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> Any
     return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
 
 
-def _load(typing_context: Any, array: Any, index: Any) -> tuple[Any, Generate]:
+@intrinsic
+def load(typing_context: Any, array: Any, index: Any) -> tuple[Any, Generate]:
+    """Return the eight entries of a flat array of doubles from an index on."""
+
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         return builder.load(_place(context, builder, sig.args[0], *values), align=_DOUBLE_BYTES)
 
@@ -80,7 +83,10 @@ def _load(typing_context: Any, array: Any, index: Any) -> tuple[Any, Generate]:
     return LANES(array, types.intp), generate
 
 
-def _store(typing_context: Any, array: Any, index: Any, lanes: Any) -> tuple[Any, Generate]:
+@intrinsic
+def store(typing_context: Any, array: Any, index: Any, lanes: Any) -> tuple[Any, Generate]:
+    """Put eight doubles into a flat array from an index on."""
+
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         place = _place(context, builder, sig.args[0], *values[:2])
         builder.store(values[2], place, align=_DOUBLE_BYTES)
@@ -94,7 +100,10 @@ def _shuffled(builder: Any, first: Any, second: Any, indices: list[int]) -> Any:
     return builder.shuffle_vector(first, second, ir.Constant(_INDICES, indices))
 
 
-def _spread(typing_context: Any, number: Any) -> tuple[Any, Generate]:
+@intrinsic
+def spread(typing_context: Any, number: Any) -> tuple[Any, Generate]:
+    """Return the number in every lane."""
+
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         del context, sig
         empty = ir.Constant(_VECTOR, ir.Undefined)
@@ -118,12 +127,16 @@ def _instruction_of(name: str, operands: int) -> Any:
     return typed
 
 
-def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> tuple[Any, Generate]:
+@intrinsic
+def fused(typing_context: Any, factor: Any, other: Any, term: Any) -> tuple[Any, Generate]:
+    """Return factor * other + term, rounded once."""
     generator: tuple[Any, Generate] = _instruction_of("fma", 3)(typing_context, factor, other, term)
     return generator
 
 
-def _root(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
+@intrinsic
+def root(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
+    """Return the square roots."""
     generator: tuple[Any, Generate] = _instruction_of("sqrt", 1)(typing_context, lanes)
     return generator
 
@@ -137,15 +150,22 @@ def _chosen(typing_context: Any, one: Any, other: Any, comparison: str) -> tuple
     return LANES(LANES, LANES), generate
 
 
-def _smaller(typing_context: Any, one: Any, other: Any) -> tuple[Any, Generate]:
+@intrinsic
+def smaller(typing_context: Any, one: Any, other: Any) -> tuple[Any, Generate]:
+    """Return the smaller of each pair."""
     return _chosen(typing_context, one, other, "<")
 
 
-def _larger(typing_context: Any, one: Any, other: Any) -> tuple[Any, Generate]:
+@intrinsic
+def larger(typing_context: Any, one: Any, other: Any) -> tuple[Any, Generate]:
+    """Return the larger of each pair."""
     return _chosen(typing_context, one, other, ">")
 
 
-def _where_above(typing_context: Any, low: Any, high: Any, yes: Any, no: Any) -> tuple[Any, Generate]:
+@intrinsic
+def where_above(typing_context: Any, low: Any, high: Any, yes: Any, no: Any) -> tuple[Any, Generate]:
+    """Return ``yes`` if high lies above low, else ``no``."""
+
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         del context, sig
         return builder.select(builder.fcmp_ordered("<", *values[:2]), *values[2:])
@@ -163,7 +183,10 @@ def _moved(typing_context: Any, one: Any, other: Any, by: int) -> tuple[Any, Gen
     return LANES(LANES, LANES), generate
 
 
-def _summed(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
+@intrinsic
+def summed(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
+    """Return the sum of all eight, halves first: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))."""
+
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         del context, sig
         (rest,) = values
@@ -175,46 +198,16 @@ def _summed(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
     return float64(LANES), generate
 
 
-def _one_before(typing_context: Any, before: Any, lanes: Any) -> tuple[Any, Generate]:
+@intrinsic
+def one_before(typing_context: Any, before: Any, lanes: Any) -> tuple[Any, Generate]:
+    """Return each lane's left neighbour, that of the first being the last of ``before``."""
     return _moved(typing_context, before, lanes, WIDTH - 1)
 
 
-def _one_after(typing_context: Any, lanes: Any, after: Any) -> tuple[Any, Generate]:
+@intrinsic
+def one_after(typing_context: Any, lanes: Any, after: Any) -> tuple[Any, Generate]:
+    """Return each lane's right neighbour, that of the last being the first of ``after``."""
     return _moved(typing_context, lanes, after, 1)
-
-
-load: Any = intrinsic(_load)
-"""load(array, index): the eight entries of a flat array of doubles from an index on."""
-
-store: Any = intrinsic(_store)
-"""store(array, index, lanes): put eight doubles into a flat array from an index on."""
-
-spread: Any = intrinsic(_spread)
-"""spread(number): the number in every lane."""
-
-fused: Any = intrinsic(_fused)
-"""fused(factor, other, term): factor * other + term, rounded once."""
-
-root: Any = intrinsic(_root)
-"""root(lanes): square roots."""
-
-smaller: Any = intrinsic(_smaller)
-"""smaller(one, other): the smaller of each pair."""
-
-larger: Any = intrinsic(_larger)
-"""larger(one, other): the larger of each pair."""
-
-where_above: Any = intrinsic(_where_above)
-"""where_above(low, high, yes, no): ``yes`` where high lies above low, else ``no``."""
-
-summed: Any = intrinsic(_summed)
-"""summed(lanes): the sum of all eight, halves first: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))."""
-
-one_before: Any = intrinsic(_one_before)
-"""one_before(before, lanes): each lane's left neighbour, that of the first being the last of ``before``."""
-
-one_after: Any = intrinsic(_one_after)
-"""one_after(lanes, after): each lane's right neighbour, that of the last being the first of ``after``."""
 
 
 @inlined
