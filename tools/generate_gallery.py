@@ -97,8 +97,8 @@ def page() -> Iterator[str]:
     """Yield the lines of the page."""
     yield "# Gallery"
     yield ""
-    yield "These are the pictures that rubnoise draws, each with the command that makes it. Blue and black are"
-    yield "simulated, orange is exact theory. `tools/generate_gallery.py` wrote this page."
+    yield "Pictures that rubnoise draws, each with its command. Blue and black are simulated, orange is exact theory."
+    yield "`tools/generate_gallery.py` wrote this page."
     for room in ROOMS:
         yield from ("", f"## {room.title}", "", room.begins)
         if room.before:

@@ -32,8 +32,8 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig2": PaperFigure(
         title="Geometry of a junction",
         caption=(
-            "Two truncated cones with flat tops of diameter d slide over each other. At a distance s after their first "
-            "touch, their tops overlap in a lens (shaded), with the area of Eq. (2)."
+            "Two truncated cones with tops of diameter d slide over each other. At a distance s after their first "
+            "touch, the tops overlap in a lens (shaded), with the area of Eq. (2)."
         ),
         scenarios=("fig2.toml",),
         draw=draw_fig2,
@@ -41,9 +41,8 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig3": PaperFigure(
         title="Life history of a junction",
         caption=(
-            "The area of a junction rises to πd²/4 at s = d and falls to 0 at s = 2d. Its mean over the life is "
-            "exactly d²/3; the paper prints 0.327 d². Rabinowicz's triangle has the same life and peak, and the mean "
-            "πd²/8."
+            "The area rises to πd²/4 at s = d and falls to 0 at s = 2d. Its mean over the life is exactly d²/3; the "
+            "paper prints 0.327 d². Rabinowicz's triangle has the same life and peak, and the mean πd²/8."
         ),
         scenarios=("fig3.toml",),
         draw=draw_fig3,
@@ -51,9 +50,9 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig4": PaperFigure(
         title="The real contact area as a sum of junctions",
         caption=(
-            "Part of the trace of the real contact area (above), and the areas of its single junctions (below), with "
-            "their births and deaths. The trace is their sum; one junction and its part of the sum are black. The band "
-            "is the exact standard deviation about the exact mean."
+            "Part of the trace (above), and the areas of its junctions (below), from birth to death. The trace is "
+            "their sum; one junction and its part are black. The band is the exact standard deviation about the exact "
+            "mean."
         ),
         scenarios=("fig4.toml",),
         draw=draw_fig4,
@@ -61,10 +60,9 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig5": PaperFigure(
         title="Excitation force and vibration",
         caption=(
-            "Friction force on the slider, displacement and velocity, each with its exact mean and standard "
-            "deviation. The lowest pane enlarges the velocity near zero: for nearly half of the time, the slider is "
-            "faster than the drive. The paper's one-way coupling assumes a constant sliding speed, so the example "
-            "breaks its own assumption."
+            "Friction force, displacement and velocity, each with its exact mean and standard deviation. The lowest "
+            "pane enlarges the velocity near zero: for nearly half of the time, the slider is faster than the drive. "
+            "One-way coupling assumes a constant sliding speed, so the example breaks its own assumption."
         ),
         scenarios=("fig5.toml",),
         draw=draw_fig5,
@@ -82,8 +80,8 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         title="Standard deviation against the number of junctions",
         caption=(
             "Simulated standard deviations with 95 % intervals, and the exact curves. Divided by the mean, all "
-            "follow one law: 1.2298/√N for junctions of one size. There, points of one number stand side by side, so "
-            "that all can be seen. This is the paper's non-linear decrease."
+            "follow one law, the paper's non-linear decrease: 1.2298/√N for junctions of one size. There, points of "
+            "one number stand side by side."
         ),
         scenarios=("fig7.toml",),
         draw=draw_fig7,
@@ -93,7 +91,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         caption=(
             "Welch's estimate from a run, and the exact density. On linear axes it seems to end in a constant. On "
             "logarithmic axes it oscillates about 4λE[d²]/k⁴, because every pass goes through both centres. The floor "
-            "at the end comes only from the estimate: the ratio below shows how aliases of the ticks raise it."
+            "is of the estimate alone: the ratio below shows how aliases of the ticks raise it."
         ),
         scenarios=("fig8.toml",),
         draw=draw_fig8,
