@@ -426,6 +426,9 @@ class TestCommand:
         read = rubnoise.Surface.read(folder / "again.nc")
         assert np.array_equal(read.heights, synthetic(1).heights)
         assert read.map.periodic
+        assert np.array_equal(
+            rubnoise.Surface.synthesise(points=64).heights, synthetic(1, points=64, rolloff=None, cutoff=None).heights
+        )
 
     def test_damaged_scans_are_refused(self, tmp_path):
         """Half a scan, its head alone, and twenty wrong bytes in its head: an answer, or one sentence."""

@@ -235,6 +235,7 @@ def test_estimates_are_those_of_scipy_and_numpy() -> None:
     lags, away = trace.acf(longest="0.2 s"), VALUES - VALUES.mean()
     direct = [away[: 4000 - lag] @ away[lag:] / 4000 for lag in range(21)]
     np.testing.assert_allclose(1e-12 * lags.covariance, direct, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(lags.lag, np.arange(21) / 100.0, rtol=1e-12)
     shares = trace.histogram(bins=20)
     expected, _ = np.histogram(VALUES, 20, density=True)
     np.testing.assert_allclose(1e6 * shares.density, expected, rtol=1e-9)
