@@ -1,13 +1,15 @@
 """Random faults in a room: `tools/random_faults.py ROOM TESTS [--count N] [--seed S]`, with cosmic-ray installed.
 
 Draws faults of cosmic-ray in the files of `src/rubnoise/ROOM`, puts one at a time into a copy of the program, and runs
-the tests there, for a minute at most. Prints each fault that no test notices with its line, and how many those are.
+the tests there. Those that take a minute more than twice their time without a fault hang, which is noticed, too. Prints
+each fault with its line, and how many survive.
 """
 
 import argparse
 import re
 import sys
 import tempfile
+import time
 from pathlib import Path
 from random import Random
 
@@ -50,17 +52,19 @@ def main() -> int:
         room = copy / "src" / "rubnoise" / asked.room
         every = [each for path in sorted(room.rglob("*.py") if room.is_dir() else [room]) for each in faults(path)]
         drawn = Random(asked.seed).sample(every, min(asked.count, len(every)))  # noqa: S311  (no secret)
+        begun = time.monotonic()
         if not mutants.tried(copy, asked.tests, enough=True).passed:
             raise SystemExit("without any fault these tests have to pass")
+        longest = SECONDS + 2.0 * (time.monotonic() - begun)
         survived = 0
         for path, name, number, line in drawn:
             before = path.read_text(encoding="utf-8")
             path.write_text(mutate_code(before, get_operator(name)(), number), encoding="utf-8")
             compiled = f"random {name} {number}".replace("/", " ")
-            trial = mutants.tried(copy, asked.tests, compiled, enough=True, seconds=SECONDS)
+            trial = mutants.tried(copy, asked.tests, compiled, enough=True, seconds=longest)
             path.write_text(before, encoding="utf-8")
             survived += trial.passed
-            word = "SURVIVED" if trial.passed else "killed"
+            word = "SURVIVED" if trial.passed else "hangs" if trial.failures == ("TIMEOUT",) else "killed"
             shown = before.splitlines()[line - 1].strip()
             place_of_it = path.relative_to(copy / "src" / "rubnoise")
             print(f"{word:9} {place_of_it}:{line}  {name.rpartition('/')[2]}  {shown}", flush=True)
