@@ -17,9 +17,11 @@ from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage import disk, writer
 from rubnoise.storage import read_structure as structure_module
 from rubnoise.storage.output import OutputPaths, sole_writer
+from rubnoise.sweep import index
 from rubnoise.sweep.folder import Shard, SweepFolder
 from rubnoise.sweep.journal import RunRow, SweepJournal, entries
 from rubnoise.sweep.run_status import RunStatus, StatusLog, found_run
+from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.unit.scenarios import GRID, sweep_of
 
 
@@ -380,3 +382,14 @@ def test_a_whole_result_of_another_run_stays(
     path = _left(points[1], claimed).rename(claimed.run(points[0].run_id))
     assert _recovered(points[0], claimed, ledger) is None
     assert path.exists()
+
+
+@pytest.mark.parametrize(("alone", "every", "count"), [(True, 0.0, 1), (True, 1e9, 0), (False, 0.0, 0)])
+def test_only_a_whole_sweep_renews_its_index_on_the_way(
+    claimed: SweepFolder, sweep: Sweep, monkeypatch: pytest.MonkeyPatch, *, alone: bool, every: float, count: int
+) -> None:
+    monkeypatch.setattr(index, "EVERY", every)
+    refresh, renewed = index.IndexRefresh(claimed, sweep, AdaptiveReplicates(sweep), "", alone=alone), []
+    monkeypatch.setattr(refresh, "now", lambda: renewed.append("index.h5"))
+    refresh.if_due()
+    assert renewed == ["index.h5"] * count

@@ -217,8 +217,8 @@ def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
     """Refuse what no disk holds, from expected numbers and before any is drawn."""
-    alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
-    junctions = model.birth_rate * model.distance + alive
+    # Those alive at the start are at most a two-thousandth of the limit (`_crowd_problems`).
+    junctions = model.birth_rate * model.distance
     ticks = model.tick_count + 1
     if junctions + ticks <= limits.RESULT_ROWS:
         return
