@@ -17,6 +17,7 @@ from bench.checks import Wrong
 from bench.clock import Task, Timing, cpu_time, interleaved
 from bench.entrants import FASTEST
 from rubnoise.api.playing import describe, play
+from rubnoise.scenario.writing import text_of
 from rubnoise.storage.writer import RunWriter
 
 PROGRAM = Path(sys.executable).with_name("rubnoise")
@@ -29,11 +30,19 @@ REPORT = "rubnoise report, Figure 5"
 IMPORT = "import rubnoise's functions, read a scenario"
 FIRST = "first run after that, beyond a second one"
 COMPILING = "the same with nothing compiled before"
+KEPT = ("runs", "summary")
+"""What a sweep may keep of each run: a file, or what its summary says."""
+
 FEW = 3
 """Repeats of what takes seconds."""
 
-# Python keeps what it has compiled unless a variable forbids it, and the first of these processes is not counted.
-VARIABLES = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+# As a user has it. Python keeps what it has compiled unless a variable forbids it, and the first of these processes is
+# not counted. Libraries begin with a thread for each processor, which the rest of the benchmark forbids.
+VARIABLES = {
+    name: value
+    for name, value in os.environ.items()
+    if name != "PYTHONDONTWRITEBYTECODE" and not name.endswith("_NUM_THREADS")
+}
 FRESH = f"""
 import json, time
 def now():
@@ -103,9 +112,10 @@ def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterato
     """Yield what ours takes beside the least that it needs: ``swept`` short runs, a run of many ``junctions``."""
     short = [ours.scenario(Case(junctions=JUNCTIONS), FASTEST, seed=seed) for seed in range(1, swept + 1)]
     long, path = ours.scenario(Case(junctions=junctions), FASTEST), folder / "verified.h5"
+    sweeps = {keep: _sweep_file(folder, short[0], swept, keep) for keep in KEPT}
 
-    def sweep() -> None:
-        with rubnoise.run_sweep(short[0], replicates=swept, jobs=1) as made:
+    def sweep(keep: str) -> None:
+        with rubnoise.run_sweep(sweeps[keep], jobs=1) as made:
             if made.count("done") != swept:
                 raise Wrong(f"a sweep: only {made.count('done')} of {swept} runs were made")
 
@@ -124,11 +134,14 @@ def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterato
     pairs = (
         ("rubnoise check", _process(check), "import numpy", _process([sys.executable, "-c", "import numpy"])),
         (RUN, _process(_run(folder)), "import numba", _process([sys.executable, "-c", "import numba"])),
-        (
-            f"a run of {JUNCTIONS} junctions in a sweep",
-            Task(sweep, swept),
-            "the same in memory",
-            Task(lambda: [rubnoise.simulate(each) for each in short], swept),
+        *(
+            (
+                f'a run of {JUNCTIONS} junctions in a sweep, keep = "{keep}"',
+                Task(partial(sweep, keep), swept),
+                "the same in memory",
+                Task(lambda: [rubnoise.simulate(each) for each in short], swept),
+            )
+            for keep in KEPT
         ),
         (
             f"verify a run of {many}",
@@ -148,6 +161,12 @@ def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterato
         task.call()
         times = interleaved({least: bare, what: task}, repeats)
         yield Beside(what, times[what], least, times[least])
+
+
+def _sweep_file(folder: Path, scenario: rubnoise.Scenario, replicates: int, keep: str) -> Path:
+    path = folder / f"{keep}.toml"
+    path.write_text(text_of({**scenario.resolved(), "sweep": {"replicates": replicates, "keep": keep}}))
+    return path
 
 
 def _process(command: list[str]) -> Task:
