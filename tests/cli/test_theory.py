@@ -110,6 +110,12 @@ def test_many_points_far_out_are_no_trouble(here: Path) -> None:
     assert found["distribution"]["cdf"][:2] == [1.0, 0.0]
 
 
+def test_areas_are_asked_for_in_round_steps_around_the_mean(here: Path) -> None:
+    lines = call("theory", FIG5).out.split("distribution of the area")[1].splitlines()
+    areas = [float(line.split()[0]) for line in lines[2:11]]
+    assert areas == [40.0, 80.0, 120.0, 160.0, 200.0, 240.0, 280.0, 320.0, 360.0]  # 3/4 of the std are 42 um^2
+
+
 def test_passages_of_levels_are_told(here: Path) -> None:
     found = told(FIG5, "--at-level", "170.5613,500,-1e6")["crossings"]
     assert found["level"] == [170.5613, 500.0, -1e6]

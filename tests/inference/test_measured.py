@@ -3,6 +3,7 @@
 import json
 import struct
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -251,6 +252,12 @@ def test_an_array_needs_a_rate_and_a_unit() -> None:
         infer(np.array([1.0, np.inf]), rate="1 Hz", unit="N", speed="1 um/s")
 
 
+@pytest.mark.parametrize("given", [{}, {"rate": "1 kHz"}, {"unit": "N"}])
+def test_a_trace_of_an_array_needs_both(given: dict[str, str]) -> None:
+    with pytest.raises(Refused, match="needs rate= and unit="):
+        rubnoise.Trace(np.arange(9.0), **given)
+
+
 def test_a_unit_may_be_what_a_count_is(contact_csv: Path) -> None:
     found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
     halves = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", unit="0.5 mN")
@@ -274,6 +281,16 @@ def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path
         first, second = found.estimates[name], again.estimates[name]
         error = np.hypot(first.standard_error / first.value, second.standard_error / second.value)
         assert abs(np.log(second.value / first.value)) <= 4.0 * error, name
+
+
+def test_strengths_that_differ_differ_in_the_scenario(contact_csv: Path) -> None:
+    found = rubnoise.infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
+    assert found.fit is not None
+    unequal = replace(found, fit=replace(found.fit, contact=replace(found.fit.contact, inequality=1.09)))
+    strengths = rubnoise.scenario.loads(found_scenario(unequal, speed="1 mm/s")).model().strengths
+    assert strengths is not None
+    assert strengths.moment(2) / strengths.mean**2 == pytest.approx(1.09, rel=1e-9)
+    assert strengths.mean == pytest.approx(found.estimates["shear_strength"].value, rel=1e-5)
 
 
 def test_the_bootstrap_agrees_with_the_errors(contact_csv: Path) -> None:

@@ -54,6 +54,7 @@ def test_a_report_of_free_motion_says_how_long_it_was_off_and_shows_no_theory(bo
     assert float(said[2]) == pytest.approx(fallen / end, rel=6e-3)
     assert text.count("data:image/png;base64,") == 9
     assert "the exact density" not in text
+    assert "A slider of 5 g slides over 6 mm of a rough surface" in text
     assert "The normal velocity of the slider" in text
 
 

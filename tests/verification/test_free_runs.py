@@ -10,6 +10,8 @@ import h5py
 import numpy as np
 import pytest
 from scipy.signal import lsim
+from scipy.stats import norm
+from scipy.stats import t as student
 
 import rubnoise
 from rubnoise.analysis import reading
@@ -172,6 +174,15 @@ def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
     assert model.free is not None
     heavier = replace(model, free=replace(model.free, held=replace(model.free.held, load=5.1e4)))
     assert "load_mean" in compare(heavier, record).outside
+
+
+def test_the_mean_load_is_judged_by_its_scatter_over_stretches() -> None:
+    """Student's t of 32 stretches; as a deviate of the normal law it is what has the same probability."""
+    model = replace(RUNS["elastic"], distance=8000.0, tick=0.2, tick_count=40_000)
+    found = next(each for each in compare(model, recorded(model, seed=8)).figures if each.name == "load_mean")
+    t = (found.observed - found.expected) / found.standard_error
+    assert found.z == pytest.approx(norm.isf(student.sf(t, 31)), rel=1e-9)
+    assert abs(found.z - t) > 1e-4
 
 
 def test_mean_loads_are_those_of_whole_columns_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
