@@ -13,10 +13,11 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.errors import Refused
+from rubnoise.figure_names import FIGURE_NAMES, TWO_WAY
 from rubnoise.figures import motion as motions
 from rubnoise.figures import slider as phases
 from rubnoise.figures.animation import Film
-from rubnoise.figures.axis_labels import ALL, TWO_WAY, quantity_label
+from rubnoise.figures.axis_labels import quantity_label
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.motion import STICKS, Motion, spans
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
@@ -454,6 +455,8 @@ def test_a_sweep_shows_only_what_a_coupling_has(
 
 
 def test_every_figure_of_a_two_way_run_has_a_name_in_pictures(two_way: Stretch) -> None:
-    assert {name for name in two_way.file.summary if "_exact" not in name and "_standard" not in name} <= set(ALL)
+    assert {name for name in two_way.file.summary if "_exact" not in name and "_standard" not in name} <= set(
+        FIGURE_NAMES
+    )
     assert set(TWO_WAY) <= set(two_way.file.summary)
-    assert all(quantity_label(name) for name in ALL)
+    assert all(quantity_label(name) for name in FIGURE_NAMES)

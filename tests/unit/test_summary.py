@@ -75,18 +75,23 @@ def test_what_a_run_has_is_summarised_in_order(run: Model, names: list[str]) -> 
 
 
 def test_exact_values_are_those_of_figure_5() -> None:
-    figures = _figures(model(distance=1000.0))
+    figures = _figures(replace(model(distance=1000.0), hardness=1e3))
     expected = {
         "real_contact_area_mean": 204.6736,
         "real_contact_area_std": 56.42936,
+        "real_contact_area_skewness": 0.3188999,
+        "real_contact_area_excess_kurtosis": 0.1098517,
         "junction_count_mean": 20.0,
+        "junction_count_std": np.sqrt(20.0),
         "friction_force_mean": 51168.4,
         "friction_force_std": 14107.34,
+        "friction_coefficient": 0.255842,
+        "displacement_mean": 170.5613,
         "displacement_std": 195.3059,
         "velocity_std": 47241.1,
         "one_way_validity": 47.2411,
     }
-    assert {name: figures[name].expected for name in expected} == pytest.approx(expected, rel=1e-6)
+    assert {name: each.expected for name, each in figures.items()} == pytest.approx(expected, rel=1e-6)
     assert figures["one_way_validity"].observed == figures["velocity_std"].observed / 1000.0
 
 

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.run_summary import SummarySink
+from rubnoise.figure_names import QUANTITIES
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import limits
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
-from rubnoise.scenario.sweep_table import FEWEST, QUANTITIES, Precision
+from rubnoise.scenario.sweep_table import FEWEST, Precision
 from rubnoise.simulation.run import simulate
 from rubnoise.sweep.execution import Measurement, measured
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
@@ -85,7 +86,7 @@ def test_quantities_are_the_figures_of_a_run() -> None:
     sink = SummarySink(run)
     simulate(run, 1, sink, engine="batch")
     assert [figure.name for figure in sink.finish().figures] == [
-        name for name, table in QUANTITIES.items() if table != "load"
+        name for name, known in QUANTITIES.items() if known.needs != "load"
     ]
 
 

@@ -10,6 +10,7 @@ from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.moments import FEWEST_LIVES, LARGEST_ERRORS
 from rubnoise.analysis.records import longer
+from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model, Slider
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import Tally
@@ -54,12 +55,12 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
     found = {
         name: getattr(seen[figure.column], figure.part) / figure.over(model)
         for name, figure in FIGURES.items()
-        if figure.column in seen and figure.is_of(model)
+        if figure.column in seen and _is_of(name, model)
     }
     exact = {name: theory[name][0] for name in found}
     if "displacement" in seen and model.is_two_way:
         moving = _two_way_motion(model, tally)
-        found = {name: value for name, value in found.items() if FIGURES[name].needs != "slider"}
+        found = {name: value for name, value in found.items() if FIGURE_NAMES[name].needs != "slider"}
         found |= {name: value for name, (value, _) in moving.items()}
         exact |= {name: value for name, (_, value) in moving.items() if name not in FIGURES}
     return [
@@ -206,7 +207,7 @@ def expected_figure(model: Model, name: str) -> float:
     nan if the model has no such figure, or if theory is silent about it.
     """
     figure = FIGURES.get(name)
-    if figure is None or not figure.is_of(model):
+    if figure is None or not _is_of(name, model):
         return nan
     if model.free is not None:
         known = free_motion(model)
@@ -216,29 +217,29 @@ def expected_figure(model: Model, name: str) -> float:
             "friction_force": known.force_mean,
         }
         return means.get(figure.column, nan) / figure.over(model) if figure.part == "mean" else nan
-    if figure.needs == "slider" and model.is_two_way and coupling(model).unknown is not None:
+    if FIGURE_NAMES[name].needs == "slider" and model.is_two_way and coupling(model).unknown is not None:
         return nan
     return figure.exact(model) / figure.over(model)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Figure:
-    """One figure of a summary: a moment of a column, its unit, its exact value, and what a model needs for it.
-
-    ``over`` gives a number that both are divided by.
-    """
+    """One figure of a summary: a moment of a column, and its exact value; ``over`` is what both are divided by."""
 
     column: str
     part: str
-    unit: str
     exact: Callable[[Model], float]
-    needs: str = "sizes"
-    one_way: bool = False
     over: Callable[[Model], float] = lambda _model: 1.0
 
-    def is_of(self, model: Model) -> bool:
-        """Whether the runs of a model have it."""
-        return getattr(model, self.needs) is not None and not (self.one_way and model.is_two_way)
+
+_IN_MODEL: Final = {"strength": "strengths", "load": "held"}
+
+
+def _is_of(name: str, model: Model) -> bool:
+    """Whether the runs of a model have a figure."""
+    known = FIGURE_NAMES[name]
+    there = not known.needs or getattr(model, _IN_MODEL.get(known.needs, known.needs)) is not None
+    return there and not (known.one_way and model.is_two_way)
 
 
 def _of_area(part: str, model: Model) -> float:
@@ -267,69 +268,24 @@ def _load(model: Model) -> float:
 
 
 FIGURES: Final[dict[str, Figure]] = {
-    **{
-        f"real_contact_area_{part}": Figure(
-            column="real_contact_area",
-            part=part,
-            unit="um^2" if part in _PARTS[:2] else "",
-            exact=partial(_of_area, part),
-        )
-        for part in _PARTS
-    },
-    "junction_count_mean": Figure(column="junction_count", part="mean", unit="", exact=mean_count),
-    "junction_count_std": Figure(
-        column="junction_count", part="std", unit="", exact=lambda model: float(count_variance(model) ** 0.5)
-    ),
-    **{
-        f"friction_force_{part}": Figure(
-            column="friction_force", part=part, unit="uN", needs="strengths", exact=partial(_of_force, part)
-        )
-        for part in _PARTS[:2]
-    },
-    "friction_coefficient": Figure(
-        column="friction_force", part="mean", unit="", needs="hardness", exact=partial(_of_force, "mean"), over=_load
-    ),
-    "displacement_mean": Figure(
-        column="displacement", part="mean", unit="um", needs="slider", exact=_exact_mean_displacement
-    ),
-    "displacement_std": Figure(
-        column="displacement",
-        part="std",
-        unit="um",
-        needs="slider",
-        exact=lambda model: _exact_motion(model).displacement_std,
-    ),
-    "velocity_std": Figure(
-        column="velocity",
-        part="std",
-        unit="um/s",
-        needs="slider",
-        exact=lambda model: _exact_motion(model).velocity_std,
-    ),
-    **{
-        f"{column}_std": Figure(
-            column=column,
-            part="std",
-            unit=unit,
-            needs="held",
-            exact=partial(_of_motion, name),
-        )
-        for column, unit, name in (
-            ("separation", "um", "separation_std"),
-            ("normal_velocity", "um/s", "velocity_std"),
-            ("load", "uN", "load_std"),
-        )
-    },
-    "load_mean": Figure(column="load", part="mean", unit="uN", needs="held", exact=_load),
+    **{f"real_contact_area_{part}": Figure("real_contact_area", part, partial(_of_area, part)) for part in _PARTS},
+    "junction_count_mean": Figure("junction_count", "mean", mean_count),
+    "junction_count_std": Figure("junction_count", "std", lambda model: float(count_variance(model) ** 0.5)),
+    **{f"friction_force_{part}": Figure("friction_force", part, partial(_of_force, part)) for part in _PARTS[:2]},
+    "friction_coefficient": Figure("friction_force", "mean", partial(_of_force, "mean"), _load),
+    "displacement_mean": Figure("displacement", "mean", _exact_mean_displacement),
+    "displacement_std": Figure("displacement", "std", lambda model: _exact_motion(model).displacement_std),
+    "velocity_std": Figure("velocity", "std", lambda model: _exact_motion(model).velocity_std),
+    "separation_std": Figure("separation", "std", partial(_of_motion, "separation_std")),
+    "normal_velocity_std": Figure("normal_velocity", "std", partial(_of_motion, "velocity_std")),
+    "load_std": Figure("load", "std", partial(_of_motion, "load_std")),
+    "load_mean": Figure("load", "mean", _load),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
     "one_way_validity": Figure(
-        column="velocity",
-        part="std",
-        unit="",
-        needs="slider",
-        one_way=True,
-        exact=lambda model: response(model).velocity_std,
-        over=lambda model: response(model).sliding_speed,
+        "velocity", "std", lambda model: response(model).velocity_std, lambda model: response(model).sliding_speed
     ),
 }
-"""The figures of every run, in the order of a summary; those of a two-way slider alone are in `_two_way_motion`."""
+"""The figures of every run, in the order of a summary; those of a two-way slider alone are in `_two_way_motion`.
+
+What each is called, its unit and what a model needs for it is in `rubnoise.figure_names`.
+"""

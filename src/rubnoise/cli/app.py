@@ -23,45 +23,48 @@ from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, Scenar
 
 DEBUG = "--debug"
 
-COMMANDS: Final = {
-    "run": "run.command",
-    "resume": "run.resume",
-    "sweep": "sweep.command",
-    "check": "check.command",
-    "info": "info.command",
-    "junction": "junction.command",
-    "junctions": "junctions.command",
-    "compare": "compare.command",
-    "infer": "infer.command",
-    "surface": "surface.command",
-    "verify": "verify.command",
-    "view": "view.command",
-    "report": "report.command",
-    "plot": "plot.command",
-    "animate": "animate.command",
-    "theory": "theory.command",
-    "contact": "contact.command",
-    "figures": "figures.command",
-    "claims": "claims.command",
-    "listen": "listen.command",
-    "teach": "teach.command",
-    "export": "export.command",
-    "examples": "new.print_examples",
-    "new": "new.command",
-    "schema": "new.print_schema",
-    "cite": "version.cite",
-    "docs": "docs.command",
+HEADINGS: Final = {
+    "Begin and run": {
+        "new": "new.command",
+        "examples": "new.print_examples",
+        "check": "check.command",
+        "run": "run.command",
+        "resume": "run.resume",
+        "sweep": "sweep.command",
+    },
+    "Look at a result": {
+        "info": "info.command",
+        "view": "view.command",
+        "plot": "plot.command",
+        "junction": "junction.command",
+        "junctions": "junctions.command",
+        "report": "report.command",
+        "animate": "animate.command",
+        "listen": "listen.command",
+        "export": "export.command",
+    },
+    "Compare": {
+        "theory": "theory.command",
+        "compare": "compare.command",
+        "verify": "verify.command",
+        "figures": "figures.command",
+        "claims": "claims.command",
+    },
+    "Measure": {
+        "infer": "infer.command",
+        "surface": "surface.command",
+        "contact": "contact.command",
+    },
+    "Teach and cite": {
+        "teach": "teach.command",
+        "docs": "docs.command",
+        "cite": "version.cite",
+        "schema": "new.print_schema",
+    },
 }
-"""The module of this package and the function of each command."""
+"""The commands under the headings of --help: the module of this package and the function of each."""
 
-PANELS: Final = {
-    "Begin and run": ("new", "examples", "check", "run", "resume", "sweep"),
-    "Look at a result": ("info", "view", "plot", "junction", "junctions", "report", "animate", "listen", "export"),
-    "Compare": ("theory", "compare", "verify", "figures", "claims"),
-    "Measure": ("infer", "surface", "contact"),
-    "Teach and cite": ("teach", "docs", "cite", "schema"),
-}
-"""The commands under the headings of --help."""
+COMMANDS: Final = {name: place for commands in HEADINGS.values() for name, place in commands.items()}
 
 
 def program(names: Iterable[str] = COMMANDS) -> Typer:
@@ -75,12 +78,11 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         pretty_exceptions_enable=False,
     )
     app.callback(invoke_without_command=True)(root)
-    listed = [each for names_of_panel in PANELS.values() for each in names_of_panel]
-    for name in sorted(names, key=listed.index):
+    for name in sorted(names, key=list(COMMANDS).index):
         module_name, _, function = COMMANDS[name].partition(".")
         module = import_module(f"rubnoise.cli.{module_name}")
         command = getattr(module, function)
-        panel = next(panel for panel, commands in PANELS.items() if name in commands)
+        panel = next(heading for heading, commands in HEADINGS.items() if name in commands)
         settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
         app.command(name, **settings)(command)
         for annotation in command.__annotations__.values():

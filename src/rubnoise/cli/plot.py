@@ -43,9 +43,9 @@ RECORDS = (".csv", ".tsv", ".txt")
 
 def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
-    from rubnoise.figures.axis_labels import ALL
+    from rubnoise.figure_names import FIGURE_NAMES
 
-    return [name for name in (*PICTURES, *ALL) if name.startswith(incomplete)]
+    return [name for name in (*PICTURES, *FIGURE_NAMES) if name.startswith(incomplete)]
 
 
 def command(

@@ -16,7 +16,8 @@ from rubnoise.analysis.summary import expected_figure
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.axis_labels import ALL, shown_unit
+from rubnoise.figure_names import FIGURE_NAMES
+from rubnoise.figures.axis_labels import shown_unit
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import NUMBER, Quantity
 
@@ -238,7 +239,7 @@ def _label(point: PointRuns, others: tuple[str, ...]) -> str:
 
 def quantities_of(sweep: SweepResult) -> tuple[str, ...]:
     """Return the quantities of a sweep that can be drawn, in the order of a summary."""
-    return tuple(name for name in ALL if name in sweep.runs)
+    return tuple(name for name in FIGURE_NAMES if name in sweep.runs)
 
 
 def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:

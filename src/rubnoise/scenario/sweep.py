@@ -9,6 +9,7 @@ from itertools import islice
 from typing import Any
 
 from rubnoise.errors import ScenarioRefused
+from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Overlay
@@ -16,7 +17,7 @@ from rubnoise.scenario.points import Case, Point, points_of, run_id
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_table import ONE_WAY_ONLY, QUANTITIES, Axis, Keep, Precision, Table, read_table
+from rubnoise.scenario.sweep_table import Axis, Keep, Precision, Table, read_table
 
 _NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
 _SHOWN_CHARACTERS = 40
@@ -222,13 +223,14 @@ def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
 
 def _without_quantity(given: Layers, precision: Precision | None, cases: Sequence[Case]) -> Iterator[Problem]:
     """Refuse a precision of a quantity that a point does not have."""
-    needs = QUANTITIES[precision.quantity] if precision else ""
+    needs = QUANTITIES[precision.quantity].needs if precision else ""
     lacking = next((case for case in cases if needs and getattr(case.scenario, needs) is None), None)
     if precision and lacking:
         path = (SWEEP, "quantity")
         message = f"{precision.quantity} is no quantity of a run without [{needs}]"
         yield Problem(path=path, message=message, place=given.value_place(path), hint=f"a table [{needs}]")
-    if precision and precision.quantity == ONE_WAY_ONLY and any(case.scenario.physics.is_two_way for case in cases):
+    one_way = precision is not None and QUANTITIES[precision.quantity].one_way
+    if precision and one_way and any(case.scenario.physics.is_two_way for case in cases):
         path = (SWEEP, "quantity")
-        message = f"{ONE_WAY_ONLY} is no quantity of a run with two-way coupling"
+        message = f"{precision.quantity} is no quantity of a run with two-way coupling"
         yield Problem(path=path, message=message, place=given.value_place(path), hint="velocity_std is one")

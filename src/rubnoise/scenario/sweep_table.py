@@ -8,35 +8,13 @@ from typing import Annotated, Any, Final, Literal, cast
 
 from pydantic import Field as About
 
+from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import limits
 from rubnoise.scenario.document import Section
 from rubnoise.scenario.fields import Choice, Field, Number, Range, Unfit, did_you_mean
 from rubnoise.scenario.keys import SECTIONS, SWEEP
 from rubnoise.scenario.layers import Layers, Setting
 from rubnoise.scenario.problems import Path, Place, Problem
-
-QUANTITIES: Final[dict[str, str]] = {
-    "real_contact_area_mean": "",
-    "real_contact_area_std": "",
-    "real_contact_area_skewness": "",
-    "real_contact_area_excess_kurtosis": "",
-    "junction_count_mean": "",
-    "junction_count_std": "",
-    "friction_force_mean": "strength",
-    "friction_force_std": "strength",
-    "displacement_mean": "slider",
-    "displacement_std": "slider",
-    "velocity_std": "slider",
-    "one_way_validity": "slider",
-    "separation_std": "load",
-    "normal_velocity_std": "load",
-    "load_mean": "load",
-    "load_std": "load",
-}
-"""The figures of a run, and the table that a scenario needs for each."""
-
-ONE_WAY_ONLY: Final = "one_way_validity"
-"""The figure that a run with two-way coupling does not have."""
 
 FEWEST: Final = 8
 """Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""

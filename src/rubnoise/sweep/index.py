@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused
+from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.scenario import Scenario
@@ -20,23 +21,12 @@ from rubnoise.storage.index_file import open_index
 from rubnoise.storage.layout import features_of
 from rubnoise.storage.merged_sweep import write_merged
 from rubnoise.storage.output import whole_file
-from rubnoise.storage.schema import SLIDER, TRACE, Dataset
+from rubnoise.storage.schema import Dataset
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import RunRow
 from rubnoise.sweep.run_status import DONE, RecordedRuns, RunStatus
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from rubnoise.units import RATIO, Quantity
-
-_UNITS: Final = {column.name: column.units for group in (TRACE, SLIDER) for column in group.columns} | {
-    "separation": "um",
-    "normal_velocity": "um/s",
-    "load": "uN",
-    "mean_force": "uN",
-    "sticks_per_s": "1/s",
-    "reversals_per_s": "1/s",
-    "slips_longer_than_d_per_s": "1/s",
-}
-_PURE: Final = ("skewness", "kurtosis")
 
 
 def text(name: str, meaning: str, texts: Sequence[str]) -> Filled:
@@ -53,7 +43,7 @@ def whole(name: str, meaning: str, numbers: Sequence[int]) -> Filled:
 
 
 def figure(name: str, values: NDArray[np.float64]) -> Filled:
-    """Return a figure of /summary, in the unit of the quantity with whose name its own begins."""
+    """Return a figure of /summary, in the unit of the figure with whose name its own begins."""
     return Filled(
         about=Dataset(name=name, units=_unit(name), long_name=name.replace("_", " "), symbol=""), values=values
     )
@@ -61,9 +51,7 @@ def figure(name: str, values: NDArray[np.float64]) -> Filled:
 
 @lru_cache(maxsize=1024)
 def _unit(name: str) -> str:
-    if any(word in name for word in _PURE):
-        return "1"
-    return next((unit for quantity, unit in _UNITS.items() if name.startswith(quantity)), "1")
+    return next((known.unit for figure, known in FIGURE_NAMES.items() if name.startswith(figure)), "") or "1"
 
 
 def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
