@@ -1,7 +1,7 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
 from collections.abc import Collection, Container
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from enum import IntEnum
 from typing import Final, Literal
 
@@ -22,7 +22,7 @@ HASH: Final = "xxh3_128"
 HASH_DIGITS: Final = 32
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Dataset:
     """One dataset of one dimension; ``needs`` names the feature without which it is absent.
 
@@ -32,8 +32,9 @@ class Dataset:
 
     name: str
     units: str
-    long_name: str
     symbol: str
+    long_name: str
+    _: KW_ONLY
     dtype: str = "<f8"
     needs: Feature | None = None
     flags: tuple[tuple[int, str], ...] = ()
@@ -95,40 +96,30 @@ JUNCTIONS: Final = Group(
     grows=("free",),
     instead=(("free", _TOUCHES, "diameter"),),
     columns=(
-        Dataset(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
+        Dataset("junction", "1", "j", "row number of the junction", dtype="<i8"),
+        Dataset("encounter", "1", "i", "number of the summit touched", dtype="<i8", needs="free"),
+        Dataset("birth_distance", "um", "s_birth", "sliding distance at first touch"),
+        Dataset("death_distance", "um", "s_death", "sliding distance at separation"),
+        Dataset("life_distance", "um", "L_j", "sliding distance from birth to death"),
+        Dataset("diameter", "um", "d", "diameter of the two circles in contact"),
         Dataset(
-            name="encounter", dtype="<i8", units="1", symbol="i", long_name="number of the summit touched", needs="free"
-        ),
-        Dataset(name="birth_distance", units="um", symbol="s_birth", long_name="sliding distance at first touch"),
-        Dataset(name="death_distance", units="um", symbol="s_death", long_name="sliding distance at separation"),
-        Dataset(name="life_distance", units="um", symbol="L_j", long_name="sliding distance from birth to death"),
-        Dataset(name="diameter", units="um", symbol="d", long_name="diameter of the two circles in contact"),
-        Dataset(
-            name="lateral_offset",
-            units="um",
-            symbol="b",
-            long_name="distance of one circle's centre from the line of the other's, across the motion",
+            "lateral_offset",
+            "um",
+            "b",
+            "distance of one circle's centre from the line of the other's, across the motion",
             needs="offset",
         ),
-        Dataset(name="max_area", units="um^2", symbol="A_jmax", long_name="area at full overlap"),
+        Dataset("max_area", "um^2", "A_jmax", "area at full overlap"),
+        Dataset("max_overlap", "um", "delta_max", "largest overlap in height", needs="free"),
+        Dataset("shear_strength", "MPa", "psi", "shear strength of the junction", needs="strength"),
+        Dataset("birth_time", "s", "t_birth", "time of first touch", needs="speed"),
+        Dataset("death_time", "s", "t_death", "time of separation", needs="speed"),
         Dataset(
-            name="max_overlap", units="um", symbol="delta_max", long_name="largest overlap in height", needs="free"
-        ),
-        Dataset(
-            name="shear_strength",
-            units="MPa",
-            symbol="psi",
-            long_name="shear strength of the junction",
-            needs="strength",
-        ),
-        Dataset(name="birth_time", units="s", symbol="t_birth", long_name="time of first touch", needs="speed"),
-        Dataset(name="death_time", units="s", symbol="t_death", long_name="time of separation", needs="speed"),
-        Dataset(
-            name="state",
+            "state",
+            "1",
+            "state",
+            "what cut the life short (0: nothing, the life is complete)",
             dtype="|u1",
-            units="1",
-            symbol="state",
-            long_name="what cut the life short (0: nothing, the life is complete)",
             flags=((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early")),
         ),
     ),
@@ -140,10 +131,10 @@ TRACE: Final = Group(
     length="ticks",
     plotted="real_contact_area",
     columns=(
-        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
-        Dataset(name="real_contact_area", units="um^2", symbol="A_r", long_name="real contact area"),
-        Dataset(name="junction_count", dtype="<u4", units="1", symbol="N_j", long_name="number of live junctions"),
-        Dataset(name="friction_force", units="uN", symbol="F_s", long_name="friction force", needs="strength"),
+        Dataset("distance", "um", "s", "sliding distance"),
+        Dataset("real_contact_area", "um^2", "A_r", "real contact area"),
+        Dataset("junction_count", "1", "N_j", "number of live junctions", dtype="<u4"),
+        Dataset("friction_force", "uN", "F_s", "friction force", needs="strength"),
     ),
 )
 
@@ -155,20 +146,18 @@ SLIDER: Final = Group(
     grows=("slider",),
     plotted="displacement",
     columns=(
-        Dataset(name="time", units="s", symbol="t", long_name="time"),
-        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Dataset("time", "s", "t", "time"),
+        Dataset("distance", "um", "s", "sliding distance"),
+        Dataset("friction_force", "uN", "F_s", "friction force on the slider", needs="strength"),
+        Dataset("base_displacement", "um", "y", "height of the base", needs="base"),
+        Dataset("displacement", "um", "x", "displacement of the slider"),
+        Dataset("velocity", "um/s", "x'", "velocity of the slider"),
         Dataset(
-            name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider", needs="strength"
-        ),
-        Dataset(name="base_displacement", units="um", symbol="y", long_name="height of the base", needs="base"),
-        Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
-        Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
-        Dataset(
-            name="phase",
+            "phase",
+            "1",
+            "phase",
+            "how the slider moves over the surface",
             dtype="|u1",
-            units="1",
-            symbol="phase",
-            long_name="how the slider moves over the surface",
             needs="two-way",
             values=_values(Phase),
         ),
@@ -184,21 +173,18 @@ LOAD: Final = Group(
     plotted="separation",
     instead=(("free", "the slider as it rises and falls under its load, free to leave its contact", "separation"),),
     columns=(
-        Dataset(name="time", units="s", symbol="t", long_name="time"),
+        Dataset("time", "s", "t", "time"),
         Dataset(
-            name="separation",
-            units="um",
-            symbol="z",
-            long_name="separation of the surfaces less its mean",
+            "separation",
+            "um",
+            "z",
+            "separation of the surfaces less its mean",
             instead=(("free", "separation of the surfaces less that at rest", ()),),
         ),
-        Dataset(name="velocity", units="um/s", symbol="z'", long_name="normal velocity of the slider"),
-        Dataset(name="load", units="uN", symbol="P", long_name="load that the junctions bear"),
+        Dataset("velocity", "um/s", "z'", "normal velocity of the slider"),
+        Dataset("load", "uN", "P", "load that the junctions bear"),
         Dataset(
-            name="live_overlap",
-            units="um",
-            symbol="delta",
-            long_name="mean overlap of the live junctions in height; nan without live junctions",
+            "live_overlap", "um", "delta", "mean overlap of the live junctions in height; nan without live junctions"
         ),
     ),
 )
@@ -212,41 +198,29 @@ LANDMARKS: Final = Group(
     plotted="displacement",
     instead=(("free", "where the slider loses contact, and makes it again", "impact_speed"),),
     columns=(
-        Dataset(name="landmark", dtype="<i8", units="1", symbol="n", long_name="row number of the landmark"),
-        Dataset(name="time", units="s", symbol="t", long_name="time"),
-        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Dataset("landmark", "1", "n", "row number of the landmark", dtype="<i8"),
+        Dataset("time", "s", "t", "time"),
+        Dataset("distance", "um", "s", "sliding distance"),
         Dataset(
-            name="kind",
+            "kind",
+            "1",
+            "kind",
+            "what the slider begins",
             dtype="|u1",
-            units="1",
-            symbol="kind",
-            long_name="what the slider begins",
             values=_values(LandmarkKind) + _values(ContactKind),
             instead=(("two-way", "what the slider begins", _values(LandmarkKind)),),
         ),
         Dataset(
-            name="impact_speed",
-            units="um/s",
-            symbol="v_imp",
-            long_name="how fast the overlap grows where contact is made, and shrinks where it is lost",
+            "impact_speed",
+            "um/s",
+            "v_imp",
+            "how fast the overlap grows where contact is made, and shrinks where it is lost",
             needs="free",
         ),
-        Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider", needs="slider"),
-        Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider", needs="slider"),
-        Dataset(
-            name="force_before",
-            units="uN",
-            symbol="F_-",
-            long_name="friction force on the slider just before",
-            needs="two-way",
-        ),
-        Dataset(
-            name="force_after",
-            units="uN",
-            symbol="F_+",
-            long_name="friction force on the slider just after",
-            needs="two-way",
-        ),
+        Dataset("displacement", "um", "x", "displacement of the slider", needs="slider"),
+        Dataset("velocity", "um/s", "x'", "velocity of the slider", needs="slider"),
+        Dataset("force_before", "uN", "F_-", "friction force on the slider just before", needs="two-way"),
+        Dataset("force_after", "uN", "F_+", "friction force on the slider just after", needs="two-way"),
     ),
 )
 
@@ -257,38 +231,21 @@ BALANCE: Final = Group(
     needs=("two-way",),
     plotted="displacement",
     columns=(
-        Dataset(name="time", units="s", symbol="t", long_name="time at the end of the run"),
-        Dataset(name="distance", units="um", symbol="s", long_name="sliding distance at the end of the run"),
-        Dataset(name="displacement", units="um", symbol="x", long_name="displacement of the slider at the end"),
-        Dataset(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider at the end"),
-        Dataset(name="time_stuck", units="s", symbol="t_stick", long_name="time that the slider has stuck"),
+        Dataset("time", "s", "t", "time at the end of the run"),
+        Dataset("distance", "um", "s", "sliding distance at the end of the run"),
+        Dataset("displacement", "um", "x", "displacement of the slider at the end"),
+        Dataset("velocity", "um/s", "x'", "velocity of the slider at the end"),
+        Dataset("time_stuck", "s", "t_stick", "time that the slider has stuck"),
+        Dataset("displacement_integral", "um*s", "I_x", "integral of the displacement over time"),
+        Dataset("displacement_squared_integral", "um^2*s", "I_xx", "integral of the squared displacement over time"),
+        Dataset("velocity_squared_integral", "um^2/s", "I_vv", "integral of the squared velocity over time"),
         Dataset(
-            name="displacement_integral",
-            units="um*s",
-            symbol="I_x",
-            long_name="integral of the displacement over time",
+            "friction_work",
+            "uN*um",
+            "W",
+            "work of friction: integral of the force that the contact bears over the path",
         ),
-        Dataset(
-            name="displacement_squared_integral",
-            units="um^2*s",
-            symbol="I_xx",
-            long_name="integral of the squared displacement over time",
-        ),
-        Dataset(
-            name="velocity_squared_integral",
-            units="um^2/s",
-            symbol="I_vv",
-            long_name="integral of the squared velocity over time",
-        ),
-        Dataset(
-            name="friction_work",
-            units="uN*um",
-            symbol="W",
-            long_name="work of friction: integral of the force that the contact bears over the path",
-        ),
-        Dataset(
-            name="reverse_work", units="uN*um", symbol="W_-", long_name="the part of friction_work done in reversals"
-        ),
+        Dataset("reverse_work", "uN*um", "W_-", "the part of friction_work done in reversals"),
     ),
 )
 
@@ -300,61 +257,43 @@ BLOCKS: Final = Group(
     plotted="birth_distance",
     instead=(("free", "where every stretch begins, and rows of /junctions known by then", "birth_distance"),),
     columns=(
-        Dataset(name="block", dtype="<i8", units="1", symbol="k", long_name="number of the block"),
-        Dataset(name="birth_distance", units="um", symbol="s_birth", long_name="first birth that belongs to the block"),
-        Dataset(name="first_junction", dtype="<i8", units="1", symbol="j_0", long_name="junctions born before it"),
-        Dataset(name="first_tick", dtype="<i8", units="1", symbol="i_0", long_name="ticks finished before it"),
+        Dataset("block", "1", "k", "number of the block", dtype="<i8"),
+        Dataset("birth_distance", "um", "s_birth", "first birth that belongs to the block"),
+        Dataset("first_junction", "1", "j_0", "junctions born before it", dtype="<i8"),
+        Dataset("first_tick", "1", "i_0", "ticks finished before it", dtype="<i8"),
+        Dataset("time", "s", "t", "time of the last row of /slider before the slider reaches it", needs="two-way"),
+        Dataset("distance", "um", "s", "sliding distance in that row", needs="two-way"),
         Dataset(
-            name="time",
-            units="s",
-            symbol="t",
-            long_name="time of the last row of /slider before the slider reaches it",
-            needs="two-way",
-        ),
-        Dataset(
-            name="distance",
-            units="um",
-            symbol="s",
-            long_name="sliding distance in that row",
-            needs="two-way",
-        ),
-        Dataset(
-            name="phase",
+            "phase",
+            "1",
+            "phase",
+            "how the slider moves over the surface in that row",
             dtype="|u1",
-            units="1",
-            symbol="phase",
-            long_name="how the slider moves over the surface in that row",
             needs="two-way",
             values=_values(Phase),
         ),
+        Dataset("displacement", "um", "x", "displacement of the slider at the last tick before it", needs="slider"),
         Dataset(
-            name="displacement",
-            units="um",
-            symbol="x",
-            long_name="displacement of the slider at the last tick before it",
-            needs="slider",
-        ),
-        Dataset(
-            name="velocity",
-            units="um/s",
-            symbol="x'",
-            long_name="velocity of the slider at the last tick before it",
+            "velocity",
+            "um/s",
+            "x'",
+            "velocity of the slider at the last tick before it",
             needs="slider",
             instead=(("base", "x' - c y/m at the last tick before it, y the height of the base", ()),),
         ),
         Dataset(
-            name="separation",
-            units="um",
-            symbol="z",
-            long_name="separation less its mean at the last tick before it",
+            "separation",
+            "um",
+            "z",
+            "separation less its mean at the last tick before it",
             instead=(("free", "separation less that at rest at the last tick before it", ()),),
             needs="load",
         ),
         Dataset(
-            name="separation_velocity",
-            units="um/s",
-            symbol="z'",
-            long_name="normal velocity of the slider at the last tick before it",
+            "separation_velocity",
+            "um/s",
+            "z'",
+            "normal velocity of the slider at the last tick before it",
             needs="load",
         ),
     ),
@@ -367,8 +306,8 @@ LIFE_CURVE: Final = Group(
     lacks=("offset", "free"),
     plotted="area_fraction",
     columns=(
-        Dataset(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
-        Dataset(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
+        Dataset("u", "1", "u", "sliding distance since birth over diameter"),
+        Dataset("area_fraction", "1", "a", "area of the junction over diameter squared"),
     ),
 )
 
@@ -379,16 +318,9 @@ LIFE_TABLE: Final = Group(
     needs=("offset",),
     plotted="area_fraction",
     columns=(
-        Dataset(
-            name="u", units="1", symbol="u", long_name="sliding distance since birth over half of the life, from 0 to 2"
-        ),
-        Dataset(
-            name="offset_fraction",
-            units="1",
-            symbol="b/d",
-            long_name="size of the lateral offset over diameter, from 0 to 1 for each u",
-        ),
-        Dataset(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
+        Dataset("u", "1", "u", "sliding distance since birth over half of the life, from 0 to 2"),
+        Dataset("offset_fraction", "1", "b/d", "size of the lateral offset over diameter, from 0 to 1 for each u"),
+        Dataset("area_fraction", "1", "a", "area of the junction over diameter squared"),
     ),
 )
 
