@@ -12,7 +12,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from typer.main import get_command
 
+from rubnoise.cli.app import program
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import WITH_SLIDER, call, names, start
 from tests.cli.terminal import command as words_of
@@ -322,6 +324,15 @@ def test_a_folder_without_an_index_is_no_sweep(place: Path, command: str) -> Non
 
 SCENARIO_READERS = {"check": (), "run": (), "theory": (), "sweep": (), "teach": ("-o", "out.html")}
 """Commands that read a scenario, with the words behind its path."""
+
+
+def test_every_command_that_reads_a_file_is_tried() -> None:
+    reads = {}
+    for name, each in get_command(program()).commands.items():  # type: ignore[attr-defined]
+        first = next((given.metavar for given in each.params if given.param_type_name == "argument"), "")
+        reads[name] = first.split("|")[0]
+    assert {name for name, what in reads.items() if what == "RUN.h5"} == set(READERS)
+    assert {name for name, what in reads.items() if what in ("FILE", "SCENARIO")} == set(SCENARIO_READERS)
 
 
 @pytest.mark.parametrize("fault", [missing, folder, pipe, device, loop, behind_a_file], ids=lambda each: each.__name__)

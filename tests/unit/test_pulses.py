@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.calibration import NoMatchingDiameter, calibrated_diameter
-from rubnoise.contact.laws import Spread, law_for
+from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.overlap import junction_area, life_integral, max_area
 from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
 from rubnoise.model import Slider
@@ -204,7 +204,7 @@ def test_the_mean_area_of_a_life_is_a_third_of_the_square() -> None:
 
 # The three calibrations, and where one of them has no answer.
 FIG5 = Spread(absolute=0.2)
-SPREADING = ("normal", "lognormal", "gamma")
+SPREADING = [name for name, entry in LAWS.items() if entry.takes_spread]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""One row a junction, one row a tick: the columns of a run, made from what was born, lived and summed."""
+"""The columns of /junctions, one row a junction, and the codes of all that rows tell in whole numbers."""
 
 from collections.abc import Container
 from enum import IntEnum, IntFlag

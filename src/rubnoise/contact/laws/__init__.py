@@ -2,7 +2,8 @@
 
 Each law is a file with its class and its entry for the registry `LAWS`, from which scenario keys, calibration, schema
 and docs read. A value is drawn from one uniform by inversion, in operations that round the same on every processor.
-To add a law, write its file, name its entry below, and give tests/unit/test_laws.py its cases and its textbook.
+To add a law, write its file, name its entry below, and give tests/unit/test_laws.py its cases and its textbook. The
+calibration `matched` needs E[x^3]/centre to be least, for unit spread, where contact/calibration.py looks.
 """
 
 from dataclasses import dataclass
