@@ -45,18 +45,35 @@ def test_the_spectrum_that_white_noise_leaves_has_its_variances() -> None:
     assert white_force_spectrum(run, w[:2]).tolist() == pytest.approx([found.force_density] * 2, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    "sizes",
-    [
-        {"law": "empirical", "values": [4.0, 5.0, 8.5]},
-        {"law": "mixture", "weights": [1.0, 2.0], "parts": [{"law": "fixed", "mean": 4}, {"law": "fixed", "mean": 9}]},
-    ],
-)
+LISTS: list[dict[str, object]] = [
+    {"law": "empirical", "values": [4.0, 5.0, 8.5]},
+    {"law": "mixture", "weights": [1.0, 2.0], "parts": [{"law": "fixed", "mean": 4}, {"law": "fixed", "mean": 9}]},
+]
+
+
+@pytest.mark.parametrize("sizes", LISTS)
 def test_lists_of_sizes_are_the_same_when_read_again(sizes: dict[str, object]) -> None:
     """An unfinished run goes on if its stored scenario equals the one that is asked for."""
     asked = {"interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}, "diameter": sizes}
     resolved = rubnoise.build({"format": 1, "sliding": {"distance": 1000.0}} | asked).resolved()
     assert json.loads(json.dumps(resolved)) == resolved
+
+
+@pytest.mark.parametrize("births", ["poisson", "regular", "gamma"])
+@pytest.mark.parametrize("sizes", LISTS)
+def test_lists_of_sizes_answer_one_number_with_one_number(sizes: dict[str, object], births: str) -> None:
+    """The slider's back action asks for the density at 0 alone."""
+    contact = {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}
+    birth = {"law": births} | ({"shape": 2.0} if births == "gamma" else {})
+    slider = {"mass": "5 g", "stiffness": "300 N/m", "damping_ratio": 0.02}
+    rest = {"strength": {"mean": "250 MPa"}, "sliding": {"distance": 1000.0, "speed": 1000.0}, "slider": slider}
+    theory = rubnoise.exact(
+        rubnoise.build({"format": 1, "interface": contact, "diameter": sizes, "birth": birth} | rest)
+    )
+    for answer in (theory.spectral_density, theory.autocovariance, theory.area_from_empty, theory.count_from_empty):
+        assert np.shape(answer(0.3)) == ()
+        assert answer([[0.3], [0.4]])[0, 0] == answer(0.3)
+    assert theory.coupling().strength > 0.0
 
 
 BIRTHS: dict[str, tuple[dict[str, object], list[float], float]] = {

@@ -1,8 +1,9 @@
 """The Fourier transform of one junction's life: itself, its square, its means over a swing and over sizes."""
 
+import operator
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, Protocol, cast
 
 import numpy as np
@@ -195,7 +196,7 @@ Average = Callable[[NDArray[Any], Doubles, Doubles], NDArray[Any]]
 def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
     """Return E[|A^(k)|^2] in um^6 for k >= 0 in rad/um of any shape; not ``exact``, without the swing of its tail."""
     if parts := parts_of(law):
-        return sum((p * mean_energy(part, pulse, wavenumber, exact=exact) for p, part in parts), np.zeros(1))
+        return _over_parts(parts, lambda part: mean_energy(part, pulse, wavenumber, exact=exact))
     k = np.asarray(wavenumber, dtype=np.float64)
     if k.size > _MOST_KEPT:
         return _mean_energy(law, pulse, k, exact=exact)
@@ -218,7 +219,7 @@ def _mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool) ->
 def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
     """Return E[A^(k)] in um^3, about the birth, for k >= 0 in rad/um of any shape: the transform of the mean life."""
     if parts := parts_of(law):
-        return sum((p * mean_transform(part, pulse, wavenumber) for p, part in parts), np.zeros(1, np.complex128))
+        return _over_parts(parts, lambda part: mean_transform(part, pulse, wavenumber))
     transform = transform_of(pulse)
     life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth)
     return _over_sizes(law, wavenumber, life, _mean)
@@ -227,7 +228,7 @@ def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
 def mean_life_transform(law: Law, wavenumber: Doubles) -> Complexes:
     """Return E[(exp(2ikd) - 1)/(ik)] in um for k >= 0 in rad/um of any shape: the count of a life."""
     if parts := parts_of(law):
-        return sum((p * mean_life_transform(part, wavenumber) for p, part in parts), np.zeros(1, np.complex128))
+        return _over_parts(parts, lambda part: mean_life_transform(part, wavenumber))
     life = _Life(power=1, followed=life_from_birth, damped=mean_life_from_birth)
     return _over_sizes(law, wavenumber, life, _mean)
 
@@ -239,11 +240,12 @@ def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
     """
     if parts := parts_of(law):
         mean = mean_transform(law, pulse, wavenumber)
-        spread = np.zeros(1)
-        for weight, part in parts:
+
+        def about_mean(part: Law) -> Doubles:
             apart = np.square(np.abs(mean_transform(part, pulse, wavenumber) - mean))
-            spread = spread + weight * (energy_spread(part, pulse, wavenumber) + apart)
-        return spread
+            return energy_spread(part, pulse, wavenumber) + apart
+
+        return _over_parts(parts, about_mean)
     transform = transform_of(pulse)
 
     def scatter(phases: Doubles) -> Doubles:
@@ -251,6 +253,11 @@ def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
 
     life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth, scatter=scatter)
     return _over_sizes(law, wavenumber, life, _spread).real
+
+
+def _over_parts(parts: tuple[tuple[float, Law], ...], average: Callable[[Law], NDArray[Any]]) -> NDArray[Any]:
+    """Return what a law has that is made of others, in the shape that each part has it."""
+    return reduce(operator.add, (weight * average(part) for weight, part in parts))
 
 
 def largest_swinging_wavenumber(law: Law) -> float:
