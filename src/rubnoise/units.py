@@ -242,16 +242,20 @@ def _power_hint(text: str, number: str) -> str:
 
 
 def in_unit(value: Any, unit: str) -> Any:
-    """Return numbers as they are, since they are in ``unit`` already, and a quantity of pint converted to it.
+    """Return numbers as they are, since they are in ``unit`` already, and quantities of pint converted to it.
 
     Raises QuantityError for a quantity of another dimension.
     """
+    if isinstance(value, list | tuple):
+        return [in_unit(each, unit) for each in value]
     if not is_of_pint(value):
         return value
     try:
         return value.to(unit).magnitude
     except Exception as problem:  # pint's errors, which are not loaded here
-        raise QuantityError(f"{value}: a quantity in {unit} is needed, or a number") from problem
+        text = str(value)
+        given = text if len(text) <= MAX_UNIT_LENGTH else f"values in {value.units}"
+        raise QuantityError(f"{given}: a quantity in {unit} is needed, or a number") from problem
 
 
 def quantity_of(value: Any, *kinds: Kind) -> Quantity:

@@ -341,7 +341,7 @@ def test_arrays_and_their_faults():
     for bad, word in (
         (np.ones((3, 3)), "points"),
         (np.full((40, 40), np.nan), "no numbers"),
-        (np.array(["x"]), "array of heights"),
+        (np.array(["x"]), "real numbers"),
     ):
         with pytest.raises(rubnoise.Refused, match=word):
             rubnoise.Surface.of(bad, spacing="1 um", unit="um")

@@ -114,7 +114,7 @@ def test_numbers_of_numpy_and_quantities_of_pint_go_where_they_fit() -> None:
     junction = record.junction(np.int32(9))
     place = junction.birth_distance + junction.diameter
     assert junction.area(UNIT.Quantity(place / 1000.0, "mm")) == pytest.approx(junction.area(place), rel=1e-9)
-    with pytest.raises(ValueError, match="a quantity in um is needed"):
+    with pytest.raises(rubnoise.Refused, match="a quantity in um is needed"):
         junction.area(3 * UNIT.kg)
 
 

@@ -23,11 +23,12 @@ from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
+from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.measured import read_measured, refusing_files
-from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column, real_numbers
-from rubnoise.units import FREQUENCY, SPEED, STRESS, is_of_pint
+from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column
+from rubnoise.units import FREQUENCY, SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
 MOST_COLUMNS: Final = 100_000
@@ -128,12 +129,11 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
         return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
     if hasattr(trace, "columns") and hasattr(trace, "to_numpy"):
         return _of_frame(trace, column)
-    of_pint = is_of_pint(trace)
-    values = real_numbers(trace.magnitude if of_pint else trace, "trace")
+    values, unit = with_unit(trace, "trace", "")
     if values.ndim != 1 or not values.size:
         raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
     check_values(values, "trace")
-    return Measured(name="trace", values=values, unit=f"{trace.units:~C}" if of_pint else "", step=None, along="time")
+    return Measured(name="trace", values=values, unit=unit, step=None, along="time")
 
 
 def _of_frame(frame: Any, column: str | None) -> Measured:

@@ -20,13 +20,13 @@ from rubnoise.api.column_group import GROUP_HEADS, Columns, columns_by_group, gr
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import Refused, RunFileRefused, needing
+from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import OpenFile, RunFile, open_run
 from rubnoise.tables import as_html, shortened
-from rubnoise.units import in_unit
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -78,9 +78,12 @@ class Junction:
         b = lateral_offset has d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and
         x = s - birth_distance - sqrt(d^2 - b^2).
         """
-        s = np.asarray(in_unit(distance, "um"), dtype=np.float64)
-        alive = (self.birth_distance <= s) & (s < self.death_distance)
-        return np.where(alive, area_of(self.pulse, s - self.birth_distance, self.diameter, self.lateral_offset), 0.0)
+        return at_each(self._area, real_numbers(distance, "distance", "um"), "distance", (0.0, 0.0))
+
+    def _area(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        alive = (self.birth_distance <= distance) & (distance < self.death_distance)
+        age = distance - self.birth_distance
+        return np.where(alive, area_of(self.pulse, age, self.diameter, self.lateral_offset), 0.0)
 
     def _repr_html_(self) -> str:
         units = {column.name: column.units for column in schema.JUNCTIONS.columns}

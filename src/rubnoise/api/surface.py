@@ -11,6 +11,7 @@ import numpy as np
 from rubnoise.api import keywords
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.real_numbers import with_unit
 from rubnoise.surface.height_map import FORMS, HeightMap, without_form
 from rubnoise.surface.reading import from_topography, length_scale, read_surface, to_file
 from rubnoise.surface.sliding import SlidingContact, count_over_cutoff, slide
@@ -52,22 +53,20 @@ class Surface:
     ) -> Self:
         """Take a topography of SurfaceTopography as it is, or an array of heights with a ``spacing``.
 
-        An array is in ``unit``, such as "nm". ``spacing`` is a length such as "0.5 um", or two of them, along and
-        across the sliding. Raises Refused for what is no map.
+        An array is in ``unit``, such as "nm"; one of pint has its unit, or is converted to ``unit``. ``spacing`` is a
+        length such as "0.5 um", or two of them, along and across the sliding. Raises Refused for what is no map.
         """
         if hasattr(source, "heights") and hasattr(source, "physical_sizes"):
             return cls(without_form(from_topography(source, name, unit), _form(form)))
-        if spacing is None or unit is None:
+        heights, own = with_unit(source, name, unit or "")
+        if spacing is None or not own:
             raise Refused('an array of heights needs spacing= and unit=; right form: spacing="0.5 um", unit="nm"')
         steps = tuple(spacing) if isinstance(spacing, list | tuple) else (spacing, spacing)
         if len(steps) != 2:
             raise Refused(f"spacing=: {keywords.shown(spacing)} is neither one length nor two")
         along, across = (_length("spacing", step) for step in steps)
-        try:
-            heights = np.array(source, dtype=np.float64) * length_scale(unit, name)
-        except (TypeError, ValueError) as problem:
-            raise Refused(f"{name}: is no array of heights: {problem}") from problem
-        return cls(without_form(HeightMap(heights=heights, spacing=(along, across), name=name), _form(form)))
+        scaled = heights * length_scale(own, name)
+        return cls(without_form(HeightMap(heights=scaled, spacing=(along, across), name=name), _form(form)))
 
     @classmethod
     def synthesise(

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from math import isfinite
 from numbers import Real
 from pathlib import Path
@@ -19,9 +19,10 @@ from rubnoise.api import keywords
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
+from rubnoise.real_numbers import with_unit
 from rubnoise.storage.measured import refusing_files
 from rubnoise.storage.measured_text import TextTable
-from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step, real_numbers
+from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import FREQUENCY, KINDS, parse_unit
@@ -85,13 +86,14 @@ class Trace:
     def from_array(cls, values: ArrayLike, *, rate: Any = None, unit: str | None = None, name: str = "trace") -> Self:
         """Make a trace of one array that was sampled at a ``rate`` such as "10 kHz", in a ``unit`` such as "N".
 
-        Its columns are `time` and ``name``. Raises Refused without a rate or a unit.
+        Its columns are `time` and ``name``. Quantities of pint have their unit, or are converted to ``unit``. Raises
+        Refused without a rate or a unit.
         """
         often = keywords.quantity("rate", rate, FREQUENCY)
-        if often is None or unit is None:
+        kept, own = with_unit(values, name, unit or "")
+        if often is None or (unit is None and not own):
             raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
-        kept = real_numbers(values, name)
-        return cls.from_arrays({"time (s)": np.arange(kept.size) / often, f"{name} ({unit})": kept}, name=name)
+        return cls.from_arrays({"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}, name=name)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], *, place: str | None = None, rate: Any = None) -> Self:
@@ -129,11 +131,16 @@ class Trace:
 
     @classmethod
     def from_arrays(cls, columns: Mapping[str, ArrayLike], *, place: str | None = None, name: str = "<python>") -> Self:
-        """Make a trace of arrays of equal length, with headers as names; raises Refused as `from_csv` does."""
-        arrays = [real_numbers(values, f"{name}: {header}") for header, values in columns.items()]
+        """Make a trace of arrays of equal length, with headers as names; raises Refused as `from_csv` does.
+
+        Quantities of pint are converted to the unit of their header, or have their own if it names none.
+        """
+        heads = [head_of(str(header)) for header in columns]
+        read = [with_unit(columns[key], f"{name}: {key}", head.unit) for key, head in zip(columns, heads, strict=True)]
+        arrays = [values for values, _ in read]
         if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
             raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
-        heads = [head_of(str(header)) for header in columns]
+        heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
         for head, each in zip(heads, arrays, strict=True):
             check_values(each, f"{name}: {head.written}", lambda row: f"row {row}")
         number = (

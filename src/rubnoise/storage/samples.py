@@ -5,7 +5,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, NoReturn
+from typing import Final, NoReturn
 
 import numpy as np
 
@@ -201,19 +201,6 @@ def even_step(places: Doubles, name: str, unit: str, path: str, *, first: int = 
     if places.size > 1:
         steps.add(places, range(first, first + places.size))
     return steps.step()
-
-
-def real_numbers(values: Any, what: str) -> Doubles:
-    """Return values as doubles; raises Refused for texts, complex and masked values, and all else that is no number."""
-    try:
-        found = np.asarray(values)
-    except (ValueError, TypeError) as problem:
-        raise Refused(f"{what}: rows of numbers are needed, all of one length") from problem
-    if found.dtype.kind not in "fiu":
-        raise Refused(f"{what}: holds {found.dtype}; real numbers are needed")
-    if np.ma.is_masked(values):
-        raise Refused(f"{what}: holds masked values; every sample needs a number")
-    return found.astype(np.float64)
 
 
 def check_values(values: Doubles, what: str, place: Callable[[int], str] | None = None) -> None:

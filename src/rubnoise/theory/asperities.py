@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import exp, gamma, inf, pi, sqrt
+from math import exp, gamma, inf, isfinite, pi, sqrt
+from numbers import Real
 from typing import Any, Literal
 
 from rubnoise.errors import Refused
-from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, QuantityError, read_quantity
+from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, Kind, QuantityError, quantity_of
 
 _FARTHEST = 12.0  # separations over the height scale, to either side, among which a load is looked for
 
@@ -65,9 +66,10 @@ def greenwood_williamson(
     """Return the static contact of a rough surface with a smooth one, at a load or at a separation of mean planes.
 
     radius R, height scale s (standard deviation; of exponential heights the mean), density eta of asperities, modulus
-    E* (of both, plane strain), as texts with units or numbers in um, 1/um^2, MPa, uN. With h the separation over s, n
-    eta times the nominal area: N = n F_0(h), elastic A = pi n R s F_1(h), P = (4/3) n E* sqrt(R) s^1.5 F_1.5(h);
-    plastic twice that area, and P = H A. It is static: sliding changes the contact. Raises Refused.
+    E* (of both, plane strain), as texts with units, quantities of pint, or numbers in um, 1/um^2, MPa, uN.
+    With h the separation over s, n eta times the nominal area: N = n F_0(h), elastic A = pi n R s F_1(h),
+    P = (4/3) n E* sqrt(R) s^1.5 F_1.5(h); plastic twice that area, and P = H A. It is static: sliding changes the
+    contact. Raises Refused.
     Source: Greenwood and Williamson (1966), doi:10.1098/rspa.1966.0242.
 
     >>> import rubnoise
@@ -122,18 +124,18 @@ def _separation_of(load: float, load_at: Any, least: float) -> float:
     return float(brentq(lambda h: load_at(h) - load, least, _FARTHEST, xtol=1e-14, rtol=1e-14))
 
 
-def _positive(name: str, value: Any, kind: Any) -> float:
+def _positive(name: str, value: Any, kind: Kind) -> float:
     number = _in_working_unit(name, value, kind)
     if not 0.0 < number < inf:
         raise Refused(f"{name}: must be above 0")
     return number
 
 
-def _in_working_unit(name: str, value: Any, kind: Any) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool):
+def _in_working_unit(name: str, value: Any, kind: Kind) -> float:
+    """Return a bare number as it is, and a text or a quantity of pint in the working unit of its kind."""
+    if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
         return float(value)
     try:
-        return float(read_quantity(value, kind))
-    except (QuantityError, TypeError) as error:
-        hint = getattr(error, "hint", "")
-        raise Refused(f'{name}: {error}; {hint or f"""right form: "{kind.example}" """.strip()}') from None
+        return float(quantity_of(value, kind))
+    except QuantityError as error:
+        raise Refused(f'{name}: {error}; {error.hint or f"""right form: "{kind.example}" """.strip()}') from None

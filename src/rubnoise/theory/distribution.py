@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.theory.inversion import NOTHING, Window, area_tails, windows
 from rubnoise.theory.live_area import NODES, LiveArea, Piecewise, live_area, series
 from rubnoise.theory.occupancy import mean_count
@@ -130,21 +131,21 @@ class Distribution:
 
     def cdf(self, area: ArrayLike) -> Doubles:
         """Return P(A_r <= a) at areas in um^2 of any shape: the atom at 0, 0 below it, 1 far out."""
-        return self._everywhere(area, self._cdf, 1.0)
+        return self._everywhere(area, self._cdf, 1.0, (0.0, 1.0))
 
     def density(self, area: ArrayLike) -> Doubles:
         """Return the density in 1/um^2 at areas in um^2 of any shape; without the atom, and 0 for a <= 0.
 
         It grows without bound towards 0 if lens pulses are born, as a^(-1/3), and jumps at pi d^2/4 for one size d.
         """
-        return self._everywhere(area, self._density, np.inf)
+        return self._everywhere(area, self._density, np.inf, (0.0, 0.0))
 
     def quantile(self, probability: ArrayLike) -> Doubles:
         """Return the least areas in um^2 with P(A_r <= a) >= p, for p in [0, 1] of any shape; inf for p = 1.
 
         0 up to the atom; by bisection to rounding. Raises Refused for a p that is no probability.
         """
-        p = np.asarray(probability, dtype=np.float64)
+        p = real_numbers(probability, "probability", "1")
         if not np.all((p >= 0.0) & (p <= 1.0)):
             raise Refused("a quantile needs probabilities from 0 to 1")
         low, high = np.zeros_like(p), np.full_like(p, self.windows[-1].end)
@@ -154,12 +155,17 @@ class Distribution:
             low, high = np.where(reached, low, middle), np.where(reached, middle, high)
         return np.where(p <= self.atom_at_zero, 0.0, np.where(p < 1.0, high, np.inf))
 
-    def _everywhere(self, area: ArrayLike, function: Callable[[Doubles], Doubles], most: float) -> Doubles:
+    def _everywhere(
+        self, area: ArrayLike, function: Callable[[Doubles], Doubles], most: float, limits: tuple[float, float]
+    ) -> Doubles:
         """Return a function at areas of any shape, between its bounds; few at a time, for memory's sake."""
-        areas = np.asarray(area, dtype=np.float64)
-        parts = np.array_split(areas.ravel(), 1 + areas.size // _AT_ONCE)
-        values = np.concatenate([function(part) for part in parts]).reshape(areas.shape)
-        return np.where(np.isnan(areas), np.nan, np.clip(values, 0.0, most))
+
+        def found(areas: Doubles) -> Doubles:
+            parts = np.array_split(areas.ravel(), 1 + areas.size // _AT_ONCE)
+            values = np.concatenate([function(part) for part in parts]).reshape(areas.shape)
+            return np.clip(values, 0.0, most)
+
+        return at_each(found, real_numbers(area, "area", "um^2"), "area", limits)
 
     def _cdf(self, area: Doubles) -> Doubles:
         known = np.zeros_like(area) if self.few is None else self.few.cdf(area)

@@ -8,15 +8,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import pi
+from numbers import Integral
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.real_numbers import real_number
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import size_range, size_rule
 from rubnoise.theory.regular_births import are_at_random, need_centred_passes, need_random_births
@@ -218,15 +220,16 @@ class EstimatedSpectrum:
     density: Doubles
     standard_error: Doubles
 
-    def band(self, lowest: float, highest: float) -> tuple[float, float]:
+    def band(self, lowest: ArrayLike, highest: ArrayLike) -> tuple[float, float]:
         """Return the mean of an estimate over the bins from ``lowest`` to ``highest`` rad/um, and its standard error.
 
         In um^4 per rad/um; neighbouring bins are correlated, which the error allows for. Raises Refused if no bin
         lies there, or more than 4096 do, and for births that are not Poisson.
         """
-        bins = np.flatnonzero((self.wavenumber >= lowest) & (self.wavenumber <= highest))
+        low, high = real_number(lowest, "lowest", "rad/um"), real_number(highest, "highest", "rad/um")
+        bins = np.flatnonzero((self.wavenumber >= low) & (self.wavenumber <= high))
         if not 1 <= bins.size <= _MOST_BINS:
-            raise Refused(f"{bins.size} bins lie from {lowest:g} to {highest:g} rad/um; a band has 1 to {_MOST_BINS}")
+            raise Refused(f"{bins.size} bins lie from {low:g} to {high:g} rad/um; a band has 1 to {_MOST_BINS}")
         means = self.density[bins]
         covariance = welch_covariance(self.model, _cut(self.model, self.ticks), bins)
         return float(means.mean()), float(np.sqrt(means @ covariance @ means)) / bins.size
@@ -258,6 +261,8 @@ def _cut(model: Model, ticks: int | None) -> Segments:
     record = model.tick_count + 1
     usual = min(max(2, 2 * (record // (SEGMENTS + 1))), MOST_TICKS)
     length = usual if ticks is None else ticks
+    if isinstance(length, bool) or not isinstance(length, Integral):
+        raise Refused(f"ticks: {length!r:.40}: a segment has a whole number of ticks, such as 256")
     if not 2 <= length <= min(record, MOST_TICKS):
         raise Refused(f"a segment of {length} ticks: it has 2 to {min(record, MOST_TICKS)}, of a record of {record}")
     window = np.square(np.sin(pi * np.arange(length) / length))

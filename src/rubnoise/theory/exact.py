@@ -1,6 +1,8 @@
 """Everything the theory says about one model, in one frozen answer."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from math import isfinite, sqrt
 
 from numpy.typing import ArrayLike
@@ -10,6 +12,7 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
+from rubnoise.real_numbers import at_each, real_number, real_numbers
 from rubnoise.tables import as_html
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
@@ -31,8 +34,7 @@ from rubnoise.theory.occupancy import (
     mean_count,
 )
 from rubnoise.theory.response import Response, response
-from rubnoise.theory.spectrum import spectral_density
-from rubnoise.units import in_unit
+from rubnoise.theory.spectrum import spectral_density, visible_lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,11 +76,17 @@ class Exact:
 
     def spectral_density(self, wavenumber: ArrayLike) -> Doubles:
         """Return the two-sided S(k) of the area in um^4 per rad/um at wavenumbers in rad/um, of any shape."""
-        return spectral_density(self.model, in_unit(wavenumber, "rad/um"))
+        k = real_numbers(wavenumber, "wavenumber", "rad/um")
+        return at_each(partial(spectral_density, self.model), k, "wavenumber", (0.0, 0.0))
 
     def autocovariance(self, lag: ArrayLike) -> Doubles:
-        """Return R(tau) of the area in um^4 at lags in um, of any shape."""
-        return autocovariance(self.model, in_unit(lag, "um"))
+        """Return R(tau) of the area in um^4 at lags in um, of any shape.
+
+        Raises Refused for an infinite lag if births have lines in their spectrum: R then swings for ever.
+        """
+        swings = visible_lines(self.model)[1].size > 0
+        tau = real_numbers(lag, "lag", "um")
+        return at_each(partial(autocovariance, self.model), tau, "lag", None if swings else (0.0, 0.0))
 
     def distribution(self) -> Distribution:
         """Return the distribution of the area: its ``cdf`` and ``density`` at any areas, its ``atom_at_zero``.
@@ -97,11 +105,13 @@ class Exact:
 
     def area_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean area in um^2 at distances in um after an empty start, of any shape."""
-        return area_from_empty(self.model, in_unit(distance, "um"))
+        s = real_numbers(distance, "distance", "um")
+        return at_each(partial(area_from_empty, self.model), s, "distance", (0.0, self.area.mean))
 
     def count_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean number of live junctions at distances in um after an empty start, of any shape."""
-        return count_from_empty(self.model, in_unit(distance, "um"))
+        s = real_numbers(distance, "distance", "um")
+        return at_each(partial(count_from_empty, self.model), s, "distance", (0.0, self.count_mean))
 
     def expected_mean_area(self, distance: float | None = None) -> float:
         """Return the expected mean of the area in um^2 over a run from its own start, or over its first um alone."""
@@ -112,7 +122,7 @@ class Exact:
         return expected_mean_count(self.model, self._slid(distance))
 
     def _slid(self, distance: float | None) -> float:
-        slid = self.model.distance if distance is None else float(in_unit(distance, "um"))
+        slid = self.model.distance if distance is None else real_number(distance, "distance", "um")
         if not (isfinite(slid) and slid > 0.0):
             raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
         return slid
@@ -130,11 +140,15 @@ class Exact:
         Rice's rate and what shot noise adds to it: see `motion_cumulants.crossing_rate`. Raises Refused without slider,
         strength, speed or damping, for births that are not Poisson, and if the slider swings too often in one life.
         """
-        return crossing_rate(self.model, in_unit(level, "um"))
+        return self._crossing(crossing_rate, level)
 
     def gaussian_crossing_rate(self, level: ArrayLike) -> Doubles:
         """Return Rice's rate alone in 1/s, that of a Gaussian displacement; raises Refused as `crossing_rate` does."""
-        return gaussian_crossing_rate(self.model, in_unit(level, "um"))
+        return self._crossing(gaussian_crossing_rate, level)
+
+    def _crossing(self, rate: Callable[[Model, Doubles], Doubles], level: ArrayLike) -> Doubles:
+        motion_cumulants(self.model)  # refuses at any level what is not known
+        return at_each(partial(rate, self.model), real_numbers(level, "level", "um"), "level", (0.0, 0.0))
 
     def motion_cumulants(self) -> MotionCumulants:
         """Return joint cumulants of the slider's motion, ``skewness`` and ``excess_kurtosis`` among them.

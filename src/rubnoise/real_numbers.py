@@ -1,0 +1,71 @@
+"""Numbers that a caller gives from Python, as arrays: in the unit that is needed, or refused."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
+from rubnoise.units import QuantityError, in_unit, is_of_pint
+
+
+def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
+    """Return values of any shape as doubles; quantities of pint are converted to ``unit``.
+
+    Raises Refused for texts, complex and masked values, and all else that is no number; for quantities of another unit,
+    and for any if no unit is needed.
+    """
+    if unit is None and any(map(is_of_pint, values if isinstance(values, list | tuple) else [values])):
+        raise Refused(f"{what}: has a unit of its own; plain numbers are needed")
+    try:
+        found = np.asarray(values if unit is None else in_unit(values, unit))
+    except QuantityError as problem:
+        raise Refused(f"{what}: {problem}") from problem
+    except (ValueError, TypeError) as problem:
+        raise Refused(f"{what}: rows of numbers are needed, all of one length") from problem
+    if found.dtype.kind not in "fiu":
+        given = f"holds {found.dtype}; real numbers are needed" if found.ndim else f"{values!r:.40} is no real number"
+        raise Refused(f"{what}: {given}")
+    if np.ma.is_masked(values):
+        raise Refused(f"{what}: holds masked values; every sample needs a number")
+    return found.astype(np.float64)
+
+
+def real_number(value: Any, what: str, unit: str | None = None) -> float:
+    """Return one number as `real_numbers` does; raises Refused for several."""
+    found = real_numbers(value, what, unit)
+    if found.ndim:
+        raise Refused(f"{what}: has the shape {found.shape}; one number is needed")
+    return float(found)
+
+
+def with_unit(values: Any, what: str, unit: str) -> tuple[Doubles, str]:
+    """Return values as doubles, and their unit; quantities of pint are converted to ``unit``, or have their own.
+
+    ``unit`` is empty if none is known. Raises Refused as `real_numbers` does.
+    """
+    first = values[0] if isinstance(values, list | tuple) and values else values
+    if not is_of_pint(first):
+        return real_numbers(values, what), unit
+    own = unit or f"{first.units:~C}"
+    return real_numbers(values, what, own), own
+
+
+def at_each(
+    function: Callable[[Doubles], Doubles], places: Doubles, what: str, limits: tuple[float, float] | None
+) -> Doubles:
+    """Return a function at places of any shape: nan at nan, and the ``limits`` at -inf and inf.
+
+    Raises Refused for an infinite place if ``limits`` is None.
+    """
+    finite = np.isfinite(places)
+    if places.size and finite.all():
+        return function(places)
+    if limits is None and np.isinf(places).any():
+        raise Refused(f"{what}: inf: there is no limit; finite numbers are needed")
+    low, high = limits or (np.nan, np.nan)
+    values = np.where(np.isnan(places), np.nan, np.where(places < 0.0, low, high))
+    if finite.any():
+        values[finite] = function(places[finite])
+    return values[()]
