@@ -5,9 +5,11 @@ import struct
 import threading
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+import pint
 import pytest
 from scipy.io import savemat, wavfile
 
@@ -230,7 +232,6 @@ def test_a_program_with_threads_reads_it_too(tmp_path: Path) -> None:
         ({"speed": "1 mm"}, "is the unit of a length"),
         ({"speed": "1 mm/s", "rate": "1 kHz"}, "rate=: "),
         ({"speed": "1 mm/s", "strength": "250 m"}, "strength=: 250 m: "),
-        ({"speed": "1 mm/s", "unit": "V", "strength": "250 MPa"}, "no force"),
         ({"speed": "1 mm/s", "mask": "50 um"}, 'mask=: 50 um: "um" is the unit of a length'),
         ({"speed": "1 mm/s", "law": "cauchy"}, 'law=: cauchy is none of "auto", "fixed"'),
         ({"speed": "1 mm/s", "zero": "perhaps"}, 'zero=: perhaps is neither "known" nor "unknown"'),
@@ -258,13 +259,31 @@ def test_a_trace_of_an_array_needs_both(given: dict[str, str]) -> None:
         rubnoise.Trace(np.arange(9.0), **given)
 
 
-def test_a_unit_may_be_what_a_count_is(contact_csv: Path) -> None:
+@pytest.mark.parametrize("head", ["force", "force (V)", "force (mA)"])
+def test_a_unit_may_be_what_a_count_is(contact_csv: Path, tmp_path: Path, head: str) -> None:
     found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
-    halves = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", unit="0.5 mN")
+    counts = written(tmp_path / "counts.csv", contact_csv.read_text(encoding="utf-8").replace("force (mN)", head))
+    halves = infer(counts, speed="1 mm/s", zero="known", law="normal", unit="0.5 mN")
     assert halves.estimates["shear_strength"].value == pytest.approx(0.5 * found.estimates["shear_strength"].value)
-    volts = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", unit="V")
+    with pytest.raises(Refused, match="no force"):
+        infer(counts, speed="1 mm/s", unit="V", strength="250 MPa")
+    volts = infer(counts, speed="1 mm/s", zero="known", law="normal", unit="V")
     assert volts.estimates["junction_count"] == found.estimates["junction_count"]
     assert "shear_strength" in volts.not_identified
+
+
+def test_a_unit_that_the_trace_knows_is_not_given_again(contact_csv: Path) -> None:
+    """A Trace is in uN already, whatever its file was in."""
+    asked: dict[str, Any] = {"speed": "1 mm/s", "zero": "known", "law": "normal"}
+    trace = rubnoise.Trace(contact_csv)
+    carried = pint.UnitRegistry().Quantity(trace["force"], "uN")
+    for same, unit in ((contact_csv, "1e-3 N"), (trace, "uN")):
+        found, plain = (infer(same, **asked, **more).estimates["shear_strength"] for more in ({"unit": unit}, {}))
+        assert found == plain
+    rate = {"rate": f"{1.0 / trace.step} Hz"}
+    for known, unit, more in ((contact_csv, "N", {}), (contact_csv, "V", {}), (trace, "mN", {}), (carried, "mN", rate)):
+        with pytest.raises(Refused, match=r"unit=: m?[NV]: .* by its own words; leave unit= out"):
+            infer(known, unit=unit, **asked, **more)
 
 
 def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path: Path) -> None:

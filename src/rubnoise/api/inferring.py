@@ -28,7 +28,7 @@ from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.measured import read_measured, refusing_files
 from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column
-from rubnoise.units import FREQUENCY, SPEED, STRESS
+from rubnoise.units import FREQUENCY, SPEED, STRESS, QuantityError, parse_unit
 
 MOST_BOOTSTRAPS: Final = 10_000
 MOST_COLUMNS: Final = 100_000
@@ -216,11 +216,24 @@ def _signal(measured: Measured, speed: float | None, unit: Any, rate: float | No
         step *= speed
     elif speed is not None:
         raise Refused("speed=: the trace is over sliding distance, which needs no speed")
-    written = measured.unit if unit is None else keywords.unit_text(unit)
+    written = measured.unit if unit is None else _given_unit(measured, unit)
     if not written:
         raise Refused(f'{_named(measured)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
     scale, is_area = keywords.scale_of(written, f"{_named(measured)}: unit" if unit is None else "unit=")
     return Signal(values=measured.values, tick=step, unit=str(written), scale=scale, is_area=is_area)
+
+
+def _given_unit(measured: Measured, unit: Any) -> Any:
+    """Return the unit that was given; raises Refused if the trace knows another. What is in volts has no scale yet."""
+    try:
+        knows = any(parse_unit(measured.unit).dimension)
+    except QuantityError:
+        knows = False
+    if knows and keywords.scale_of(measured.unit, f"{_named(measured)}: unit") != keywords.scale_of(unit, "unit="):
+        raise Refused(
+            f"unit=: {keywords.shown(unit)}: {_named(measured)} is in {measured.unit} by its own words; leave unit= out"
+        )
+    return keywords.unit_text(unit)
 
 
 def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> tuple[tuple[float, float], ...]:
