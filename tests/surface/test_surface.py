@@ -333,6 +333,28 @@ def test_what_cannot_be_answered_is_refused_by_name(asked, word):
         synthetic(1).slide(synthetic(2), **wanted).scenario_text()
 
 
+def test_a_flat_surface_is_shown_without_a_shape():
+    flat = rubnoise.Surface.of(np.zeros((16, 16)), spacing="1 um", unit="um")
+    found = flat.roughness()
+    assert (found["Sa"], found["Sq"], found["slope_along"]) == (0.0, 0.0, 0.0)
+    assert np.isnan(found["Ssk"])
+    assert np.isnan(found["Sku"])
+    assert "16 x 16 points" in repr(flat)
+    with pytest.raises(rubnoise.Refused, match="longest=: 20 um: needs a cutoff= beside it"):
+        flat.roughness(longest="20 um")
+
+
+def test_a_surface_replaces_no_file_unless_forced(tmp_path):
+    made = synthetic(1)
+    made.save(tmp_path / "one.nc")
+    before = (tmp_path / "one.nc").read_bytes()
+    with pytest.raises(rubnoise.Refused, match=r"exists already \(force=True replaces it\)"):
+        synthetic(2).save(tmp_path / "one.nc")
+    assert (tmp_path / "one.nc").read_bytes() == before
+    synthetic(2).save(tmp_path / "one.nc", force=True)
+    assert (tmp_path / "one.nc").read_bytes() != before
+
+
 def test_arrays_and_their_faults():
     heights = np.random.default_rng(0).normal(size=(40, 50))
     made = rubnoise.Surface.of(heights, spacing=("0.5 um", "200 nm"), unit="nm")

@@ -2,8 +2,7 @@
 
 import os
 from dataclasses import dataclass, field
-from math import sqrt
-from pathlib import Path
+from math import nan, sqrt
 from typing import Any, Self
 
 import numpy as np
@@ -12,6 +11,7 @@ from rubnoise.api import keywords
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
+from rubnoise.storage.output import whole_file
 from rubnoise.surface.height_map import FORMS, HeightMap, without_form
 from rubnoise.surface.reading import from_topography, length_scale, read_surface, to_file
 from rubnoise.surface.sliding import SlidingContact, count_over_cutoff, slide
@@ -108,9 +108,11 @@ class Surface:
         """Return Sa and Sq in um, Ssk and Sku, and rms slopes along and across the sliding, after the cut-offs.
 
         Sq is the rms height, Sa the mean distance from the mean, Ssk and Sku the third and fourth moments over Sq^3 and
-        Sq^4 (ISO 25178-2). Slopes are those of the waves, sqrt(sum S (2 pi f)^2).
+        Sq^4 (ISO 25178-2), nan of a flat map. Slopes are those of the waves, sqrt(sum S (2 pi f)^2).
         """
         limits = (_length("cutoff", cutoff), _length("longest", longest))
+        if limits[0] is None and limits[1] is not None:
+            raise Refused(f"longest=: {keywords.shown(longest)}: needs a cutoff= beside it")
         surface = self.map if limits[0] is None else band_limited(self.map, limits[0], limits[1])
         heights = surface.heights - surface.heights.mean()
         rms = sqrt(float(np.square(heights).mean()))
@@ -118,8 +120,8 @@ class Surface:
         return {
             "Sa": float(np.abs(heights).mean()),
             "Sq": rms,
-            "Ssk": float((heights**3).mean()) / rms**3,
-            "Sku": float((heights**4).mean()) / rms**4,
+            "Ssk": float((heights**3).mean()) / rms**3 if rms > 0.0 else nan,
+            "Sku": float((heights**4).mean()) / rms**4 if rms > 0.0 else nan,
             "slope_along": sqrt(along),
             "slope_across": sqrt(across),
         }
@@ -160,9 +162,10 @@ class Surface:
             self.map, None if slider is None else slider.map, share=share, longest=_length("longest", longest)
         )
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the map as netCDF, in the form that SurfaceTopography reads."""
-        to_file(self.map, Path(path))
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the map as netCDF, in the form that SurfaceTopography reads; refuses an existing file unless forced."""
+        with whole_file(path, force=force) as part:
+            to_file(self.map, part)
 
     def __repr__(self) -> str:
         lines = [f"  {name:<13} {value:.4g}" for name, value in self.roughness().items()]

@@ -151,11 +151,7 @@ def _write(
 
 
 def _keep_synthetic(made: "Surface", path: Path, *, as_json: bool, force: bool) -> None:
-    from rubnoise.storage.output import check_output, whole_file
-
-    check_output(path, force=force)
-    with whole_file(path, force=force) as part:
-        made.save(part)
+    made.save(path, force=force)
     roughness = made.roughness()
     if as_json:
         print(json_text({"surface": str(path), "digest": made.map.digest, "roughness": roughness}))
