@@ -1,10 +1,11 @@
-"""Numbers that Python gives to theory and to one junction: units of pint, nan, inf, and what is no number."""
+"""Numbers that Python gives: units of pint, nan, inf, what is no number; and tables of other libraries."""
 
 import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pint
 import pytest
 from numpy.testing import assert_array_equal
@@ -141,3 +142,68 @@ def test_heights_with_a_unit_are_converted_or_define_it() -> None:
         rubnoise.Surface.of(heights * UNIT.s, spacing="1 um", unit="um")
     with pytest.raises(rubnoise.Refused, match="no unit of length"):
         rubnoise.Surface.of(heights * UNIT.s, spacing="1 um")
+
+
+RECORD = rubnoise.simulate(BASE, seed=7)
+SECONDS = RECORD.slider["time"][:]
+FORCE = RECORD.slider["friction_force"][:]
+STEP = float(SECONDS[1])
+TABLES: dict[str, Any] = {
+    "series": pd.Series(FORCE / 1e3, index=pd.Index(SECONDS, name="time (s)"), name="force (mN)"),
+    "durations": pd.Series(FORCE / 1e3, index=pd.to_timedelta(SECONDS, unit="s"), name="force (mN)"),
+    "dates": pd.Series(FORCE / 1e3, index=pd.to_datetime(SECONDS, unit="s"), name="force (mN)"),
+    "frame of dates": pd.DataFrame({"force (mN)": FORCE / 1e3}, index=pd.to_datetime(SECONDS, unit="s")),
+    "our frame": RECORD.slider.to_pandas(["friction_force"]),
+    "our array": RECORD.slider.to_xarray()["friction_force"],
+    "our dataset": RECORD.slider.to_xarray()[["friction_force"]],
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_says_how_its_samples_lie(name: str) -> None:
+    trace = rubnoise.Trace(TABLES[name])
+    assert (trace.place, trace.units["time"], list(trace.units.values())[1]) == ("time", "s", "uN")
+    assert trace.step == pytest.approx(STEP, rel=1e-4)
+    assert trace[list(trace)[1]] == pytest.approx(FORCE, rel=1e-12)
+    found = rubnoise.infer(TABLES[name], speed="1 mm/s", zero="known", law="fixed")
+    plain = rubnoise.infer(FORCE, rate=f"{1.0 / STEP} Hz", unit="uN", speed="1 mm/s", zero="known", law="fixed")
+    assert found.estimates["diameter"].value == pytest.approx(plain.estimates["diameter"].value, rel=1e-4)
+    with pytest.raises(rubnoise.Refused, match="rate=: "):
+        rubnoise.infer(TABLES[name], rate="50 kHz", speed="1 mm/s")
+    with pytest.raises(rubnoise.Refused, match="rate=: 50 kHz: has no effect on a trace of columns"):
+        rubnoise.Trace(TABLES[name], rate="50 kHz")
+
+
+def test_a_run_is_a_trace_over_its_distance(tmp_path: Any) -> None:
+    trace = rubnoise.Trace(RECORD)
+    assert (trace.place, trace.units["friction_force"]) == ("distance", "uN")
+    assert list(rubnoise.Trace(RECORD.trace)) == list(trace)
+    whole, part = (rubnoise.infer(each, column="friction_force", zero="known", law="fixed") for each in (RECORD, trace))
+    assert whole.estimates == part.estimates
+    assert rubnoise.infer(RECORD, zero="known", law="fixed").estimates == part.estimates
+    RECORD.save(tmp_path / "run.h5").close()
+    with pytest.raises(rubnoise.Refused, match=r"is no text; of a result, Trace\(rubnoise.open"):
+        rubnoise.Trace(tmp_path / "run.h5")
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (FORCES, {"rate": "10 Hz", "unit": "N", "place": "time"}),
+        ({"time (s)": TIMES, "force (N)": FORCES}, {"unit": "N"}),
+        ({"time (s)": TIMES, "force (N)": FORCES}, {"rate": "10 Hz"}),
+        ("m.csv", {"name": "mine"}),
+    ],
+)
+def test_a_word_without_effect_is_refused(source: Any, words: dict[str, Any]) -> None:
+    with pytest.raises(rubnoise.Refused, match=f"^{list(words)[-1]}=: .* has no effect"):
+        rubnoise.Trace(source, **words)
+    with pytest.raises(rubnoise.Refused, match="column=: 2: an array has one column"):
+        rubnoise.infer(FORCES, column=2, rate="10 Hz", unit="N", speed="1 mm/s")
+
+
+def test_a_trace_is_not_turned_round() -> None:
+    trace = rubnoise.Trace({"time (s)": TIMES, "force (N)": FORCES})
+    assert trace[::2].step == pytest.approx(0.2)
+    with pytest.raises(rubnoise.Refused, match="a slice with a step of -1: time grows from row to row"):
+        trace[::-1]

@@ -9,6 +9,7 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
+from rubnoise.api.given_columns import given_columns
 from rubnoise.api.infer_options import bandwidth_of, cut, pulse_of, strength_spread_of
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
@@ -62,8 +63,9 @@ def infer(
 ) -> Inference:
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
-    ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
-    object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts with a unit, or quantities of pint.
+    ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, a table
+    of pandas or xarray, a run, or an object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts
+    with a unit, or quantities of pint.
     ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
     sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
     known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" if 0 means no force.
@@ -127,8 +129,10 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
         values = real_numbers(trace.columns[name], name)
         check_values(values, name)
         return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
-    if hasattr(trace, "columns") and hasattr(trace, "to_numpy"):
-        return _of_frame(trace, column)
+    if (columns := given_columns(trace)) is not None:
+        return _of_columns(columns, column, ours=hasattr(trace, "groups_by_name"))
+    if column is not None:
+        raise Refused(f"column=: {keywords.shown(column)}: an array has one column; leave column= out")
     values, unit = with_unit(trace, "trace", "")
     if values.ndim != 1 or not values.size:
         raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
@@ -136,15 +140,16 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
     return Measured(name="trace", values=values, unit=unit, step=None, along="time")
 
 
-def _of_frame(frame: Any, column: str | None) -> Measured:
-    """Return a column of a DataFrame whose names have units, and whose first column or index is its time."""
-    places = {str(name): frame[name].to_numpy() for name in frame.columns}
-    if frame.index.name and str(frame.index.name) not in places:
-        places = {str(frame.index.name): frame.index.to_numpy(), **places}
-    if column is None and len(places) > 2:
-        listed = ", ".join(list(places)[1:][:12])
-        raise Refused(f'trace: column= is needed, one of {listed}; right form: column="{list(places)[1]}"')
-    return _measured(Trace.from_arrays(places, name="trace"), column, None)
+def _of_columns(columns: dict[str, Any], column: str | None, *, ours: bool) -> Measured:
+    """Return a column of a table after its time or distance; of a run of ``ours`` the force, or else the area."""
+    made = Trace.from_arrays(columns, name="trace")
+    others = [name for name in made if name != made.place]
+    if column is None and ours:
+        column = "friction_force" if "friction_force" in others else "real_contact_area"
+    if column is None and len(others) > 1:
+        listed = ", ".join(others[:12])
+        raise Refused(f'trace: column= is needed, one of {listed}; right form: column="{others[0]}"')
+    return _measured(made, column, None)
 
 
 def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:

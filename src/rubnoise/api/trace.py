@@ -17,10 +17,12 @@ from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.api import keywords
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
+from rubnoise.api.given_columns import given_columns
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.real_numbers import with_unit
-from rubnoise.storage.measured import refusing_files
+from rubnoise.regular_file import read_at_most
+from rubnoise.storage.measured import HDF5, refusing_files
 from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
@@ -53,7 +55,8 @@ class Trace:
     ``columns`` are arrays by name and ``units`` their units, the place among them; ``step`` is the spacing of places.
     Lengths, areas, speeds, forces, stresses, masses and times are converted to um, um^2, um/s, uN, MPa, kg and s; other
     units, such as V, stay as they are. ``Trace("trace.csv")`` reads a file as `from_csv` does, and ``Trace(values,
-    rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes several.
+    rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes several. A table of pandas or
+    xarray and the trace of a run are taken with their places and units.
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2], "velocity (mm/s)": [1.0, 2.0, 1.5]})
@@ -68,17 +71,24 @@ class Trace:
     units: Mapping[str, str] = field(repr=False)
 
     def __init__(
-        self, source: Any, *, rate: Any = None, unit: str | None = None, place: str | None = None, name: str = "trace"
+        self,
+        source: Any,
+        *,
+        rate: Any = None,
+        unit: str | None = None,
+        place: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Read a file, or take an array with a ``rate`` and a ``unit``; raises Refused as `from_csv` does."""
         if isinstance(source, str | os.PathLike):
-            if unit is not None:
-                raise Refused(f"unit=: the columns of a file have their own units: {source}")
+            _refuse(f"of a file, which says it: {source}", unit=unit, name=name)
             made = type(self).from_csv(source, place=place, rate=rate)
-        elif isinstance(source, Mapping):
-            made = type(self).from_arrays(source, place=place, name=name)
+        elif (columns := given_columns(source)) is not None or isinstance(source, Mapping):
+            _refuse("of columns, which say it by their place and their names", rate=rate, unit=unit)
+            made = type(self).from_arrays(columns or source, place=place, name=name or "trace")
         else:
-            made = type(self).from_array(source, rate=rate, unit=unit, name=name)
+            _refuse("of an array, whose place is time", place=place)
+            made = type(self).from_array(source, rate=rate, unit=unit, name=name or "trace")
         for each in fields(self):
             object.__setattr__(self, each.name, getattr(made, each.name))
 
@@ -107,6 +117,8 @@ class Trace:
         without names, and for gaps and uneven steps. Source: docs/your-data.md.
         """
         with refusing_files(path):
+            if read_at_most(os.fspath(path), len(HDF5)) == HDF5:
+                raise Refused(f'{path}: is no text; of a result, Trace(rubnoise.open("{path}")) takes the trace')
             table = TextTable(Path(path))
             if not table.layout.head_line:
                 raise Refused(
@@ -183,9 +195,11 @@ class Trace:
     def __getitem__(self, name: str | slice) -> "Doubles | Self":
         """Return a column by its name, or the rows of a slice as a trace; raises KeyError with the names there are."""
         if isinstance(name, slice):
-            rows = {each: values[name] for each, values in self.columns.items()}
+            if (name.step or 1) < 0:
+                raise Refused(f"{self.name}: a slice with a step of {name.step}: {self.place} grows from row to row")
             if len(range(len(self))[name]) < 2:
                 raise Refused(f"{self.name}: a trace needs two rows or more")
+            rows = {each: values[name] for each, values in self.columns.items()}
             return self._made(self.name, self.place, self.step * (name.step or 1), rows, self.units)
         if name not in self.columns:
             raise KeyError(f"{self.name} has no column {name!r}; it has {', '.join(self.columns)}")
@@ -312,6 +326,13 @@ class Trace:
         head = f"{self.name}: {len(self):,} rows, every {self.step:.6g} {self.units[self.place]}"
         rows = [(name, self.units[name], _range(values)) for name, values in self.columns.items()]
         return as_html(head, ("column", "unit", "range"), rows)
+
+
+def _refuse(source: str, **keys: Any) -> None:
+    """Raise Refused for a keyword that would have no effect."""
+    for name, value in keys.items():
+        if value is not None:
+            raise Refused(f"{name}=: {keywords.shown(value)}: has no effect on a trace {source}")
 
 
 def _range(values: Doubles) -> str:

@@ -1,0 +1,60 @@
+"""Tables that a caller gives: of pandas, of xarray and of our own results, as columns with units."""
+
+from typing import Any, Final
+
+import numpy as np
+
+from rubnoise.api.column_group import Columns
+from rubnoise.storage.text_heads import NONE, head_of
+
+_NANOSECONDS: Final = 1e-9
+
+
+def given_columns(source: Any) -> dict[str, Any] | None:
+    """Return columns by headers with units, time or distance first; None for what is no table with a place.
+
+    A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
+    group of columns of a run, or a run, whose trace is meant.
+    """
+    if hasattr(source, "groups_by_name"):
+        source = source.trace
+    if isinstance(source, Columns):
+        return {_header(name, column.units): column[:] for name, column in source.items()}
+    if hasattr(source, "dims") and hasattr(source, "coords"):
+        return _of_xarray(source)
+    if hasattr(source, "index") and hasattr(source, "to_numpy"):
+        return _of_pandas(source)
+    return None
+
+
+def _of_xarray(source: Any) -> dict[str, Any] | None:
+    whole = source if hasattr(source, "data_vars") else source.to_dataset(name=source.name or "trace")
+    if len(whole.dims) != 1:
+        return None
+    place = next(iter(whole.dims))
+    if place not in whole.coords:
+        return None
+    return {
+        _header(str(name), str(whole[name].attrs.get("units", ""))): whole[name].to_numpy()
+        for name in (place, *whole.data_vars)
+    }
+
+
+def _of_pandas(source: Any) -> dict[str, Any] | None:
+    """Return the columns of a frame, or the one of a series, with the index before them if it has a name or times."""
+    units = getattr(source, "attrs", {}).get("units", {})
+    units = units if isinstance(units, dict) else {}
+    frame = source if hasattr(source, "columns") else source.to_frame(source.name or "trace")
+    columns = {_header(str(name), units.get(name, "")): frame[name].to_numpy() for name in frame.columns}
+    index = frame.index
+    if index.dtype.kind in "mM":
+        times = np.asarray(index, dtype=f"{index.dtype.kind}8[ns]").astype(np.int64)
+        return {"time (s)": (times - times[:1]) * _NANOSECONDS, **columns}
+    if index.name and str(index.name) not in columns:
+        return {_header(str(index.name), units.get(index.name, "")): index.to_numpy(), **columns}
+    return columns if hasattr(source, "columns") else None
+
+
+def _header(name: str, unit: str) -> str:
+    """Return a name with its unit, if it has none in itself."""
+    return name if unit in NONE or head_of(name).unit else f"{name} ({unit})"
