@@ -134,6 +134,51 @@ def test_a_sweep_goes_by_its_name_and_its_keys_without_dots(tmp_path: Path) -> N
         assert sweep.plot("real_contact_area_std").axes
 
 
+def test_overrides_of_a_scenario_are_those_of_a_file() -> None:
+    overrides = ["run.seed=7", "sliding.speed = 2 mm/s", 'title="mine"']
+    assert rubnoise.load(BASE, overrides).resolved() == rubnoise.load("paper/fig5", overrides).resolved()
+    for source in (BASE, "paper/fig5"):
+        for wrong in ("run.seed=7", [7], ["run.seed"]):
+            with pytest.raises(rubnoise.Refused, match=r'a list of texts is needed, such as \["run.seed=7"\]'):
+                rubnoise.load(source, wrong)  # type: ignore[arg-type]
+
+
+def test_none_takes_a_key_of_a_table_away() -> None:
+    whole = {"law": "exponential", "spread": None}
+    changed = BASE.replace({"diameter": whole, "interface.calibration": "matched"})
+    parts = {"diameter.law": "exponential", "diameter.spread": None, "interface.calibration": "matched"}
+    assert changed.resolved() == BASE.replace(parts).resolved()
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        lambda: rubnoise.build(None),  # type: ignore[arg-type]
+        lambda: rubnoise.build([1, 2]),  # type: ignore[arg-type]
+        lambda: rubnoise.load({"format": 1}),  # type: ignore[arg-type]
+        lambda: rubnoise.simulate({"format": 1}),  # type: ignore[arg-type]
+        lambda: rubnoise.example(None),  # type: ignore[arg-type]
+        lambda: BASE.replace("x"),  # type: ignore[arg-type]
+        lambda: BASE.replace({5: 1}),  # type: ignore[dict-item]
+    ],
+)
+def test_what_is_no_scenario_is_refused(asked: Any) -> None:
+    with pytest.raises(rubnoise.Refused, match=r"needed|no name"):
+        asked()
+
+
+def test_a_grid_takes_what_numpy_and_pint_have() -> None:
+    small = BASE.replace(distance="20 um")
+    grid = {"interface.mean_junction_count": np.array([10, 20]), "sliding.speed": [UNIT.Quantity(1, "mm/s")]}
+    with rubnoise.run_sweep(small, grid=grid, replicates=np.int64(2), jobs=1) as sweep:  # type: ignore[arg-type]
+        assert [point["interface.mean_junction_count"] for point in sweep.values] == [10, 20]
+        assert [point["sliding.speed"] for point in sweep.values] == ["1 mm/s"] * 2
+        assert len(sweep.runs["seed"]) == 4
+    for wrong in (20, "1 mm/s", 1 * UNIT.mm / UNIT.s):
+        with pytest.raises(rubnoise.Refused, match=r"grid=: sliding\.speed: .* a list of values is needed"):
+            rubnoise.run_sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
+
+
 def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:
     assert in_shell("x.h5: exists already (force=True replaces it)") == "x.h5: exists already (--force replaces it)"
     assert in_shell("rubnoise.run(..., force=True) starts over") == "rubnoise run --force starts over"

@@ -4,9 +4,11 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario
 from rubnoise.scenario import build as build_scenario
 from rubnoise.scenario import load as load_file
+from rubnoise.scenario.layers import override_value
 from rubnoise.scenario.shipped import named, shipped_names
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep import load_sweep as load_sweep_file
@@ -22,10 +24,23 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
     >>> rubnoise.load("paper/fig5", ["run.seed=7"]).run.seed
     7
     """
+    overrides = _listed(overrides)
     if isinstance(source, Scenario):
         parted = (each.partition("=") for each in overrides)
-        return source.replace({key.strip(): value.strip() for key, _, value in parted}) if overrides else source
-    return load_file(named(source), overrides, sizes_of)
+        return source.replace({key.strip(): override_value(value) for key, _, value in parted}) if overrides else source
+    return load_file(named(_path(source)), overrides, sizes_of)
+
+
+def _listed(overrides: Any) -> Sequence[str]:
+    if isinstance(overrides, str) or not all(isinstance(each, str) and "=" in each for each in overrides):
+        raise Refused(f'overrides: {overrides!r:.40}: a list of texts is needed, such as ["run.seed=7"]')
+    return overrides
+
+
+def _path(source: Any) -> str | os.PathLike[str]:
+    if not isinstance(source, str | os.PathLike):
+        raise Refused(f"{source!r:.40}: a path or a name is needed, or a Scenario; rubnoise.build takes values")
+    return source
 
 
 def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Sweep:
@@ -38,7 +53,7 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     >>> sweep.keys, len(rubnoise.expand(sweep))
     (('interface.mean_junction_count',), 5)
     """
-    return load_sweep_file(named(source), overrides, sizes_of)
+    return load_sweep_file(named(_path(source)), _listed(overrides), sizes_of)
 
 
 def example(name: str) -> Scenario:
@@ -50,7 +65,7 @@ def example(name: str) -> Scenario:
     """
     from rubnoise.scenario.shipped import by_name
 
-    return load_file(by_name(name))
+    return load_file(by_name(os.fspath(_path(name))))
 
 
 def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
@@ -63,6 +78,10 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
     >>> rubnoise.build({"format": 1, "interface": interface, "sliding": {"distance": 1000.0}}).sliding.distance
     1000.0
     """
+    if not isinstance(values, Mapping):
+        raise Refused(
+            f"{values!r:.40}: keys and values are needed, as a TOML file has them; rubnoise.load reads a file"
+        )
     return build_scenario(values, name, sizes_of)
 
 

@@ -19,12 +19,14 @@ from weakref import finalize
 from numpy.typing import NDArray
 
 from rubnoise.analysis.run_summary import SummarySink, curve_theory
+from rubnoise.api import keywords
 from rubnoise.api.running import run
 from rubnoise.api.scenarios import load, load_sweep, sizes_of
 from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
+from rubnoise.scenario.layers import plain
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.writing import text_of
@@ -139,10 +141,22 @@ def _sweep_of(
         keys["output"].pop("tick")  # its default follows the size of the junctions of each point
     if {"diameter.file", "diameter.column"} & (grid or {}).keys():
         keys["diameter"] = {key: value for key, value in keys["diameter"].items() if key not in ("values", "hash")}
-    table: dict[str, Any] = {"grid": {key: list(values) for key, values in (grid or {}).items()}}
+    table: dict[str, Any] = {"grid": {key: _values(key, values) for key, values in (grid or {}).items()}}
     if replicates is not None:
-        table["replicates"] = replicates
+        table["replicates"] = plain(replicates)
     return loads_sweep(text_of({**keys, "sweep": table}), "grid", read=sizes_of)
+
+
+def _values(key: str, values: Any) -> list[Any]:
+    """Return the values of a key as a file has them: numbers of Python, and texts for quantities of pint."""
+    try:
+        several = None if isinstance(values, str | Mapping) else list(values)
+    except TypeError:
+        several = None
+    if several is None:
+        one = keywords.shown(values)
+        raise Refused(f'grid=: {key}: {one}: a list of values is needed; right form: grid={{"{key}": [{one}]}}')
+    return [keywords.unit_text(plain(each)) for each in several]
 
 
 def carry_out(

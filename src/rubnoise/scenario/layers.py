@@ -78,7 +78,7 @@ class Setting(Overlay):
     def data(self) -> dict[str, Any]:
         """The value, read as TOML or else as a string, under its key."""
         path, value = self._halves
-        data: Any = _as_toml(value)
+        data: Any = override_value(value)
         for part in reversed(path):
             data = {part: data}
         return {} if self.problems else data
@@ -148,7 +148,7 @@ class Values(Source):
     @cached_property
     def data(self) -> dict[str, Any]:
         """The values, in tables of their own and as Python has them."""
-        return _plain(self.values)
+        return plain(self.values)
 
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
         """Return the name alone."""
@@ -266,7 +266,8 @@ def _decoded(content: bytes, name: str) -> str:
         raise ScenarioRefused(f"{name}:{line}: error: not UTF-8 text") from None
 
 
-def _as_toml(value: str) -> Any:
+def override_value(value: str) -> Any:
+    """Return the value of an override, read as TOML if it is, and else as a text."""
     try:
         data = tomllib.loads(f"value = {value}")
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -281,15 +282,15 @@ def _merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     return merged
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return tables in dicts of their own, and numbers and texts of numpy, alone or in an array of 0-d, as Python's."""
     if isinstance(value, Mapping):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: plain(each) for key, each in value.items()}
     if isinstance(value, np.generic | np.ndarray) and value.ndim == 0:
         item = value.item()
         return float(item) if isinstance(item, np.floating) else item  # extended doubles, which Python lacks
     if is_of_pint(value) and str(value.units) in ("dimensionless", ""):
-        return _plain(value.magnitude)
+        return plain(value.magnitude)
     return value
 
 

@@ -220,8 +220,10 @@ EITHER |= {("diameter", key): ("values", "hash") for key in ("file", "column")}
 """Other ways to say what a key says: setting it takes their keys away."""
 
 
-def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
     """Return a scenario with other values of some keys (see Scenario.replace)."""
+    if unnamed := [name for name in changes if not isinstance(name, str)]:
+        raise ScenarioRefused(f"replace: {unnamed[0]!r} is no name of a key")
     values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
     # The seed and the engine may have been changed since the file was read.
     values["run"] = dict(scenario.resolved()["run"])
@@ -257,8 +259,10 @@ def _paths(table: str, key: str, value: Any) -> Iterator[Path]:
 def _set(table: dict[str, Any], key: str, value: Any) -> None:
     if value is None:
         table.pop(key, None)
-    elif isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
-        table[key] = {**table[key], **value}
+    elif isinstance(value, Mapping):
+        there = table.get(key)
+        whole = {**(there if isinstance(there, Mapping) else {}), **value}
+        table[key] = {name: each for name, each in whole.items() if each is not None}
     else:
         table[key] = value
 

@@ -71,6 +71,8 @@ class Scenario:
         """
         from rubnoise.scenario.reading import replaced
 
+        if changes is not None and not isinstance(changes, Mapping):
+            raise ScenarioRefused(f'replace: {changes!r:.40}: keys and values are needed, as in {{"run.seed": 3}}')
         return replaced(self, {**(changes or {}), **keys})
 
     def to_dict(self) -> dict[str, Any]:
