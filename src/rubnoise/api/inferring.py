@@ -29,6 +29,7 @@ from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.measured import read_measured, refusing_files
 from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column
+from rubnoise.storage.text_heads import head_of
 from rubnoise.units import FREQUENCY, SPEED, STRESS, QuantityError, parse_unit
 
 MOST_BOOTSTRAPS: Final = 10_000
@@ -142,14 +143,13 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
 
 def _of_columns(columns: dict[str, Any], column: str | None, *, ours: bool) -> Measured:
     """Return a column of a table after its time or distance; of a run of ``ours`` the force, or else the area."""
-    made = Trace.from_arrays(columns, name="trace")
-    others = [name for name in made if name != made.place]
+    others = [head_of(header).name for header in list(columns)[1:]]
     if column is None and ours:
         column = "friction_force" if "friction_force" in others else "real_contact_area"
     if column is None and len(others) > 1:
         listed = ", ".join(others[:12])
         raise Refused(f'trace: column= is needed, one of {listed}; right form: column="{others[0]}"')
-    return _measured(made, column, None)
+    return _measured(Trace.from_arrays(columns, name="trace"), column, None)
 
 
 def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
