@@ -183,6 +183,18 @@ def test_rows_are_chosen_as_the_command_line_does(record: rubnoise.Record, path:
         junctions.where("diametre > 5 um")
 
 
+@pytest.mark.parametrize("group", ["junctions", "blocks"])
+def test_chosen_rows_keep_their_numbers(path: Path, group: str) -> None:
+    with rubnoise.open(path) as run:
+        columns = run.groups()[group]
+        scale, other = columns.names[0], "diameter" if group == "junctions" else "first_junction"
+        chosen = columns.where(f"{scale} > 2 and {scale} < 7")
+        labelled = chosen.to_xarray()
+        assert labelled.indexes[scale].tolist() == chosen.to_pandas().index.tolist() == [3, 4, 5, 6]
+        assert labelled[other].sel({scale: 5}).item() == columns[other][5]
+        assert chosen.where(f"{scale} != 4").to_xarray()[scale].values.tolist() == [3, 5, 6]
+
+
 def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:
     with rubnoise.open(path) as run:
         shown = (SCENARIO, run, record, run.junction(3), rubnoise.exact(SCENARIO), run.trace, run.junctions)

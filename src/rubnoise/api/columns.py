@@ -1,6 +1,7 @@
 """Columns of a result: arrays that read the rows that are asked for, alone and as the columns of a group."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from inspect import signature
 from math import sqrt
 from types import EllipsisType
@@ -127,14 +128,12 @@ class Column(NDArrayOperatorsMixin):
 
     def taken(self, rows: NDArray[np.int64]) -> "Column":
         """Return a column of chosen rows, in ascending order, which are read when they are needed."""
+        return Column(self.about, rows.size, ChosenRows(self, rows))
 
-        def read(start: int, stop: int) -> NDArray[Any]:
-            chosen = rows[start:stop]
-            # Chunk by chunk: few rows may lie far apart.
-            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // CHUNK_ROWS)) + 1)
-            return np.concatenate([self._picked(part) for part in parts])
-
-        return Column(self.about, rows.size, read)
+    @property
+    def is_chosen(self) -> bool:
+        """Whether it has only chosen rows of another column, so that their numbers do not run from 0."""
+        return isinstance(self._read, ChosenRows)
 
     def chunks(self, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
         """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
@@ -258,6 +257,20 @@ class Column(NDArrayOperatorsMixin):
             )
         parts = [self._read(part.start, part.stop)[mask[part]] for part in slices(0, self._rows) if mask[part].any()]
         return np.concatenate(parts) if parts else self._read(0, 0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChosenRows:
+    """Reads rows of a column that were chosen, in ascending order."""
+
+    column: Column
+    rows: NDArray[np.int64]
+
+    def __call__(self, start: int, stop: int) -> NDArray[Any]:
+        """Return the chosen rows ``start`` to ``stop``, read chunk by chunk: few of them may lie far apart."""
+        chosen = self.rows[start:stop]
+        parts = np.split(chosen, np.flatnonzero(np.diff(chosen // CHUNK_ROWS)) + 1)
+        return np.concatenate([self.column[part] for part in parts])
 
 
 Sequence.register(Column)  # for libraries that take an array or a sequence, such as polars

@@ -54,8 +54,8 @@ def _variable(scale: str, column: Column) -> xr.Variable:
 
 
 def _numbered(scale: str, column: Column) -> xr.Coordinates:
-    """Return the coordinate of row numbers, which are known without being read."""
+    """Return the coordinate of row numbers; those of chosen rows are read, those of all rows are known."""
     import pandas as pd  # type: ignore[import-untyped]
 
-    numbers = pd.RangeIndex(len(column), name=scale)
+    numbers = pd.Index(column[:], name=scale) if column.is_chosen else pd.RangeIndex(len(column), name=scale)
     return xr.Coordinates({scale: xr.Variable((scale,), numbers, column.attributes)})
