@@ -1,5 +1,7 @@
 """What compare, verify, plot, psd and exact answer in Python."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,11 @@ SCENARIO = rubnoise.example("paper/fig5").replace({"sliding.distance": "4 mm"}, 
 @pytest.fixture(scope="module")
 def record() -> rubnoise.Record:
     return rubnoise.simulate(SCENARIO)
+
+
+def with_area(record: rubnoise.Record, area: NDArray[Any]) -> rubnoise.Record:
+    """Return the same run with another real contact area."""
+    return replace(record, groups=record.groups | {"trace": record["trace"] | {"real_contact_area": area}})
 
 
 @pytest.fixture(scope="module")
@@ -76,9 +83,8 @@ def test_a_right_run_passes_in_a_file_and_in_memory(record: rubnoise.Record, pat
             assert repr(found).splitlines()[-1].startswith("passed: ")
 
 
-def test_a_run_of_another_contact_does_not_pass() -> None:
-    wrong = rubnoise.simulate(SCENARIO)
-    wrong["trace"]["real_contact_area"][:] *= 1.5
+def test_a_run_of_another_contact_does_not_pass(record: rubnoise.Record) -> None:
+    wrong = with_area(record, 1.5 * record.trace["real_contact_area"])
     answer = wrong.compare()
     assert not answer.passed
     assert not answer
@@ -166,6 +172,44 @@ def test_a_picture_that_there_is_not_is_refused(record: rubnoise.Record, words: 
         record.plot(**words)
 
 
+DOORS: dict[str, Callable[[rubnoise.Column], NDArray[Any]]] = {
+    "all rows": lambda column: column[:],
+    "some rows": lambda column: column[3:9],
+    "backwards": lambda column: column[::-1],
+    "every second": lambda column: column[::2],
+    "an axis more": lambda column: column[:, None],
+    "values": lambda column: column.values,
+    "asarray": np.asarray,
+    "to_numpy": lambda column: column.to_numpy(copy=True),
+    "astype": lambda column: column.astype(float),
+    "ravel": np.ravel,
+    "chunks": lambda column: next(column.chunks()),
+}
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_what_was_read_may_be_changed_and_the_run_remains(record: rubnoise.Record, door: str) -> None:
+    force = record.trace["friction_force"]
+    first = force[0]
+    found = DOORS[door](force)
+    found /= 1000.0
+    assert force[0] == first
+
+
+def test_a_run_in_memory_cannot_be_changed(record: rubnoise.Record) -> None:
+    force = record.trace["friction_force"]
+    first = force[0]
+    loaded = record.trace.to_xarray().load()
+    loaded["friction_force"].values[0] = 5.0
+    assert force[0] == first
+    with pytest.raises(ValueError, match="read-only"):
+        record["trace"]["friction_force"][0] = 5.0
+    with pytest.raises(TypeError, match="NotImplemented"):
+        np.add.at(force, 0, 5.0)
+    nothing = force[[]]
+    nothing += 1.0
+
+
 def test_rows_are_chosen_as_the_command_line_does(record: rubnoise.Record, path: Path) -> None:
     junctions = record.junctions
     chosen = junctions.where("diameter > 5.6 um and not alive_at_end")
@@ -204,8 +248,9 @@ def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:
 
 
 def test_a_file_with_values_that_no_run_has_is_refused_by_compare(path: Path, record: rubnoise.Record) -> None:
-    wrong = rubnoise.simulate(SCENARIO)
-    wrong["trace"]["real_contact_area"][7] = np.nan
+    area = record.trace["real_contact_area"][:]
+    area[7] = np.nan
+    wrong = with_area(record, area)
     try:
         answer = wrong.compare()
     except RunFileRefused:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 READ_AT_ONCE: Final = 4
 Read = Callable[[int, int], NDArray[Any]]
-"""Returns rows start to stop of a column."""
+"""Returns rows start to stop of a column; of a run in memory these are the run's own, which nobody may change."""
 
 
 class Column(NDArrayOperatorsMixin):
@@ -29,7 +29,8 @@ class Column(NDArrayOperatorsMixin):
     ``column[:100]`` reads a hundred rows and returns a numpy array. ``numpy.asarray(column)``, ``values``, arithmetic,
     comparisons, ufuncs, matplotlib, scipy, pandas and polars read all of it. ``sum``, ``mean``, ``std``, ``var``,
     ``min``, ``max`` (and ``numpy.mean(column)`` and so on) and iteration read it in pieces, so that they need no more
-    memory for a longer run. After the run is closed, reading raises ValueError; what was read stays.
+    memory for a longer run. After the run is closed, reading raises ValueError; what was read stays, and may be
+    changed: the run remains as it is.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -123,7 +124,7 @@ class Column(NDArrayOperatorsMixin):
 
     def __iter__(self) -> Iterator[Any]:
         """Yield every number, reading chunk by chunk."""
-        for chunk in self.chunks():
+        for chunk in self._chunks():
             yield from chunk
 
     def taken(self, rows: NDArray[np.int64]) -> "Column":
@@ -137,6 +138,11 @@ class Column(NDArrayOperatorsMixin):
 
     def chunks(self, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
         """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
+        for chunk in self._chunks(rows):
+            yield _own(chunk)
+
+    def _chunks(self, rows: int | None = None) -> Iterator[NDArray[Any]]:
+        """Yield the same to look at."""
         for part in slices(0, self._rows, rows):
             yield self._read(part.start, part.stop)
 
@@ -148,9 +154,11 @@ class Column(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Read the whole column if arithmetic needs it (numpy's protocol)."""
-        if any(isinstance(each, Column) for each in options.get("out", ())):
+        written = inputs[:1] if method == "at" else options.get("out", ())
+        if any(isinstance(each, Column) for each in written):
             return NotImplemented
-        return getattr(ufunc, method)(*map(_as_arrays, inputs), **options)
+        looked_at = (each._read(0, len(each)) if isinstance(each, Column) else each for each in inputs)  # noqa: SLF001
+        return getattr(ufunc, method)(*looked_at, **options)
 
     def __array_function__(self, function: Any, _types: Any, arguments: Any, options: Mapping[str, Any]) -> Any:
         """Read the whole column if one of numpy's functions needs it (numpy's protocol)."""
@@ -162,7 +170,7 @@ class Column(NDArrayOperatorsMixin):
 
     def sum(self) -> Any:
         """Return the sum; 0 without rows."""
-        return sum((chunk.sum() for chunk in self.chunks()), start=self.dtype.type(0))
+        return sum((chunk.sum() for chunk in self._chunks()), start=self.dtype.type(0))
 
     def mean(self) -> float:
         """Return the mean; nan without rows."""
@@ -180,11 +188,11 @@ class Column(NDArrayOperatorsMixin):
 
     def min(self) -> Any:
         """Return the smallest number; raises ValueError without rows."""
-        return min(chunk.min() for chunk in self.chunks())
+        return min(chunk.min() for chunk in self._chunks())
 
     def max(self) -> Any:
         """Return the largest number; raises ValueError without rows."""
-        return max(chunk.max() for chunk in self.chunks())
+        return max(chunk.max() for chunk in self._chunks())
 
     def __repr__(self) -> str:
         text = f"{self.name} ({self.units}), {self._rows:,} rows of {self.dtype}"
@@ -197,7 +205,7 @@ class Column(NDArrayOperatorsMixin):
 
     def _moments(self) -> Moments:
         moments = Moments(powers=2)
-        for chunk in self.chunks():
+        for chunk in self._chunks():
             moments.add_plain(chunk.astype(np.float64, copy=False))
         return moments
 
@@ -225,19 +233,19 @@ class Column(NDArrayOperatorsMixin):
     def _sliced(self, start: int, stop: int, step: int) -> NDArray[Any]:
         if step < 0:
             rows = range(start, stop, step)
-            return self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows else self._read(0, 0)
+            return self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows else self._sliced(0, 0, 1)
         if step == 1:
-            return self._read(start, max(start, stop))
+            return _own(self._read(start, max(start, stop)))
         # Steps wider than a chunk touch single rows; narrower ones pick from chunks that hold a whole number of steps.
         span = chunk_of_steps(step)
         width = span if step <= CHUNK_ROWS else 1
         parts = [self._read(first, min(first + width, stop))[::step] for first in range(start, stop, span)]
-        return np.concatenate(parts) if parts else self._read(0, 0)
+        return np.concatenate(parts) if parts else self._sliced(0, 0, 1)
 
     def _picked(self, index: NDArray[Any]) -> NDArray[Any]:
         """Return chosen rows from the shortest stretch that holds them all."""
         if not index.size:
-            return self._read(0, 0)
+            return self._sliced(0, 0, 1)
         if index.dtype == np.bool_:
             return self._masked(index)
         if not np.issubdtype(index.dtype, np.integer):
@@ -256,7 +264,7 @@ class Column(NDArrayOperatorsMixin):
                 f"a mask of shape {mask.shape} chooses no rows of {self.name}, which has {self._rows} rows"
             )
         parts = [self._read(part.start, part.stop)[mask[part]] for part in slices(0, self._rows) if mask[part].any()]
-        return np.concatenate(parts) if parts else self._read(0, 0)
+        return np.concatenate(parts) if parts else self._sliced(0, 0, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -284,6 +292,11 @@ IN_PIECES: Final[Mapping[Any, str]] = {
     np.max: "max",
 }
 """Functions of numpy that need not hold a whole column."""
+
+
+def _own(values: NDArray[Any]) -> NDArray[Any]:
+    """Return rows that may be changed: what was read from a file, or a copy of what a run in memory keeps."""
+    return values if values.base is None and values.flags.writeable else values.copy()
 
 
 def _as_arrays(value: Any) -> Any:

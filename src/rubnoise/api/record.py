@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 class Record(MemoryRecord, Contents):
     """A run kept in memory: ``record.trace["real_contact_area"]``, ``record.junction(17)``, ``record.plot("slider")``.
 
-    ``record["trace"]["real_contact_area"]`` is the numpy array itself; groups and columns are named as in a file.
+    ``record["trace"]["real_contact_area"]`` is the numpy array itself, which cannot be changed; groups and columns are
+    named as in a file.
     ``scenario`` is what was run, ``intervention`` names the function that may have ended lives.
 
     >>> import rubnoise

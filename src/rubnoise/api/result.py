@@ -93,7 +93,7 @@ class Junction:
 
 
 INSIDE: Final = frozenset(
-    {"reader", "write", "groups_by_name", "extent", "pulse", "columns", "rows", "column", "known_scenario"}
+    {"reader", "write", "groups_by_name", "extent", "pulse", "columns", "rows", "column", "known_scenario", "protect"}
 )
 """Names of a run that no user needs."""
 

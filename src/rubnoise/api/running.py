@@ -65,6 +65,7 @@ def simulate(
     intervention = "" if intervene is None else name_of(intervene)
     record = Record(extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
     run_model(model, seed, record, engine=_engine(scenario), observe=observe, intervene=intervene)
+    record.protect()
     return record
 
 

@@ -54,6 +54,12 @@ class MemoryRecord:
         for name, values in columns.items():
             kept[name][first_row : first_row + values.size] = values
 
+    def protect(self) -> None:
+        """Refuse changes of what is kept from now on: the run is over, and whoever gets an array shares it."""
+        for columns in self.groups.values():
+            for values in columns.values():
+                values.flags.writeable = False
+
     def _grow(self, group: str, columns: Columns, rows: int) -> None:
         """Let a group have so many rows; room is made for twice as many, so that rows are seldom copied."""
         room = self._room.get(group)
