@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
     from rubnoise.api.fit import Inference
     from rubnoise.api.inferring import infer
+    from rubnoise.api.junction import Junction
     from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
-    from rubnoise.api.result import Junction, Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
     from rubnoise.api.scenarios import build, example, examples, load, load_sweep
@@ -87,7 +88,8 @@ HOMES: Final = {
     "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.pictures": ("draw_figures",),
     "rubnoise.api.record": ("Record",),
-    "rubnoise.api.result": ("Junction", "Run", "open"),
+    "rubnoise.api.junction": ("Junction",),
+    "rubnoise.api.result": ("Run", "open"),
     "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),

@@ -12,6 +12,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import DTypeLike, NDArray
 
 from rubnoise.arrays import CHUNK_ROWS, chunk_of_steps, slices
+from rubnoise.errors import RunFileRefused
 from rubnoise.record.tally import Moments
 from rubnoise.storage import schema
 
@@ -202,6 +203,8 @@ class Column(NDArrayOperatorsMixin):
             return f"<{text}: {values}>" if few else f"<{text}: {values} ... {self[-1]:.6g}>"
         except ValueError:
             return f"<{text}: closed>"
+        except RunFileRefused as refused:
+            return f"<{text}: {refused}>"
 
     def _moments(self) -> Moments:
         moments = Moments(powers=2)

@@ -1,29 +1,32 @@
-"""What a run has, in a file or in memory; a run in a file, and one junction."""
+"""What a run has, in a file or in memory, and a run in a file."""
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from operator import index
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column_group import GROUP_HEADS, Columns, columns_by_group, group_rows, listed
-from rubnoise.contact.off_centre import area_of
-from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.api.column_group import (
+    GROUP_HEADS,
+    Columns,
+    columns_by_group,
+    group_rows,
+    listed,
+)
+from rubnoise.api.junction import Junction
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused, needing
-from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
-from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import OpenFile, RunFile, open_run
 from rubnoise.tables import as_html, shortened
@@ -43,53 +46,6 @@ if TYPE_CHECKING:
     from rubnoise.model import Model
     from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Junction:
-    """One junction's row: distances in um, area in um^2; times in s and strength in MPa if the run has them.
-
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     junction = run.junction(17)
-    >>> middle = junction.birth_distance + junction.diameter
-    >>> bool(np.isclose(junction.area(middle), junction.max_area))
-    True
-    """
-
-    number: int
-    birth_distance: float
-    death_distance: float
-    life_distance: float
-    diameter: float
-    max_area: float
-    state: JunctionState
-    shear_strength: float | None = None
-    birth_time: float | None = None
-    death_time: float | None = None
-    lateral_offset: float | None = None
-    pulse: Pulse = field(default=LENS, repr=False)
-
-    def area(self, distance: ArrayLike) -> NDArray[np.float64]:
-        """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
-
-        With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
-        triangle (pi/4) d (d - x) and the parabola (pi/4) (d^2 - x^2). A pass that misses the centre line by
-        b = lateral_offset has d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and
-        x = s - birth_distance - sqrt(d^2 - b^2).
-        """
-        return at_each(self._area, real_numbers(distance, "distance", "um"), "distance", (0.0, 0.0))
-
-    def _area(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-        alive = (self.birth_distance <= distance) & (distance < self.death_distance)
-        age = distance - self.birth_distance
-        return np.where(alive, area_of(self.pulse, age, self.diameter, self.lateral_offset), 0.0)
-
-    def _repr_html_(self) -> str:
-        units = {column.name: column.units for column in schema.JUNCTIONS.columns}
-        values = {name: getattr(self, name, None) for name in units if name != "junction"}
-        rows = [(name, value, units[name]) for name, value in values.items() if value is not None]
-        return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
 
 
 INSIDE: Final = frozenset(
@@ -294,6 +250,35 @@ class Opened:
         self._file.close()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FinishedRows:
+    """The rows of a file; those of a run that did not finish are refused, for some of them are not computed yet."""
+
+    file: RunFile
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """Names of the columns of each group."""
+        return self.file.columns
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        return self.file.rows(group)
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Read rows of a column (see RunFile); raises RunFileRefused for an unfinished run."""
+        return finished(self.file).column(group, name, start, stop)
+
+
+def finished(file: RunFile) -> RunFile:
+    """Return a file; raises RunFileRefused if its run did not finish."""
+    if file.is_unfinished:
+        from rubnoise.storage.resume import refusal
+
+        raise refusal(file.path)
+    return file
+
+
 class Run(Opened, Contents):
     """An open result file; a context manager. Opening reads its structure, asking for rows reads those rows.
 
@@ -306,7 +291,7 @@ class Run(Opened, Contents):
     def __init__(self, file: RunFile) -> None:
         """Take over an open run file."""
         self._file: RunFile = file
-        self._groups = columns_by_group(file)
+        self._groups = columns_by_group(FinishedRows(file))
 
     @property
     def path(self) -> Path:
@@ -327,7 +312,7 @@ class Run(Opened, Contents):
     @cached_property
     def summary(self) -> list[Agreement]:
         """What was measured beside what is exact."""
-        return from_attributes(self._file.summary)
+        return from_attributes(finished(self._file).summary)
 
     @property
     def attributes(self) -> dict[str, float | int | str]:
@@ -342,15 +327,15 @@ class Run(Opened, Contents):
     def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
         if self._file.closed:
             return f"{self.path}: a run, closed", {}
+        if self._file.is_unfinished:
+            from rubnoise.storage.resume import progress
+
+            return f"{self.path}: {self.attributes['title']}, {progress(self.path)}", {}
         return f"{self.path}: {self.attributes['title']}", self._groups
 
     def reader(self) -> Reader:
         """Return the open file; raises RunFileRefused for an unfinished run."""
-        if not self.provenance["finished"]:
-            from rubnoise.storage.resume import refusal
-
-            raise refusal(self.path)
-        return self._file
+        return finished(self._file)
 
     @contextmanager
     def _file_of(self) -> Iterator[RunFile]:
@@ -376,7 +361,8 @@ class Run(Opened, Contents):
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
     """Open a result file for reading, its structure alone, however long the run.
 
-    Raises RunFileRefused with the reason if it is not a result of rubnoise or is damaged.
+    Raises RunFileRefused with the reason if it is not a result of rubnoise or is damaged. The part file of an
+    unfinished run says how far it is; its rows and what follows from them are refused.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:

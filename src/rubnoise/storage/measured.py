@@ -22,6 +22,7 @@ from rubnoise.regular_file import open_regular, read_at_most, size_of
 from rubnoise.storage.measured_text import read_text
 from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
 from rubnoise.storage.sandbox import MEMORY_BYTES, sandboxed
+from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.wave_reader import read_wave
 
 LARGEST: Final = 2 * 1024**3
@@ -160,6 +161,10 @@ def pieces_of_dataset(path: Path, name: str) -> Iterator[tuple[dict[str, Any], D
             found: dict[str, Any] = json.loads(head)
             if "refused" in found:
                 raise NoColumn(f"{path}: {found['refused']}")
+            if found["unfinished"]:
+                from rubnoise.storage.resume import refusal
+
+                raise refusal(path)
             both = np.frombuffer(rest, dtype="<f8").astype(np.float64)
             values = both[: found["here"]]
             yield found, values, both[found["here"] :]
@@ -233,6 +238,7 @@ def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
                 scale = None
             piece = slice(first, min(first + _PIECE_VALUES, dataset.size))
             head = {"count": dataset.size, "here": piece.stop - piece.start, "unit": _unit(dataset)}
+            head["unfinished"] = _is_unfinished(file)
             head |= (
                 {"place": "", "place_unit": ""}
                 if scale is None
@@ -248,9 +254,19 @@ def _no(reason: str) -> bytes:
     return json.dumps({"refused": reason}).encode()
 
 
+def _is_unfinished(file: Any) -> bool:
+    """Whether it is the part file of a run of ours."""
+    origin = file.get("provenance")
+    return _attribute(file, "format") == FORMAT and origin is not None and _attribute(origin, "finished") == ""
+
+
 def _unit(dataset: Any) -> str:
-    unit = dataset.attrs.get("units", "")
-    return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+    return _attribute(dataset, "units") or ""
+
+
+def _attribute(item: Any, name: str) -> str | None:
+    text = item.attrs.get(name)
+    return text.decode("utf-8", "replace") if isinstance(text, bytes) else None if text is None else str(text)
 
 
 def _datasets(file: Any) -> list[str]:

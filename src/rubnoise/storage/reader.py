@@ -195,6 +195,12 @@ class RunFile(OpenFile):
         return self._value(self._found["provenance"])
 
     @property
+    def is_unfinished(self) -> bool:
+        """Whether the file says that its run did not finish: what is not computed yet reads as zeros."""
+        origin = self._found["provenance"]
+        return "value" in origin and origin["value"].get("finished") == ""
+
+    @property
     def seal(self) -> str | None:
         """The hash that the file keeps of its attributes; None if it has none."""
         return self._value(self._found["seal"])

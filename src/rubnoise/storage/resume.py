@@ -137,6 +137,16 @@ def _history_or_refusal(journal: Path) -> History:
         raise RunFileRefused(f"{journal}: {(problem.strerror or str(problem)).lower()}") from problem
 
 
+def progress(path: str | os.PathLike[str]) -> str:
+    """Return how far an unfinished run is and how it goes on, as far as its files say."""
+    try:
+        found = look(path)
+    except RunFileRefused:
+        return "unfinished"
+    hint = "a process is writing it" if found.being_written else resume_hint(str(path))
+    return f"unfinished: {found.ticks:,} of {found.description.extent.ticks:,} ticks; {hint}"
+
+
 def refusal(path: str | os.PathLike[str]) -> Refused:
     """Return what to raise if a whole result is wanted and the run did not finish."""
     hint = f"; {resume_hint(str(path))}" if Path(path).suffix == SUFFIX else ""

@@ -1,0 +1,60 @@
+"""One junction of a run."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.contact.off_centre import area_of
+from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.real_numbers import at_each, real_numbers
+from rubnoise.record.rows import JunctionState
+from rubnoise.storage import schema
+from rubnoise.tables import as_html
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Junction:
+    """One junction's row: distances in um, area in um^2; times in s and strength in MPa if the run has them.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     junction = run.junction(17)
+    >>> middle = junction.birth_distance + junction.diameter
+    >>> bool(np.isclose(junction.area(middle), junction.max_area))
+    True
+    """
+
+    number: int
+    birth_distance: float
+    death_distance: float
+    life_distance: float
+    diameter: float
+    max_area: float
+    state: JunctionState
+    shear_strength: float | None = None
+    birth_time: float | None = None
+    death_time: float | None = None
+    lateral_offset: float | None = None
+    pulse: Pulse = field(default=LENS, repr=False)
+
+    def area(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
+
+        With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
+        triangle (pi/4) d (d - x) and the parabola (pi/4) (d^2 - x^2). A pass that misses the centre line by
+        b = lateral_offset has d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and
+        x = s - birth_distance - sqrt(d^2 - b^2).
+        """
+        return at_each(self._area, real_numbers(distance, "distance", "um"), "distance", (0.0, 0.0))
+
+    def _area(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        alive = (self.birth_distance <= distance) & (distance < self.death_distance)
+        age = distance - self.birth_distance
+        return np.where(alive, area_of(self.pulse, age, self.diameter, self.lateral_offset), 0.0)
+
+    def _repr_html_(self) -> str:
+        units = {column.name: column.units for column in schema.JUNCTIONS.columns}
+        values = {name: getattr(self, name, None) for name in units if name != "junction"}
+        rows = [(name, value, units[name]) for name, value in values.items() if value is not None]
+        return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
