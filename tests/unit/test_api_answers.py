@@ -1,6 +1,8 @@
 """What compare, verify, plot, psd and exact answer in Python."""
 
+import pickle
 from collections.abc import Callable
+from copy import copy, deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.errors import RunFileRefused
+from rubnoise.inference.populations import POPULATIONS
 from tests.verification.scores import seed_of
 
 # What compare, verify, plot and psd answer in Python, of a run in a file and in memory.
@@ -237,6 +240,16 @@ def test_chosen_rows_keep_their_numbers(path: Path, group: str) -> None:
         assert labelled.indexes[scale].tolist() == chosen.to_pandas().index.tolist() == [3, 4, 5, 6]
         assert labelled[other].sel({scale: 5}).item() == columns[other][5]
         assert chosen.where(f"{scale} != 4").to_xarray()[scale].values.tolist() == [3, 5, 6]
+
+
+@pytest.mark.parametrize("copied", [copy, deepcopy, lambda each: pickle.loads(pickle.dumps(each))])
+def test_chosen_rows_and_what_was_found_can_be_copied(record: rubnoise.Record, copied: Callable[[Any], Any]) -> None:
+    chosen = record.junctions.where("diameter > 6 um")
+    np.testing.assert_array_equal(copied(chosen)["diameter"][3:], chosen["diameter"][3:])
+    force = record.trace["friction_force"][:20_000]
+    found = rubnoise.infer(force, rate="10 kHz", speed="1 mm/s", unit="uN", zero="known", law="fixed")
+    assert copied(found).to_dict() == found.to_dict()
+    assert all(copied(each) == each for each in POPULATIONS.values())
 
 
 def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:

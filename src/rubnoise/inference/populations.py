@@ -64,6 +64,11 @@ def _normal_mean(shape: float) -> float:
     return 1.0 + shape * exp(-0.5 / shape**2) / (sqrt(2.0 * pi) * positive)
 
 
+# Functions with names, which an inference can be pickled with.
+def _fixed_moment(_power: int, _shape: float) -> float:
+    return 1.0
+
+
 def _normal_moment(power: int, shape: float) -> float:
     mean = _normal_mean(shape)
     before, here = 1.0, mean
@@ -72,8 +77,16 @@ def _normal_moment(power: int, shape: float) -> float:
     return here / mean**power if power else 1.0
 
 
+def _lognormal_moment(power: int, shape: float) -> float:
+    return float((1.0 + shape**2) ** (0.5 * power * (power - 1)))
+
+
 def _gamma_moment(power: int, shape: float) -> float:
     return prod(1.0 + n * shape**2 for n in range(power))
+
+
+def _exponential_moment(power: int, _shape: float) -> float:
+    return _gamma_moment(power, 1.0)
 
 
 _SPREAD_STARTS = (0.08, 0.25, 0.6)
@@ -84,7 +97,7 @@ POPULATIONS: Final[dict[str, Population]] = {
         Population(
             name="fixed",
             spread=False,
-            moment=lambda _power, _shape: 1.0,
+            moment=_fixed_moment,
         ),
         Population(
             name="normal",
@@ -97,7 +110,7 @@ POPULATIONS: Final[dict[str, Population]] = {
         Population(
             name="lognormal",
             spread=True,
-            moment=lambda power, shape: (1.0 + shape**2) ** (0.5 * power * (power - 1)),
+            moment=_lognormal_moment,
             narrowest=0.005,
             widest=1.2,
             starts=_SPREAD_STARTS,
@@ -105,7 +118,7 @@ POPULATIONS: Final[dict[str, Population]] = {
         Population(
             name="exponential",
             spread=False,
-            moment=lambda power, _shape: _gamma_moment(power, 1.0),
+            moment=_exponential_moment,
             starts=(1.0,),
         ),
         Population(
