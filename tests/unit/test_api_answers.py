@@ -228,6 +228,9 @@ def test_rows_are_chosen_as_the_command_line_does(record: rubnoise.Record, path:
         )
     with pytest.raises(rubnoise.Refused, match=r"^where: error: no column diametre"):
         junctions.where("diametre > 5 um")
+    for wrong in (5, None, junctions["diameter"] > 5.0):
+        with pytest.raises(rubnoise.Refused, match=r"^where: .*is no text; right form"):
+            junctions.where(wrong)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("group", ["junctions", "blocks"])
@@ -242,7 +245,7 @@ def test_chosen_rows_keep_their_numbers(path: Path, group: str) -> None:
         assert chosen.where(f"{scale} != 4").to_xarray()[scale].values.tolist() == [3, 5, 6]
 
 
-@pytest.mark.parametrize("copied", [copy, deepcopy, lambda each: pickle.loads(pickle.dumps(each))])
+@pytest.mark.parametrize("copied", [copy, deepcopy, lambda each: pickle.loads(pickle.dumps(each))])  # noqa: S301
 def test_chosen_rows_and_what_was_found_can_be_copied(record: rubnoise.Record, copied: Callable[[Any], Any]) -> None:
     chosen = record.junctions.where("diameter > 6 um")
     np.testing.assert_array_equal(copied(chosen)["diameter"][3:], chosen["diameter"][3:])

@@ -17,7 +17,7 @@ import rubnoise
 from rubnoise import arrays
 from rubnoise.api import columns as module
 from rubnoise.errors import ExtraMissing
-from rubnoise.storage.schema import TRACE
+from rubnoise.storage.schema import TRACE, Dataset
 from tests.format.runs import describe, random_rows, write_run
 
 AREA = TRACE.columns[1]
@@ -223,6 +223,9 @@ def test_looking_at_a_column_reads_four_rows(column: rubnoise.Column, source: So
 
 def test_a_short_column_is_shown_whole() -> None:
     assert repr(rubnoise.Column(AREA, 2, Source(np.array([1.0, 2.5])))).endswith("2 rows of float64: 1 2.5>")
+    words = np.array(["done", "failed", "x" * 99])
+    states = rubnoise.Column(Dataset(name="state", units="", long_name="", symbol="", dtype="<U99"), 3, Source(words))
+    assert repr(states) == f"<state, 3 rows of text: done failed {'x' * 40}>"
 
 
 def test_groups_show_names_units_and_meaning(tmp_path: Path) -> None:

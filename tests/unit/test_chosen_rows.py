@@ -1,6 +1,7 @@
 """Rows of a result that are asked for: conditions, order, and how much of the file is read."""
 
 import operator
+import re
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -19,7 +20,7 @@ from rubnoise.analysis import selection
 from rubnoise.analysis.selection import gather, select
 from rubnoise.analysis.where import DEEPEST, LONGEST, ConditionRefused, condition
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.schema import JUNCTIONS
+from rubnoise.storage.schema import JUNCTIONS, TRACE, Dataset
 from rubnoise.storage.structure import LIBRARY_VERSIONS, Words, complete, compose
 from tests.format.runs import Compression, describe, random_rows, write_run
 
@@ -312,6 +313,37 @@ def test_and_or_not_mean_what_they_mean_in_python(tree: Any) -> None:
 def test_whatever_is_written_is_read_or_refused(text: str) -> None:
     with suppress(ConditionRefused):
         assert condition(text).columns <= {column.name for column in JUNCTIONS.columns}
+
+
+IN_A_SWEEP = (
+    Dataset(name="run_id", units="", long_name="", symbol="", dtype="<U16"),
+    Dataset(name="state", units="", long_name="", symbol="", dtype="<U8"),
+    Dataset(name="sliding.speed", units="um/s", long_name="", symbol=""),
+)
+
+
+@pytest.mark.parametrize(
+    ("columns", "text", "told"),
+    [
+        (TRACE.columns, "alive_at_end", "no column alive_at_end"),
+        (TRACE.columns, "not complete", "only junctions have states"),
+        (TRACE.columns, "real_contact_area > complete", "no column complete"),
+        (IN_A_SWEEP, "complete", "no column complete"),
+        (IN_A_SWEEP, "run_id == 5", "run_id holds texts"),
+        (IN_A_SWEEP, "state == 0", "state holds texts"),
+        (IN_A_SWEEP, "0 < state", "state holds texts"),
+        (IN_A_SWEEP, "sliding.sped > 1", "did you mean sliding.speed?"),
+    ],
+)
+def test_words_for_other_rows_are_refused(columns: tuple[Dataset, ...], text: str, told: str) -> None:
+    with pytest.raises(ConditionRefused, match=re.escape(told)):
+        condition(text, columns)
+
+
+def test_a_key_of_a_sweep_is_compared_by_its_name() -> None:
+    speeds = {"sliding.speed": np.array([500.0, 2000.0])}
+    for text in ("sliding.speed > 1 mm/s", "sliding.speed > 1000", "not 1 mm/s >= sliding.speed"):
+        assert condition(text, IN_A_SWEEP).chosen(speeds).tolist() == [False, True], text
 
 
 # Opening a result reads its structure, however long the run; asking for rows reads those rows.

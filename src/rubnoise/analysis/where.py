@@ -40,7 +40,7 @@ _UNIT: Final = rf"{_FACTOR}(?: ?[*/] ?{_FACTOR})*"
 _PATTERN: Final = re.compile(
     rf"[ \t\r\n]*(?:"
     rf"(?P<number>(?P<bare>{NUMBER})(?![0-9.,_])(?: *{_UNIT})?)"
-    rf"|(?P<name>[A-Za-z_][A-Za-z0-9_]*)"
+    rf"|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*)"  # keys of a sweep have dots
     rf"|(?P<comparison><=|>=|==|!=|<(?!>)|>(?!<))"
     rf"|(?P<bracket>[()])"
     rf"|(?P<end>$))",
@@ -184,6 +184,7 @@ class _Reader:
     def __init__(self, text: str, columns: Sequence[Dataset]) -> None:
         self._text = text
         self._columns = {column.name: column for column in columns}
+        self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
         self._tokens = tokens(text)
         self._next = next(self._tokens)
         self._depth = 0
@@ -253,9 +254,12 @@ class _Reader:
         if token.sort != "name":
             found = f'"{token.text}"' if token.text else "the end"
             raise self._refused(token, f"{found} stands where a column or a number is needed")
-        if token.text not in self._columns and token.text not in STATES:
-            known = [*self._columns, *STATES]
+        if token.text not in self._columns and token.text not in self._states:
+            known = [*self._columns, *self._states]
             raise self._refused(token, f"no column {token.text}", self._advice(token.text, known))
+        if token.text in self._columns and np.dtype(self._columns[token.text].dtype).kind == "U":
+            hint = f'numbers are compared; ["{token.text}"][:] == "..." in Python compares texts'
+            raise self._refused(token, f"{token.text} holds texts", hint)
         return token
 
     def _not_going_on(self) -> ConditionRefused:
@@ -266,19 +270,21 @@ class _Reader:
     def _advice(self, word: str, known: list[str]) -> str:
         if word.lower() in KEYWORDS:
             return f"write {word.lower()}"
+        if word in STATES:
+            return "only junctions have states"
         if any(column.name == word for column in JUNCTIONS.columns):
             return f"this run has no {word}; it has {', '.join(self._columns)}"
         return did_you_mean(word, known)
 
     def _alone(self, token: Token) -> Choose:
-        if token.text in STATES:
+        if token.text in self._states:
             return self._in_state(token)
         if token.sort == "number":
             raise self._refused(token, "a number by itself", "for instance: diameter > 6 um")
         raise self._refused(token, f"{token.text} is compared with nothing", f"for instance: {token.text} > 0")
 
     def _compared(self, left: Token, operator: Token, right: Token) -> Choose:
-        if STATES.keys() & {left.text, right.text}:
+        if self._states.keys() & {left.text, right.text}:
             return self._state(left, operator, right)
         column = next((self._columns[side.text] for side in (left, right) if side.sort == "name"), None)
         if column is None:
@@ -291,7 +297,7 @@ class _Reader:
         return lambda rows: compare(one(rows), two(rows))
 
     def _state(self, left: Token, operator: Token, right: Token) -> Choose:
-        word, other = (left, right) if left.text in STATES else (right, left)
+        word, other = (left, right) if left.text in self._states else (right, left)
         if other.text != "state":
             raise self._refused_span(left, right, f"{word.text} is a state", f"write {word.text}, or not {word.text}")
         if operator.text not in {"==", "!="}:
@@ -316,7 +322,7 @@ class _Reader:
 
     def _quantity(self, side: Token, column: Dataset) -> float:
         unit = side.text[side.digits :].strip(" ")
-        if unit in STATES or unit in self._columns:
+        if unit in self._states or unit in self._columns:
             raise refusal(self._text, side.end - len(unit), side.end, f'"{unit}" does not belong here', _JOINED)
         kind = next((kind for kind in KINDS if kind.unit == column.units), None)
         if kind is None:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rubnoise.api.columns import Column
+from rubnoise.api.keywords import shown
 from rubnoise.arrays import slices
-from rubnoise.errors import needing
+from rubnoise.errors import Refused, needing
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
 from rubnoise.tables import as_html, shortened
@@ -103,6 +104,8 @@ class Columns:
         from rubnoise.analysis.where import ConditionRefused
         from rubnoise.analysis.where import condition as understood
 
+        if not isinstance(condition, str):
+            raise Refused(f'where: {shown(condition)}: is no text; right form: where("diameter > 6 um")')
         try:
             node = understood(condition, [each.about for each in self._columns.values()])
         except ConditionRefused as refused:

@@ -196,11 +196,12 @@ class Column(NDArrayOperatorsMixin):
         return max(chunk.max() for chunk in self._chunks())
 
     def __repr__(self) -> str:
-        text = f"{self.name} ({self.units}), {self._rows:,} rows of {self.dtype}"
+        unit = f" ({self.units})" if self.units else ""
+        text = f"{self.name}{unit}, {self._rows:,} rows of {'text' if self.dtype.kind == 'U' else self.dtype}"
         try:
             few = self._rows <= READ_AT_ONCE
-            values = " ".join(f"{value:.6g}" for value in self[: None if few else 3])
-            return f"<{text}: {values}>" if few else f"<{text}: {values} ... {self[-1]:.6g}>"
+            values = " ".join(map(_short, self[: None if few else 3]))
+            return f"<{text}: {values}>" if few else f"<{text}: {values} ... {_short(self[-1])}>"
         except ValueError:
             return f"<{text}: closed>"
         except RunFileRefused as refused:
@@ -300,6 +301,11 @@ IN_PIECES: Final[Mapping[Any, str]] = {
 def _own(values: NDArray[Any]) -> NDArray[Any]:
     """Return rows that may be changed: what was read from a file, or a copy of what a run in memory keeps."""
     return values if values.base is None and values.flags.writeable else values.copy()
+
+
+def _short(value: Any) -> str:
+    """Return a number with six digits, or the begin of a text."""
+    return f"{value:.40}" if isinstance(value, str) else f"{value:.6g}"
 
 
 def _as_arrays(value: Any) -> Any:
