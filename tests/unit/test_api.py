@@ -323,7 +323,16 @@ def test_pandas_gets_a_frame_over_the_first_column(run: rubnoise.Run) -> None:
     }
 
 
+def test_what_is_no_name_of_a_column_is_answered_with_the_way(run: rubnoise.Run) -> None:
+    wrong: Any
+    rows = "a column has the rows"
+    for wrong, way in ((slice(1, 3), rows), (3, rows), (np.ones(3), rows), (["diameter", "state"], "to_pandas")):
+        with pytest.raises(KeyError, match=way):
+            run.junctions[wrong]
+
+
 def test_pandas_gets_only_what_is_named(run: rubnoise.Run) -> None:
+    assert list(run.junctions.to_pandas("diameter")) == ["diameter"]
     frame = run.junctions.to_pandas(["diameter", "state"])
     assert list(frame) == ["diameter", "state"]
     assert frame["state"].dtype == np.uint8

@@ -257,8 +257,22 @@ def test_a_record_in_memory_has_the_same_face(tmp_path: Path) -> None:
         assert record.to_pandas()["trace"].equals(run.trace.to_pandas())
     np.testing.assert_array_equal(record.trace["distance"], record["trace"]["distance"])
     assert repr(record).startswith("a run in memory\n  .junctions ")
-    with pytest.raises(KeyError, match="no slider"):
-        _ = record.slider
+    for missing in (KeyError, AttributeError):
+        with pytest.raises(missing, match=r"^the run has no slider; it has junctions, trace"):
+            _ = record.slider
+    assert not hasattr(record, "slider")
+    assert "slider" not in record
+    assert "slider" not in dir(record)
+    assert "slider" in dir(rubnoise.Run)
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        assert list(run) == [*record, "life_curve"]
+        for each in (run, record):
+            for group in each:
+                assert f".{group} " in repr(each)
+                assert group in each
+                assert group in dir(each)
+                column = getattr(each, group)[getattr(each, group).names[-1]]
+                assert column.units == getattr(run, group)[column.name].units
 
 
 @pytest.mark.parametrize(("library", "method"), [("xarray", "to_xarray"), ("pandas", "to_pandas")])

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -42,13 +42,18 @@ class Columns:
 
     def __getitem__(self, name: str) -> Column:
         """Return one column, unread; raises KeyError with the names there are."""
+        if not isinstance(name, str):
+            raise KeyError(f"/{self.name} has columns by name, {', '.join(self.names)}; {self._instead_of(name)}")
         if name not in self._columns:
             homes = [group.name for group in schema.GROUPS if any(each.name == name for each in group.columns)]
             other = f"; run.{homes[0]}[{name!r}] has it, if the run has it" if homes else ""
-            if isinstance(name, int | slice):
-                other = f"; a column has the rows: [{self.names[-1]!r}][{name!r}], and run.junction(17) is one junction"
             raise KeyError(f"/{self.name} has no column {name!r}; it has {', '.join(self.names)}{other}")
         return self._columns[name]
+
+    def _instead_of(self, index: Any) -> str:
+        if isinstance(index, list | tuple) and all(isinstance(each, str) for each in index):
+            return f"to_pandas({list(index)!r}) has several"
+        return f"a column has the rows: [{self.names[-1]!r}][{shown(index)}], and run.junction(17) is one junction"
 
     def __getattr__(self, name: str) -> Column:
         """Return a column by its name, as `[name]` does, which comes first for one named like a method."""
@@ -136,7 +141,7 @@ class Columns:
         return labelled.dataset(self._columns, index=index)
 
     def to_pandas(self, names: Sequence[str] | None = None) -> "pd.DataFrame":
-        """Read the group, or the columns named, into a pandas DataFrame whose index is the first column.
+        """Read the group, or the columns (or the one) named, into a pandas DataFrame whose index is the first column.
 
         Units are in ``frame.attrs["units"]``, by name. Raises KeyError for an unknown name, ExtraMissing without
         pandas.
@@ -144,7 +149,8 @@ class Columns:
         with needing("analysis", "to_pandas"):
             import pandas as pd
         scale, *rest = self.names
-        chosen = [name for name in (rest if names is None else names) if name != scale]
+        asked = rest if names is None else [names] if isinstance(names, str) else names
+        chosen = [name for name in asked if name != scale]
         frame = pd.DataFrame({name: self[name][:] for name in chosen}, index=pd.Index(self[scale][:], name=scale))
         frame.attrs["units"] = {name: self[name].units for name in (scale, *chosen)}
         return frame

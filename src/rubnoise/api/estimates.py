@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from rubnoise.api.result import Contents
+    from rubnoise.api.contents import Contents
 
 SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
     {"um": ("m", 1e-6), "um/s": ("m/s", 1e-6), "uN": ("N", 1e-6), "um^2": ("m^2", 1e-12), "MPa": ("Pa", 1e6)}

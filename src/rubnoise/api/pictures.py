@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.analysis.sound import Heard
-    from rubnoise.api.result import Contents
+    from rubnoise.api.contents import Contents
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.figures.catalogue import Appearance
 

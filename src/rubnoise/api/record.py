@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.column_group import Columns, columns_by_group
-from rubnoise.api.result import Contents, Run
+from rubnoise.api.contents import Contents
+from rubnoise.api.result import Run
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord

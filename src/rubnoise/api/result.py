@@ -1,229 +1,28 @@
-"""What a run has, in a file or in memory, and a run in a file."""
+"""A run in a file."""
 
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
-from operator import index
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column_group import (
-    GROUP_HEADS,
-    Columns,
-    columns_by_group,
-    group_rows,
-    listed,
-)
-from rubnoise.api.junction import Junction
+from rubnoise.api.column_group import Columns, columns_by_group
+from rubnoise.api.contents import Contents
 from rubnoise.contact.pulses import Pulse
-from rubnoise.errors import Refused, RunFileRefused, needing
+from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
-from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import OpenFile, RunFile, open_run
-from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from rubnoise.analysis.comparing.findings import Comparison
-    from rubnoise.analysis.verification import ResultFile
-    from rubnoise.analysis.verifying.findings import Verification
-    from rubnoise.api.estimates import PowerSpectrum
-    from rubnoise.api.kinds import Kind, Style
-    from rubnoise.api.trace import Trace
-    from rubnoise.model import Model
     from rubnoise.scenario import Scenario
-    from rubnoise.theory.exact import Exact
-
-
-INSIDE: Final = frozenset(
-    {"reader", "write", "groups_by_name", "extent", "pulse", "columns", "rows", "column", "known_scenario", "protect"}
-)
-"""Names of a run that no user needs."""
-
-
-class Contents(ABC):
-    """The groups of a result and what can be made of them."""
-
-    __slots__ = ()
-
-    @abstractmethod
-    def groups_by_name(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name, of a run in a file and in memory alike."""
-
-    @property
-    @abstractmethod
-    def _pulse(self) -> Pulse:
-        """Return the shape of the junctions' lives."""
-
-    def _attributes(self) -> Mapping[str, float | int | str]:
-        return {}
-
-    def __dir__(self) -> list[str]:
-        """Return what an editor completes: all but what other modules of rubnoise alone ask for."""
-        return sorted(set(super().__dir__()) - INSIDE)
-
-    @property
-    def junctions(self) -> Columns:
-        """One row a junction, in order of birth."""
-        return self.groups_by_name()["junctions"]
-
-    @property
-    def trace(self) -> Columns:
-        """Real contact area, junction count and friction force at every tick."""
-        return self.groups_by_name()["trace"]
-
-    @property
-    def slider(self) -> Columns:
-        """The slider's motion at every tick; raises KeyError if the run has no slider."""
-        groups = self.groups_by_name()
-        if "slider" not in groups:
-            raise KeyError("the run has no slider")
-        return groups["slider"]
-
-    def junction(self, number: int) -> Junction:
-        """Return one junction by its row number, reading it; raises IndexError for no row, Refused for a touch."""
-        columns, number = self.junctions, index(number)
-        refuse_touches(columns)
-        if not 0 <= number < len(columns):
-            there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
-            raise IndexError(f"junction {number}: the run has {there}")
-        values = {name: columns[name][number].item() for name in columns if name != "junction"}
-        return Junction(number=number, pulse=self._pulse, **values | {"state": JunctionState(values["state"])})
-
-    def compare(self, bound: float | None = None) -> "Comparison":
-        """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
-
-        ``bound``: the largest |z|, by default what all in 99.9 % of right runs keep. Refuses unfinished and short runs.
-        """
-        from rubnoise.api.answers import compared
-
-        return compared(self.reader(), self._called, bound)
-
-    def verify(self, regenerate: int = 0) -> "Verification":
-        """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
-
-        ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
-        random numbers cannot be drawn again. A run in memory is saved first. Raises Refused for an unfinished run.
-        """
-        from rubnoise.api.answers import verified
-
-        with self._file_of() as file:
-            return verified(file, self._called, regenerate)
-
-    def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
-        """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.
-
-        "displacement", "velocity" and "friction_force" of a slider: one-sided over Hz, in m^2/Hz, (m/s)^2/Hz, N^2/Hz;
-        "real_contact_area" and "junction_count": two-sided over rad/um, in um^4 and 1 per rad/um. ``segment`` is the
-        length of a segment in s or um; by default there are some 64. Raises KeyError for a quantity the run lacks.
-        """
-        from rubnoise.api.estimates import spectrum_of
-
-        return spectrum_of(self, quantity, segment)
-
-    def plot(
-        self,
-        what: "Kind" = "overview",
-        ax: "Axes | None" = None,
-        *,
-        start: Any = None,
-        stop: Any = None,
-        of: str = "area",
-        beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
-        size: str | None = None,
-        title: bool = True,
-        style: "Style" = "screen",
-        **unknown: Any,
-    ) -> "Figure":
-        """Draw a picture of the run beside theory, and return it as a matplotlib figure.
-
-        ``what`` is "overview", "trace", "lives", "lifelines", "histogram", "psd", "acf", "count", "sizes",
-        "life_distances", "gaps", "spectrogram", "contact" (from above, at ``start``), "slider", "phase" or "landmarks",
-        as for `rubnoise plot`; ``of`` is whose spectrum "psd" and "spectrogram" show: "area", "force", "displacement"
-        or "velocity". With ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances
-        in um. ``beside`` is another run, for "slider", "phase" and spectra in Hz, or for "psd" a `Trace` or its file.
-        ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is
-        whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines) or "slides". Raises
-        Refused for a picture that the run does not have, PicturesMissing without matplotlib.
-
-        >>> import rubnoise
-        >>> with rubnoise.open("fig5.h5") as run:
-        ...     figure = run.plot("psd", of="velocity")
-        >>> len(figure.axes)  # the spectrum, and its ratio to the exact one
-        2
-        """
-        from rubnoise.api.pictures import drawn
-
-        for name in unknown:
-            hint = '; right form: size="84 mm x 60 mm"' if "size" in name else ""
-            raise Refused(f"{name}=: plot has no such keyword{hint}")
-        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside, size=size, title=title, style=style)
-
-    @property
-    def exact(self) -> "Exact":
-        """What theory says about the scenario of the run."""
-        from rubnoise.theory.exact import exact
-
-        return exact(self.model())
-
-    def model(self) -> "Model":
-        """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
-        from rubnoise.scenario.reading import stored
-
-        return stored(self.reader().provenance["scenario_resolved"]).model()
-
-    @abstractmethod
-    def reader(self) -> Reader:
-        """Return the rows of a finished run, with what it says of itself; raises Refused for one that is not."""
-
-    @abstractmethod
-    def _file_of(self) -> "AbstractContextManager[ResultFile]":
-        """Return the run as an open file."""
-
-    @property
-    @abstractmethod
-    def _called(self) -> str:
-        """What messages call the run."""
-
-    @abstractmethod
-    def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
-        """Return the line by which the run shows itself, and the groups that it lists below."""
-
-    def __repr__(self) -> str:
-        heading, groups = self._heading_and_groups()
-        return shortened([heading, *listed(groups)])
-
-    def _repr_html_(self) -> str:
-        heading, groups = self._heading_and_groups()
-        return as_html(heading, GROUP_HEADS if groups else (), group_rows(groups))
-
-    def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
-        """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
-
-        Variables are read when they are needed, as long as the run is open; ``index`` is as in Columns.to_xarray.
-        Raises ExtraMissing without xarray.
-        """
-        with needing("analysis", "to_xarray"):
-            from rubnoise.api import labelled
-        groups = {name: columns.to_xarray(index=index) for name, columns in self.groups_by_name().items()}
-        return labelled.tree(groups, self._attributes())
-
-    def to_pandas(self) -> "dict[str, pd.DataFrame]":
-        """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
-        return {name: columns.to_pandas() for name, columns in self.groups_by_name().items()}
 
 
 class Opened:
