@@ -34,6 +34,12 @@ def with_area(record: rubnoise.Record, area: NDArray[Any]) -> rubnoise.Record:
     return replace(record, groups=record.groups | {"trace": record["trace"] | {"real_contact_area": area}})
 
 
+def found_in(record: rubnoise.Record, law: str) -> rubnoise.Inference:
+    """Return what is found in the first half of its force."""
+    force = record.trace["friction_force"][:20_000]
+    return rubnoise.infer(force, rate="10 kHz", speed="1 mm/s", unit="uN", zero="known", law=law)
+
+
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("answers") / "run.h5"
@@ -249,10 +255,27 @@ def test_chosen_rows_keep_their_numbers(path: Path, group: str) -> None:
 def test_chosen_rows_and_what_was_found_can_be_copied(record: rubnoise.Record, copied: Callable[[Any], Any]) -> None:
     chosen = record.junctions.where("diameter > 6 um")
     np.testing.assert_array_equal(copied(chosen)["diameter"][3:], chosen["diameter"][3:])
-    force = record.trace["friction_force"][:20_000]
-    found = rubnoise.infer(force, rate="10 kHz", speed="1 mm/s", unit="uN", zero="known", law="fixed")
+    found = found_in(record, "fixed")
     assert copied(found).to_dict() == found.to_dict()
     assert all(copied(each) == each for each in POPULATIONS.values())
+
+
+@pytest.mark.parametrize(
+    "result",
+    [
+        lambda record: record,
+        lambda record: record.exact.distribution(),
+        lambda record: record.exact.estimated_spectrum(256),
+        lambda _: rubnoise.Surface.of(np.random.default_rng(1).normal(size=(32, 32)), spacing="1 um", unit="um"),
+        lambda record: found_in(record, "fixed"),
+    ],
+    ids=["record", "distribution", "spectrum", "surface", "inference"],
+)
+def test_what_holds_arrays_is_compared_by_identity(record: rubnoise.Record, result: Callable[[Any], Any]) -> None:
+    one = result(record)
+    assert one == one  # noqa: PLR0124
+    assert one != deepcopy(one)
+    assert len({one, one}) == 1
 
 
 def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:

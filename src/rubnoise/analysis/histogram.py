@@ -12,7 +12,7 @@ from rubnoise.arrays import Doubles
 BINS = 60
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Histogram:
     """A density over bins: ``edges`` in the unit of the quantity, density and standard error in one over it.
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
 class Inference(inference.InferenceResult):
     """What a trace shows about its junctions: ``found.estimates["diameter"].interval``.
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Record(MemoryRecord, Contents):
     """A run kept in memory: ``record.trace["real_contact_area"]``, ``record.junction(17)``, ``record.plot("slider")``.
 
@@ -37,7 +37,7 @@ class Record(MemoryRecord, Contents):
     (7, 200001, True)
     """
 
-    scenario: "Scenario | None" = field(default=None, compare=False)
+    scenario: "Scenario | None" = None
     intervention: str = ""
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> "Run":
@@ -107,7 +107,7 @@ class Record(MemoryRecord, Contents):
         return f"a run in memory: {title}" if title else "a run in memory", self.groups_by_name()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MemoryReader(MemoryRecord):
     """A run in memory with what its file would say of it."""
 

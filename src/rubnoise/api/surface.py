@@ -21,7 +21,7 @@ from rubnoise.tables import as_html, shortened
 from rubnoise.units import FORCE, LENGTH, STRESS
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Surface:
     """A map of heights in um, the first index along the sliding, with its form removed.
 

@@ -68,7 +68,7 @@ class OtherPulse:
     diameter_off: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class InferenceResult:
     """What a trace shows about its junctions.
 

@@ -14,7 +14,7 @@ _LINE = 64
 """Bytes at whose multiples columns begin, as the processor fetches them."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class MemoryRecord:
     """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file.
 

@@ -15,7 +15,7 @@ FEWEST_POINTS: Final = 16
 """Points a side below which a map has no spectrum."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeightMap:
     """Heights h in um over a grid whose first index runs along the sliding, spacings in um.
 

@@ -29,7 +29,7 @@ NEAR: Final = 0.1
 _STEPS: Final = 2.0**0.5
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Patches:
     """Patches of contact on a map, by their areas in um^2 from the largest on, of so large a map."""
 
@@ -71,7 +71,7 @@ def patches(heights: Doubles, share: float, spacing: tuple[float, float]) -> Pat
     return Patches(points * (spacing[0] * spacing[1]), heights.size * spacing[0] * spacing[1])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlidingContact:
     """A slider on a track under a load: ``track`` and ``slider`` are maps without form, their waves cut.
 

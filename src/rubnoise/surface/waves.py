@@ -56,7 +56,7 @@ def _kept(along: Doubles, across: Doubles, cutoff: float, longest: float | None)
     return kept if longest is None else kept & (frequency >= (1.0 - 1e-9) / longest)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Waves:
     """The power of a surface by wave: ``power`` S in um^2 on the grid of the discrete transform, its sum the variance.
 

@@ -114,7 +114,7 @@ _AT_ONCE = 65_536
 _ANGLES_AT_ONCE = 2**20
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Distribution:
     """The law of A_r: an atom at 0, where no junction is alive, and a density beside it.
 

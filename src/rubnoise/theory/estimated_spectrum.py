@@ -174,7 +174,7 @@ _MOST_BINS = 4096  # a matrix of theirs has 130 MB
 _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Segments:
     """How a record is cut: ``count`` segments of len(window) ticks of ``tick`` um, ``step`` ticks from start to start.
 
@@ -203,7 +203,7 @@ class Segments:
         return [(0, 1.0 / self.count), *later]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EstimatedSpectrum:
     """What Welch's method is expected to show of the real contact area, and how far one estimate strays from it.
 

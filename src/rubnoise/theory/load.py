@@ -60,7 +60,7 @@ def relative_speed(model: Model) -> float:
     return 1.0 / (overlap_scale(model) * drive.resonance)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoadMotion:
     """Stationary motion under a load that weighs, of first order: um, um/s, uN, Hz.
 
@@ -218,7 +218,7 @@ _PART_LEFT_OUT: Final = 1e-6
 _BAND_NODES: Final = 16
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ThirdOctaves:
     """Root mean square velocities (um/s) in third-octave bands about frequencies in Hz."""
 
