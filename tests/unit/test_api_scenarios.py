@@ -1,6 +1,9 @@
 """What Python is given: scenarios by path, name or object, and records of the user's own."""
 
+import gc
+import pickle
 import shlex
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ from scipy import signal
 
 import rubnoise
 from rubnoise.api.sweep_result import short_names
+from rubnoise.api.sweeping import TemporaryFolder
 from rubnoise.errors import ScenarioRefused, how_to_install, in_shell
 from tests.cli.terminal import call
 
@@ -177,6 +181,25 @@ def test_a_grid_takes_what_numpy_and_pint_have() -> None:
     for wrong in (20, "1 mm/s", 1 * UNIT.mm / UNIT.s):
         with pytest.raises(rubnoise.Refused, match=r"grid=: sliding\.speed: .* a list of values is needed"):
             rubnoise.run_sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
+
+
+def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
+    scenario = rubnoise.load("paper/fig4").replace({"sliding.distance": "100 um"})
+    sweep = rubnoise.run_sweep(scenario, replicates=1, jobs=1)
+    folder, name = sweep.path, str(sweep.runs["run_id"][0])
+    same = copy(sweep)
+    del sweep
+    gc.collect()
+    with same.run(name) as run:
+        assert len(run.trace) > 0
+    pickled = pickle.dumps(same)
+    del same, run
+    gc.collect()
+    with pickle.loads(pickled) as again, again.run(name):  # noqa: S301
+        assert again.path == folder
+    TemporaryFolder.PICKLED.clear()
+    gc.collect()
+    assert not folder.exists()
 
 
 def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:

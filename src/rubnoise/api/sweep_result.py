@@ -59,6 +59,8 @@ class SweepResult(Opened):
     def __init__(self, file: IndexFile) -> None:
         """Take over an open index."""
         self._file: IndexFile = file
+        self.temporary: object = None
+        """Keeps the folder, if nobody named one, as long as the result and its copies are there."""
         self.runs = self._columns(RUNS)
         self.points = self._columns(POINTS)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from shlex import join
 from shutil import rmtree
 from tempfile import mkdtemp
-from typing import Any, Final, cast
+from typing import Any, ClassVar, Final, Self, cast
 from weakref import finalize
 
 from numpy.typing import NDArray
@@ -98,9 +98,9 @@ def run_sweep(
 
     The sweep is a Sweep, a file, or the name of one that comes with rubnoise. With ``grid``, such as
     ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
-    make many runs of. Without a folder its runs lie in a temporary one, which goes with the result. ``jobs``
-    processes share the work, by
-    default one for each processor. With ``cluster`` the workers of a Dask scheduler share it; give its address or its
+    make many runs of. Without a folder its runs lie in a temporary one, which goes with the last copy of the result, or
+    with this process if it was pickled. ``jobs`` processes share the work, by default one for each processor.
+    With ``cluster`` the workers of a Dask scheduler share it; give its address or its
     file, and a ``distributed.Security`` as ``security`` for TLS. ``shard`` "2/8" makes the second eighth. After a
     failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder that is
     not this sweep's, is in use, or has no room on its disk. Raises Refused if memory is too small for so many runs at
@@ -121,8 +121,32 @@ def run_sweep(
             rmtree(place, ignore_errors=True)
         raise
     if folder is None:
-        finalize(result, rmtree, place, ignore_errors=True)
+        result.temporary = TemporaryFolder(place)
     return result
+
+
+class TemporaryFolder:
+    """Removes a folder when nobody keeps this any more, or else when the process ends."""
+
+    PICKLED: ClassVar[list["TemporaryFolder"]] = []
+    """Those of pickles, which may be read as long as the process runs."""
+
+    def __init__(self, path: Path) -> None:
+        """Take over a folder."""
+        self.path = path
+        finalize(self, _removed, path, os.getpid())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        self.PICKLED.append(self)
+        return Path, (self.path,)
+
+
+def _removed(path: Path, process: int) -> None:
+    if os.getpid() == process:  # and no copy of it, which ends earlier
+        rmtree(path, ignore_errors=True)
 
 
 def _sweep_of(
