@@ -53,6 +53,11 @@ def test_what_needs_the_area_of_a_touch_is_refused_in_words(bouncing: Stretch, n
         picture(name, bouncing, "png")
 
 
+def test_a_run_of_free_motion_is_drawn_without_a_name(bouncing: Stretch) -> None:
+    with rubnoise.open(bouncing.file.path) as run:
+        assert [axes.get_ylabel() for axes in run.plot().axes] == [axes.get_ylabel() for axes in run.plot("load").axes]
+
+
 @pytest.mark.parametrize("name", list(HEARD))
 @pytest.mark.parametrize("heard", ["load", "normal-velocity"])
 def test_what_rises_and_falls_has_spectra_and_histograms(

@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import pint
 import pytest
 from numpy.typing import NDArray
 from scipy import signal
@@ -110,8 +111,9 @@ def test_what_did_not_finish_or_knows_no_scenario_is_refused(record: rubnoise.Re
     for ask in (bare.compare, bare.verify, bare.psd, bare.plot):
         with pytest.raises(rubnoise.Refused, match="does not know its scenario"):
             ask()
-    with pytest.raises(rubnoise.Refused, match="regenerate=-1"):
-        record.verify(regenerate=-1)
+    for wrong in (-1, 1.5, True):
+        with pytest.raises(rubnoise.Refused, match=f"regenerate=: {wrong}"):
+            record.verify(regenerate=wrong)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("quantity", "scale"), [("velocity", 1e-6), ("displacement", 1e-6), ("friction_force", 1e-6)])
@@ -145,6 +147,27 @@ def test_a_quantity_that_a_run_lacks_is_named(record: rubnoise.Record) -> None:
         record.psd("speed")
     with pytest.raises(rubnoise.Refused, match="a segment of 2 rows"):
         record.psd("velocity", segment=3e-4)
+    with pytest.raises(KeyError, match=r'run\.plot\("psd", of='):
+        record.psd("normal-velocity")
+    with pytest.raises(KeyError, match="there are real_contact_area"):
+        record.psd(None)  # type: ignore[arg-type]
+
+
+def test_a_segment_is_a_number_or_has_its_unit(record: rubnoise.Record) -> None:
+    wanted = record.psd("velocity", segment=0.5).segments
+    unit: Any = pint.UnitRegistry()
+    for segment in ("0.5 s", "500 ms", 500 * unit.ms, np.float32(0.5)):
+        assert record.psd("velocity", segment=segment).segments == wanted
+    wrong: Any
+    for wrong in (np.nan, np.inf, 0, -0.5, True, "0.5", "2 um", 500 * unit.um, [0.5]):
+        with pytest.raises(rubnoise.Refused, match="segment=: "):
+            record.psd("velocity", segment=wrong)
+
+
+@pytest.mark.parametrize("bound", [-1, 0, np.nan, np.inf, "3"])
+def test_a_bound_is_above_zero(record: rubnoise.Record, bound: Any) -> None:
+    with pytest.raises(rubnoise.Refused, match="bound=: "):
+        record.compare(bound=bound)
 
 
 @pytest.mark.parametrize("what", ["trace", "histogram", "slider"])
@@ -174,6 +197,12 @@ def test_a_picture_takes_the_place_of_axes(record: rubnoise.Record) -> None:
         ({"what": "psd", "of": "speed"}, "no such spectrum"),
         ({"what": "trace", "beside": 1}, 'another run goes with "slider"'),
         ({"what": "trace", "start": 100.0, "stop": 50.0}, "nothing lies in 100 to 50 um"),
+        ({"what": "trace", "start": "0.1 mm", "stop": "50 um"}, "nothing lies in 100 to 50 um"),
+        ({"what": "trace", "start": "1 s"}, "start=: 1 s: .*a length is needed"),
+        ({"what": "trace", "stop": np.nan}, "stop=: nan"),
+        ({"what": 5}, "5: no picture of a run"),
+        ({"size": (3, 2)}, "size=.*right form"),
+        ({"title": "my title"}, "title=: my title is neither True nor False"),
     ],
 )
 def test_a_picture_that_there_is_not_is_refused(record: rubnoise.Record, words: dict[str, Any], told: str) -> None:

@@ -15,7 +15,7 @@ from scipy import signal
 import rubnoise
 from rubnoise.api.sweep_result import short_names
 from rubnoise.api.sweeping import TemporaryFolder
-from rubnoise.errors import ScenarioRefused, how_to_install, in_shell
+from rubnoise.errors import Refused, ScenarioRefused, how_to_install, in_shell
 from tests.cli.terminal import call
 
 # Scenarios by path, name or object, and other values of their keys.
@@ -167,7 +167,7 @@ def test_none_takes_a_key_of_a_table_away() -> None:
     ],
 )
 def test_what_is_no_scenario_is_refused(asked: Any) -> None:
-    with pytest.raises(rubnoise.Refused, match=r"needed|no name"):
+    with pytest.raises(rubnoise.Refused, match=r"needed|no name|neither a file nor a name"):
         asked()
 
 
@@ -183,10 +183,26 @@ def test_a_grid_takes_what_numpy_and_pint_have() -> None:
             rubnoise.run_sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
 
 
+def test_what_is_none_of_it_is_refused(tmp_path: Path) -> None:
+    wrong: Any = {"format": 1}
+    for ask in (rubnoise.load, rubnoise.simulate, rubnoise.exact, rubnoise.load_sweep, rubnoise.run_sweep):
+        with pytest.raises(Refused, match=r"{'format': 1}: is neither a file nor a name; rubnoise\.build"):
+            ask(wrong)
+    with pytest.raises(Refused, match="expand: a Sweep is needed"):
+        rubnoise.expand(BASE)  # type: ignore[arg-type]
+    with pytest.raises(Refused, match="names=: names no figure"):
+        rubnoise.draw_figures([], tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
     scenario = rubnoise.load("paper/fig4").replace({"sliding.distance": "100 um"})
     sweep = rubnoise.run_sweep(scenario, replicates=1, jobs=1)
     folder, name = sweep.path, str(sweep.runs["run_id"][0])
+    with pytest.raises(Refused, match="state: holds texts; figures are real_contact_area_mean"):
+        sweep.estimates("state")
+    with pytest.raises(Refused, match="5: is no quantity of a sweep"):
+        sweep.plot(5)  # type: ignore[arg-type]
     same = copy(sweep)
     del sweep
     gc.collect()

@@ -3,10 +3,13 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from math import inf
+from numbers import Integral, Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from rubnoise.api.keywords import shown
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.reading import stored
 
@@ -29,6 +32,8 @@ def compared(reader: Any, source: str, bound: float | None) -> "Comparison":
     """Compare the rows of a run with the theory of its scenario."""
     from rubnoise.analysis.comparison import compare
 
+    if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
+        raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
     with calculating(source):
         found = compare(stored(reader.provenance["scenario_resolved"]).model(), reader, bound)
         return replace(found, heading=f"{source}: compared with theory")
@@ -38,8 +43,8 @@ def verified(file: Any, source: str, regenerate: int) -> "Verification":
     """Check an open result file."""
     from rubnoise.analysis.verification import verify
 
-    if regenerate < 0:
-        raise Refused(f"regenerate={regenerate}: is no number; it is 0 or more")
+    if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
+        raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
     with calculating(source):
         return replace(verify(file, regenerate), heading=f"{source}: verified")
 

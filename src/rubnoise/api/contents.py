@@ -157,7 +157,8 @@ class Contents(ABC):
 
         "displacement", "velocity" and "friction_force" of a slider: one-sided over Hz, in m^2/Hz, (m/s)^2/Hz, N^2/Hz;
         "real_contact_area" and "junction_count": two-sided over rad/um, in um^4 and 1 per rad/um. ``segment`` is the
-        length of a segment in s or um; by default there are some 64. Raises KeyError for a quantity the run lacks.
+        length of a segment in s or um, or a text such as "0.5 s"; by default there are some 64. Raises KeyError for
+        a quantity the run lacks.
         """
         from rubnoise.api.estimates import spectrum_of
 
@@ -165,7 +166,7 @@ class Contents(ABC):
 
     def plot(
         self,
-        what: "Kind" = "overview",
+        what: "Kind | None" = None,
         ax: "Axes | None" = None,
         *,
         start: Any = None,
@@ -181,7 +182,8 @@ class Contents(ABC):
 
         ``what`` is "overview", "trace", "lives", "lifelines", "histogram", "psd", "acf", "count", "sizes",
         "life_distances", "gaps", "spectrogram", "contact" (from above, at ``start``), "slider", "phase" or "landmarks",
-        as for `rubnoise plot`; ``of`` is whose spectrum "psd" and "spectrogram" show: "area", "force", "displacement"
+        as for `rubnoise plot`; without it "overview", or "load" of a slider that moves freely. ``of`` is whose spectrum
+        "psd" and "spectrogram" show: "area", "force", "displacement"
         or "velocity". With ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances
         in um. ``beside`` is another run, for "slider", "phase" and spectra in Hz, or for "psd" a `Trace` or its file.
         ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is

@@ -4,17 +4,19 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from math import pi
+from math import inf, pi
+from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.spectra import SEGMENTS, WelchSum
+from rubnoise.api import keywords
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.model import Model
-from rubnoise.units import in_unit
+from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -181,7 +183,7 @@ def power_spectrum(
 
     Over time G(f) = 2 S(2 pi f), one-sided, in SI; along the distance S(k), two-sided, in working units.
     """
-    ticks = 2 * (rows // (SEGMENTS + 1)) if segment is None else round(float(in_unit(segment, place_units)) / step)
+    ticks = 2 * (rows // (SEGMENTS + 1)) if segment is None else round(_length(segment, place_units) / step)
     ticks = max(8, 2 * (ticks // 2)) if segment is None else 2 * (ticks // 2)
     if not 8 <= ticks <= rows:
         length = f"{ticks} rows" if segment is not None else "8 rows at least"
@@ -215,6 +217,16 @@ def power_spectrum(
     )
 
 
+def _length(segment: Any, place_units: str) -> float:
+    """Return the length of a segment in s or um: a number, a text with a unit or a quantity of pint."""
+    if isinstance(segment, bool) or not isinstance(segment, Real):
+        return keywords.quantity("segment", segment, TIME if place_units == "s" else LENGTH) or 0.0
+    length = float(segment)
+    if not 0.0 < length < inf:
+        raise Refused(f"segment=: {length:g} is no length; a number is in {place_units}, above 0 and finite")
+    return length
+
+
 def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpectrum:
     """Return the spectrum of a column of a run, with the exact one if theory knows it (see Contents.psd)."""
     groups, model = run.groups_by_name(), run.model()
@@ -223,8 +235,10 @@ def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpe
     group = groups["slider" if slider else "trace"]
     if quantity == "distance" or quantity not in group:
         known = dict.fromkeys([*groups["trace"].names[1:], *(groups["slider"].names[2:] if "slider" in groups else ())])
-        near = get_close_matches(quantity, [*known, *SHORT], n=1)
+        near = get_close_matches(str(quantity), [*known, *SHORT], n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
+        if quantity in ("load", "normal-velocity"):
+            hint = f'; run.plot("psd", of={quantity!r}) draws it'
         raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}{hint}")
     column, step = group[quantity], model.tick
     if slider and model.sliding_speed is not None:

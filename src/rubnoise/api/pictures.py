@@ -4,15 +4,18 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
+from math import isfinite
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
+from rubnoise.api import keywords
 from rubnoise.api.estimates import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.inference.inference import InferenceResult
-from rubnoise.units import LENGTH, QuantityError, in_unit, read_quantity
+from rubnoise.units import LENGTH, QuantityError, quantity_of, read_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +44,7 @@ SMALLEST, LARGEST = 1.0, 40.0
 
 def drawn(
     run: "Contents",
-    what: str,
+    what: Any,
     ax: "Axes | None" = None,
     *,
     start: Any = None,
@@ -56,8 +59,10 @@ def drawn(
     from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, drawing
     from rubnoise.figures.stretch import Stretch
 
-    if what not in PICTURES:
-        near = OTHER_WORDS.get(what) or next(iter(get_close_matches(what, PICTURES, n=1)), "")
+    if what is None:
+        what = "overview" if run.model().free is None else "load"
+    if not isinstance(what, str) or what not in PICTURES:
+        near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
         hint = f'; did you mean "{near}"?' if near else ""
         raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
     if isinstance(beside, str | os.PathLike):
@@ -69,8 +74,7 @@ def drawn(
         raise Refused('beside: another run goes with "slider", "phase", "load", and "psd" of anything but the area')
     if isinstance(beside, Trace) and what != "psd":
         raise Refused('beside: a trace of yours goes with "psd"')
-    ends = [None if each is None else float(in_unit(each, "um")) for each in (start, stop)]
-    stretch = Stretch.of(run.reader(), *ends)
+    stretch = Stretch.of(run.reader(), _distance("start", start), _distance("stop", stop))
     other = Stretch.of(beside.reader()) if beside is not None and not isinstance(beside, Trace) else None
     measured = measured_spectrum(beside, heard) if isinstance(beside, Trace) else None
     return drawing(
@@ -84,17 +88,26 @@ def drawn(
     )
 
 
+def _distance(keyword: str, value: Any) -> float | None:
+    """Return a sliding distance in um: a number, a text with a unit or a quantity of pint."""
+    if value is None or (isinstance(value, Real) and isfinite(value)):
+        return None if value is None else float(value)
+    try:
+        return float(quantity_of(value, LENGTH))
+    except QuantityError as problem:
+        raise Refused(f'{keyword}=: {keywords.shown(value)}: {problem}; right form: {keyword}="1 mm"') from problem
+
+
 def in_inches(size: str) -> tuple[float, float]:
     """Return width and height of a picture in inches, of "84 mm x 60 mm", "single" or "double".
 
     A name is the width of one column or two of a journal, 84 mm or 174 mm, with a height of five sevenths. Raises
     Refused for anything else.
     """
-    text = WIDTHS.get(size, size)
-    parts = [part.strip() for part in text.split(" x ")]
     try:
+        parts = [part.strip() for part in WIDTHS.get(size, size).split(" x ")]
         width, height = (float(read_quantity(part, LENGTH)) / MICROMETRES_PER_INCH for part in parts)
-    except (QuantityError, ValueError):
+    except (QuantityError, ValueError, TypeError, AttributeError):
         raise Refused(f'size={size!r}: right form: size="84 mm x 60 mm", size="single" or size="double"') from None
     if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
         raise Refused(f"size={size!r}: both sides have to be from 1 inch (25.4 mm) to 40 inches")
@@ -108,6 +121,7 @@ def appearance(size: str | None, style: str, *, title: bool) -> "Appearance":
 
     if style not in STYLES:
         raise Refused(f"style={style!r}: no style of a picture; there are {', '.join(STYLES)}")
+    title = keywords.choice("title", title, (True, False))
     return Appearance(inches=None if size is None else in_inches(size), style=style, title=title)
 
 
@@ -162,7 +176,7 @@ def drawn_estimate(
 
 def drawn_sweep(
     sweep: "SweepResult",
-    what: str | None,
+    what: Any,
     *,
     of: str = AREA,
     size: str | None = None,
@@ -172,6 +186,8 @@ def drawn_sweep(
     """Draw a quantity of a sweep, or the spectra of its points, and return the figure (see SweepResult.plot)."""
     from rubnoise.figures.catalogue import sweep_drawing
 
+    if what is not None and not isinstance(what, str):
+        raise Refused(f'{what!r}: is no quantity of a sweep; right form: sweep.plot("real_contact_area_std")')
     return sweep_drawing(sweep, what, heard=heard_of(of), look=appearance(size, style, title=title))
 
 
@@ -226,10 +242,11 @@ def draw_figures(
     >>> [file.name for file in rubnoise.draw_figures("fig3", "from_python", formats="png", force=True)]
     ['fig3.png']
     """
+    wanted = [names] if isinstance(names, str) else list(names)
+    if not wanted:
+        raise Refused('names=: names no figure; right form: names="fig3", or names="all" for every one')
     asked = [formats] if isinstance(formats, str) else list(formats)
-    return list(
-        drawn_figures([names] if isinstance(names, str) else names, Path(folder), asked, scenarios, force=force)
-    )
+    return list(drawn_figures(wanted, Path(folder), asked, scenarios, force=force))
 
 
 def drawn_figures(

@@ -4,6 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rubnoise.api.keywords import shown
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario
 from rubnoise.scenario import build as build_scenario
@@ -33,14 +34,8 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
 
 def _listed(overrides: Any) -> Sequence[str]:
     if isinstance(overrides, str) or not all(isinstance(each, str) and "=" in each for each in overrides):
-        raise Refused(f'overrides: {overrides!r:.40}: a list of texts is needed, such as ["run.seed=7"]')
+        raise Refused(f'overrides: {shown(overrides):.40}: a list of texts is needed, such as ["run.seed=7"]')
     return overrides
-
-
-def _path(source: Any) -> str | os.PathLike[str]:
-    if not isinstance(source, str | os.PathLike):
-        raise Refused(f"{source!r:.40}: a path or a name is needed, or a Scenario; rubnoise.build takes values")
-    return source
 
 
 def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Sweep:
@@ -54,6 +49,13 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     (('interface.mean_junction_count',), 5)
     """
     return load_sweep_file(named(_path(source)), _listed(overrides), sizes_of)
+
+
+def _path(source: Any) -> str | os.PathLike[str]:
+    if not isinstance(source, str | os.PathLike):
+        form = "rubnoise.build(...) makes a scenario of values, run_sweep(..., grid=...) a sweep of a scenario"
+        raise Refused(f"{' '.join(shown(source).split())}: is neither a file nor a name; {form}")
+    return source
 
 
 def example(name: str) -> Scenario:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.api.result import Opened, Run
-from rubnoise.errors import RunFileRefused, needing
+from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index, open_named
@@ -127,11 +127,11 @@ class SweepResult(Opened):
     def estimates(self, figure: str) -> "list[PooledEstimate]":
         """Return a figure of every point, pooled over its replicates: a mean, of standard deviations that of squares.
 
-        Raises KeyError for a figure that no run has.
+        Raises KeyError for a figure that no run has, Refused for a column of texts.
         """
         from rubnoise.analysis.replicates import pooled
 
-        values, point = self.runs[figure][:], self.runs["point"][:]
+        values, point = self._numbers(figure), self.runs["point"][:]
         return [pooled(figure, values[point == number].tolist()) for number in range(len(self.points))]
 
     def ratios(self, figure: str, key: str, value: Any) -> "list[PooledEstimate]":
@@ -144,7 +144,7 @@ class SweepResult(Opened):
 
         if key not in self.keys:
             raise KeyError(f"{key} is not swept")
-        figures, seeds, point = self.runs[figure][:], self.runs["seed"][:], self.runs["point"][:]
+        figures, seeds, point = self._numbers(figure), self.runs["seed"][:], self.runs["point"][:]
         found = []
         for number, values in enumerate(self.values):
             if {**values, key: value} not in self.values:
@@ -156,6 +156,11 @@ class SweepResult(Opened):
             else:
                 found.append(ratio(*(pooled(figure, figures[some].tolist()) for some in (rows, others))))
         return found
+
+    def _numbers(self, figure: str) -> NDArray[Any]:
+        if self.runs[figure].dtype.kind == "U":
+            raise Refused(f"{figure}: holds texts; figures are {', '.join(self.figures) or 'none yet'}")
+        return self.runs[figure][:]
 
     def run(self, run_id: str) -> Run:
         """Open the result of a run by its name; raises KeyError for an unknown name.

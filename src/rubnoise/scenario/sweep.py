@@ -8,7 +8,7 @@ from functools import cache
 from itertools import islice
 from typing import Any
 
-from rubnoise.errors import ScenarioRefused
+from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
 from rubnoise.scenario.keys import SWEEP
@@ -135,6 +135,8 @@ def expand(sweep: Sweep) -> tuple[Point, ...]:
     >>> first.values, first.replicate
     ({'interface.mean_junction_count': 10}, 0)
     """
+    if not isinstance(sweep, Sweep):
+        raise Refused("expand: a Sweep is needed, as rubnoise.load_sweep reads it; a scenario is one run")
     return points_of(sweep.cases, sweep.replicates)
 
 

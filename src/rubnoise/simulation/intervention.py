@@ -16,7 +16,7 @@ from rubnoise.simulation.process import DistanceClock, LiveSet
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveJunction:
-    """A junction that is alive: its row number, where it was born and its diameter (um), its area now (um^2)."""
+    """A junction that is alive: row number, place of birth, diameter (um), area when it was looked at (um^2)."""
 
     number: int
     birth_distance: float
