@@ -181,12 +181,24 @@ def test_a_picture_takes_the_place_of_axes(record: rubnoise.Record) -> None:
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2)
-    record.plot("slider", left)
+    assert record.plot("slider", left) is figure
     assert left not in figure.axes
     assert right in figure.axes
     assert len(figure.subfigs) == 1
     assert len(figure.subfigs[0].axes) >= 2
+    with pytest.raises(rubnoise.Refused, match="ax: these axes left their figure"):
+        record.plot("psd", left)
+    with pytest.raises(rubnoise.Refused, match="the run has no load that weighs"):
+        record.plot("load", right)
+    assert right in figure.axes
+    assert len(figure.subfigs) == 1
     plt.close(figure)
+
+
+@pytest.mark.parametrize("ax", [3, "left", [1, 2], np.array([None, None])])
+def test_what_is_no_axes_is_refused(record: rubnoise.Record, ax: Any) -> None:
+    with pytest.raises(rubnoise.Refused, match=f"ax: {type(ax).__name__} is no axes of matplotlib"):
+        record.plot("trace", ax)
 
 
 @pytest.mark.parametrize(

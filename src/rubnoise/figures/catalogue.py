@@ -113,7 +113,7 @@ def drawing(
     look: Appearance = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
-    """Return a picture of a run as a figure, which a notebook shows, or draw it in the place of ``ax``.
+    """Return a picture of a run as a figure, which a notebook shows; of one in the place of ``ax`` their whole figure.
 
     heard: of what `psd`, `spectrogram` and `histogram` are, in place of the area; beside: a run that is laid over the
     first; measured: a spectrum of the user's own; look: its size, its style, and whether it has titles. Raises Refused
@@ -123,7 +123,8 @@ def drawing(
         figure = _figure(name, stretch, heard, beside, measured)
         if not look.title:
             without_titles(figure)
-        return figure
+    whole: Figure = figure.figure
+    return whole
 
 
 SPECTRA: Final = "psd"

@@ -120,22 +120,45 @@ def of_size(inches: tuple[float, float] | None) -> Iterator[None]:
 
 @contextmanager
 def in_place_of(ax: "Axes | None") -> Iterator[None]:
-    """Let `new_figure` return the place of axes in their own figure, which leave it; without axes, a new figure."""
+    """Let `new_figure` return the place of axes in their own figure; without axes, a new figure.
+
+    The axes leave their figure as soon as the picture is drawn; if it cannot be drawn, they stay. Raises Refused for
+    what is no axes in the grid of a figure.
+    """
     if ax is None:
         yield
         return
-    figure, place = ax.figure, ax.get_subplotspec()
-    if place is None:
-        raise Refused("ax: these axes have no place in a grid; plt.subplots() makes some that have one")
-    ax.remove()
+    figure, place = _grid_place(ax)
     whole: Any = figure.figure
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
-    token = _PLACE.set(figure.add_subfigure(place))
+    inner = figure.add_subfigure(place)
+    token = _PLACE.set(inner)
     try:
         yield
+    except BaseException:
+        inner.clear()
+        figure.subfigs.remove(inner)
+        raise
     finally:
         _PLACE.reset(token)
+    ax.remove()
+
+
+def _grid_place(ax: Any) -> tuple[Any, Any]:
+    """Return the figure of axes, or the part of one, and their place in its grid; raises Refused without one."""
+    from matplotlib.axes import Axes
+
+    if not isinstance(ax, Axes):
+        several = isinstance(ax, np.ndarray | list | tuple)
+        meant = "one of them is needed, such as axes[0]" if several else "figure, ax = plt.subplots() makes some"
+        raise Refused(f"ax: {type(ax).__name__} is no axes of matplotlib; {meant}")
+    figure: Any = ax.figure
+    if figure is None or ax not in figure.axes:
+        raise Refused("ax: these axes left their figure when another picture took their place; give it axes of its own")
+    if ax.get_subplotspec() is None:
+        raise Refused("ax: these axes have no place in a grid; plt.subplots() makes some that have one")
+    return figure, ax.get_subplotspec()
 
 
 STYLES: Final[dict[Style, dict[str, Any]]] = {
