@@ -218,6 +218,54 @@ def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
     assert not folder.exists()
 
 
+def test_keys_of_a_sweep_go_by_their_last_words() -> None:
+    small = BASE.replace(distance="20 um")
+    grid = {"speed": ["500 um/s", "1 mm/s"], "mean_junction_count": [10, 20]}
+    with rubnoise.run_sweep(small, grid=grid, jobs=1) as sweep:
+        assert sweep.keys == ("sliding.speed", "interface.mean_junction_count")
+        asked: list[tuple[str, Any]] = [
+            ("sliding.speed", "1 mm/s"),
+            ("speed", "1000 um/s"),
+            ("speed", 1000.0),
+            ("speed", np.int64(1000)),
+            ("speed", 1 * UNIT.mm / UNIT.s),
+        ]
+        first, *others = [sweep.ratios("junction_count_mean", key, value) for key, value in asked]
+        assert [ratio.value for ratio in first[2:]] == [1.0, 1.0]
+        assert all(other == first for other in others)
+        assert sweep.ratios("junction_count_mean", "mean_junction_count", 10.0)[0].value == 1.0
+        with pytest.raises(ValueError, match=r"no point has sliding\.speed = 2 mm/s"):
+            sweep.ratios("junction_count_mean", "speed", "2 mm/s")
+        with pytest.raises(KeyError, match=r"length is not swept; swept: sliding\.speed, interface"):
+            sweep.ratios("junction_count_mean", "length", 1.0)
+        for wrong in ("1 um", "fast", 1 * UNIT.um, None):
+            with pytest.raises(rubnoise.Refused, match=r"sliding\.speed: "):
+                sweep.ratios("junction_count_mean", "speed", wrong)
+
+
+@pytest.mark.parametrize(
+    ("grid", "told"),
+    [
+        ({"sped": ["1 mm/s"]}, "no key sped; did you mean speed"),
+        ({"law": ["normal"]}, 'law is a key of several tables: say "diameter'),
+        ({"speed": ["1 mm/s"], "sliding.speed": ["2 mm/s"]}, r"sliding\.speed is there already"),
+        ({5: [1]}, "5 is no name of a key"),
+    ],
+)
+def test_a_key_of_a_grid_that_there_is_not_is_refused(grid: Any, told: str) -> None:
+    with pytest.raises(rubnoise.Refused, match=f"grid=: .*{told}"):
+        rubnoise.run_sweep(BASE, grid=grid, jobs=1)
+
+
+def test_a_choice_of_a_sweep_is_found_by_its_word() -> None:
+    with rubnoise.run_sweep(
+        BASE.replace(distance="20 um", calibration="exact"), grid={"pulse.shape": ["lens", "triangle"]}, jobs=1
+    ) as sweep:
+        assert sweep.ratios("real_contact_area_mean", "shape", "lens")[0].value == 1.0
+        with pytest.raises(ValueError, match=r"no point has pulse\.shape = 3"):
+            sweep.ratios("real_contact_area_mean", "shape", 3)
+
+
 def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:
     assert in_shell("x.h5: exists already (force=True replaces it)") == "x.h5: exists already (--force replaces it)"
     assert in_shell("rubnoise.run(..., force=True) starts over") == "rubnoise run --force starts over"

@@ -16,11 +16,13 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.api.result import Opened, Run
 from rubnoise.errors import Refused, RunFileRefused, needing
+from rubnoise.real_numbers import real_number
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
+from rubnoise.units import KINDS, RATIO, QuantityError, read_quantity
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from rubnoise.api.kinds import Style
     from rubnoise.scenario import Scenario
 
+_ROUNDING: Final = 1e-12
 INDEX: Final = "index.h5"
 
 
@@ -137,19 +140,24 @@ class SweepResult(Opened):
     def ratios(self, figure: str, key: str, value: Any) -> "list[PooledEstimate]":
         """Return a figure of every point over that of the point which differs from it in having a value of a swept key.
 
-        Runs on the same seed are compared pair by pair, since what they have in common cancels. Raises KeyError for a
-        figure that no run has or a key that is not swept, ValueError if there is no such point.
+        A key goes by its last word too, if no other swept key ends with it. A value is a text with a unit, a number in
+        working units or a quantity of pint. Runs on the same seed are compared pair by pair, since what they have in
+        common cancels. Raises KeyError for a figure that no run has or a key that is not swept, ValueError if there is
+        no such point, Refused for a value of another kind.
         """
         from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
 
+        key = {word: whole for whole, word in short_names(self.keys).items()}.get(key, key)
         if key not in self.keys:
-            raise KeyError(f"{key} is not swept")
+            raise KeyError(f"{key} is not swept; swept: {', '.join(self.keys)}")
         figures, seeds, point = self._numbers(figure), self.runs["seed"][:], self.runs["point"][:]
+        chosen = self._points_with(key, value)
         found = []
         for number, values in enumerate(self.values):
-            if {**values, key: value} not in self.values:
+            alike = [other for other in chosen if {**self.values[other], key: None} == {**values, key: None}]
+            if not alike:
                 raise ValueError(f"no point has {key} = {value}")
-            rows, others = (np.flatnonzero(point == n) for n in (number, self.values.index({**values, key: value})))
+            rows, others = (np.flatnonzero(point == n) for n in (number, alike[0]))
             count = min(rows.size, others.size)
             if np.array_equal(seeds[rows[:count]], seeds[others[:count]]):
                 found.append(ratio_of_pairs(figure, figures[rows[:count]].tolist(), figures[others[:count]].tolist()))
@@ -243,6 +251,20 @@ class SweepResult(Opened):
         from rubnoise.api.pictures import drawn_sweep
 
         return drawn_sweep(self, quantity, of=of, size=size, title=title, style=style)
+
+    def _points_with(self, key: str, value: Any) -> list[int]:
+        """Return the points at which a swept key has a value; raises Refused for one of another kind."""
+        column = self.points[key]
+        if column.dtype.kind != "f":
+            texts = [str(text) for text in column[:]]
+            return [n for n, text in enumerate(texts) if value in (text, self.values[n][key])]
+        if isinstance(value, str):
+            try:
+                value = read_quantity(value, next((kind for kind in KINDS if kind.unit == column.units), RATIO))
+            except QuantityError as problem:
+                raise Refused(f"{key}: {problem}") from problem
+        number = real_number(value, key, column.units)
+        return np.flatnonzero(np.isclose(column[:], number, rtol=_ROUNDING, atol=0.0)).tolist()
 
     def _columns(self, group: str) -> Columns:
         rows = self._file.rows(group)

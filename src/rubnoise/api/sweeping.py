@@ -28,6 +28,7 @@ from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.layers import plain
 from rubnoise.scenario.points import Point
+from rubnoise.scenario.reading import place_of
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.writing import text_of
 from rubnoise.simulation.block import Watch
@@ -98,9 +99,9 @@ def run_sweep(
 
     The sweep is a Sweep, a file, or the name of one that comes with rubnoise. With ``grid``, such as
     ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
-    make many runs of. Without a folder its runs lie in a temporary one, which goes with the last copy of the result, or
-    with this process if it was pickled. ``jobs`` processes share the work, by default one for each processor.
-    With ``cluster`` the workers of a Dask scheduler share it; give its address or its
+    make many runs of; a key of only one table needs no dots. Without a folder its runs lie in a temporary one, which
+    goes with the last copy of the result, or with this process if it was pickled. ``jobs`` processes share the work, by
+    default one for each processor. With ``cluster`` the workers of a Dask scheduler share it; give its address or its
     file, and a ``distributed.Security`` as ``security`` for TLS. ``shard`` "2/8" makes the second eighth. After a
     failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder that is
     not this sweep's, is in use, or has no room on its disk. Raises Refused if memory is too small for so many runs at
@@ -163,12 +164,26 @@ def _sweep_of(
     keys = scenario.resolved()
     if "tick" not in scenario.given.get("output", {}):
         keys["output"].pop("tick")  # its default follows the size of the junctions of each point
-    if {"diameter.file", "diameter.column"} & (grid or {}).keys():
+    axes = _axes(scenario, grid or {})
+    if {"diameter.file", "diameter.column"} & axes.keys():
         keys["diameter"] = {key: value for key, value in keys["diameter"].items() if key not in ("values", "hash")}
-    table: dict[str, Any] = {"grid": {key: _values(key, values) for key, values in (grid or {}).items()}}
+    table: dict[str, Any] = {"grid": axes}
     if replicates is not None:
         table["replicates"] = plain(replicates)
     return loads_sweep(text_of({**keys, "sweep": table}), "grid", read=sizes_of)
+
+
+def _axes(scenario: Scenario, grid: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Return a grid by whole keys, each with its values; raises Refused for no such key, and for one that is twice."""
+    axes: dict[str, list[Any]] = {}
+    for name, values in grid.items():
+        if not isinstance(name, str):
+            raise Refused(f"grid=: {name!r:.40} is no name of a key")
+        key = ".".join(part for part in place_of(name, scenario.given, "grid=") if part)
+        if key in axes:
+            raise Refused(f"grid=: {name}: {key} is there already; name it once")
+        axes[key] = _values(key, values)
+    return axes
 
 
 def _values(key: str, values: Any) -> list[Any]:

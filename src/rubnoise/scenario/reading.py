@@ -227,7 +227,7 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
     values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
     # The seed and the engine may have been changed since the file was read.
     values["run"] = dict(scenario.resolved()["run"])
-    places = [(*_place(name, value, values), value) for name, value in changes.items()]
+    places = [(*place_of(name, values, "replace", value), value) for name, value in changes.items()]
     named = {key for _, key, _ in places}
     for table, key, value in places:
         if not table:
@@ -267,23 +267,25 @@ def _set(table: dict[str, Any], key: str, value: Any) -> None:
         table[key] = value
 
 
-def _place(name: str, value: Any, values: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the table of a key, empty at the top, and the key in it; raises ScenarioRefused for no such key.
+def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -> tuple[str, str]:
+    """Return the table of a key, empty at the top, and the key in it; ``values`` are the tables of the scenario.
 
-    A key of several tables is that of the only one that a scenario has.
+    A key of several tables is that of the only one that the scenario has. A name of a table and of a key, such as
+    `load`, is that of the key if the ``value`` is a text. Raises ScenarioRefused for no such key; ``said`` names the
+    argument.
     """
     table, dot, key = name.partition(".")
     if dot:
         return table, key
     homes = [section for section, kind in SECTIONS.items() if name in kind.model_fields]
-    if name in Document.model_fields and not (homes and isinstance(value, str)):  # `load` is a table and a key
+    if name in Document.model_fields and not (homes and isinstance(value, str)):
         return "", name
     homes = [section for section in homes if section in values] or homes
     if len(homes) == 1:
         return homes[0], name
     if homes:
         meant = " or ".join(f'"{home}.{name}"' for home in homes)
-        raise ScenarioRefused(f"replace: {name} is a key of several tables: say {meant}")
+        raise ScenarioRefused(f"{said}: {name} is a key of several tables: say {meant}")
     known = (*Document.model_fields, *(key for kind in SECTIONS.values() for key in kind.model_fields))
     hint = did_you_mean(name, tuple(dict.fromkeys(known)))
-    raise ScenarioRefused(f"replace: no key {name}" + (f"; {hint}" if hint else ""))
+    raise ScenarioRefused(f"{said}: no key {name}" + (f"; {hint}" if hint else ""))
