@@ -7,7 +7,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.units import QuantityError, in_unit, is_of_pint
+from rubnoise.units import QuantityError, in_unit, is_of_pint, unit_name
 
 
 def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
@@ -40,15 +40,16 @@ def real_number(value: Any, what: str, unit: str | None = None) -> float:
     return float(found)
 
 
-def with_unit(values: Any, what: str, unit: str) -> tuple[Doubles, str]:
+def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:
     """Return values as doubles, and their unit; quantities of pint are converted to ``unit``, or have their own.
 
-    ``unit`` is empty if none is known. Raises Refused as `real_numbers` does.
+    ``unit`` is a text, empty if none is known, or a unit of pint. Raises Refused as `real_numbers` does.
     """
+    unit = unit_name(unit)
     first = values[0] if isinstance(values, list | tuple) and values else values
     if not is_of_pint(first):
         return real_numbers(values, what), unit
-    own = unit or f"{first.units:~C}"
+    own = unit or unit_name(first.units)
     return real_numbers(values, what, own), own
 
 

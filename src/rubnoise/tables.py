@@ -1,13 +1,15 @@
 """Short texts and HTML tables, with which objects show themselves in a notebook."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from html import escape
-from typing import Final
+from typing import Any, Final
 
 LONGEST: Final = 1500
 """Characters of a text at most: what one screen holds."""
 
 WIDEST: Final = 140
+FEW: Final = 8
 
 
 def shortened(lines: Iterable[str], longest: int = LONGEST) -> str:
@@ -23,6 +25,30 @@ def shortened(lines: Iterable[str], longest: int = LONGEST) -> str:
             break
         kept.append(line)
     return "\n".join([*kept, f"  ... and {len(whole) - len(kept):,} more lines"])
+
+
+def fields_as_text(value: Any) -> str:
+    """Return a dataclass as a short text: its name, and a line for each field that its repr shows."""
+    rows = [(each.name, in_short(getattr(value, each.name))) for each in fields(value) if each.repr]
+    width = max(len(name) for name, _ in rows)
+    return shortened([type(value).__name__, *(f"  {name:<{width}}  {text}" for name, text in rows)])
+
+
+def in_short(value: Any) -> str:
+    """Return a value in one short text: plain numbers of six digits, and of many values the first and the last."""
+    if getattr(value, "ndim", 0):
+        ends = f": {value.flat[0]:.6g} ... {value.flat[-1]:.6g}" if value.size and value.dtype.kind in "fiu" else ""
+        return f"{value.size:,} values{ends}"
+    if is_dataclass(value) and not isinstance(value, type):
+        inside = (f"{each.name}={in_short(getattr(value, each.name))}" for each in fields(value) if each.repr)
+        return f"{type(value).__name__}({', '.join(inside)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{name!r}: {in_short(each)}' for name, each in value.items())}}}"
+    if isinstance(value, tuple | list):
+        shown = len(value) <= FEW and not any(map(is_dataclass, value))
+        return f"[{', '.join(map(in_short, value))}]" if shown else f"{len(value):,} of {type(value[0]).__name__}"
+    plain = value.item() if hasattr(value, "item") else value
+    return f"{plain:.6g}" if isinstance(plain, float) else repr(plain)
 
 
 def as_html(heading: str, names: Sequence[str], rows: Iterable[Sequence[object]], note: str = "") -> str:

@@ -294,6 +294,11 @@ def from_pint(value: Any, *kinds: Kind) -> Quantity:
         raise
 
 
+def unit_name(unit: Any) -> Any:
+    """Return a unit of pint as a text, anything else as it is."""
+    return f"{unit:~C}".replace(_MICRO, "u") if hasattr(unit, "m_from") else unit
+
+
 def is_of_pint(value: Any) -> bool:
     """Whether a value is a quantity of pint, which need not be loaded for that."""
     return hasattr(value, "magnitude") and hasattr(value, "to") and hasattr(value, "units")

@@ -324,6 +324,19 @@ def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:
         shown = (SCENARIO, run, record, run.junction(3), rubnoise.exact(SCENARIO), run.trace, run.junctions)
         assert all(len(repr(each)) <= 1500 for each in shown)
         assert all("<table>" in each._repr_html_() for each in shown)
+    several = {"birth.law": "clustered", "birth.cluster_size": 3, "birth.cluster_width": "2 um"}
+    clustered, theory = rubnoise.exact(SCENARIO.replace(several)), rubnoise.exact(SCENARIO)
+    trace = rubnoise.Trace(record.trace.to_pandas(["friction_force"]))
+    for each in (
+        *(theory, theory.distribution(), theory.estimated_spectrum(256), theory.motion_cumulants(), theory.coupling()),
+        *(clustered, clustered.area, clustered.force, rubnoise.exact("load/fig5_load").load),
+        *(trace.histogram(), rubnoise.load_sweep("paper/fig9")),
+    ):
+        assert len(repr(each)) <= 1500
+        assert len(repr(each).splitlines()) <= 14
+        assert "np." not in repr(each)
+    assert "np." not in clustered._repr_html_()
+    assert repr(theory.distribution()).splitlines()[1].startswith("  area          2,049 values: 0 ... ")
     assert "&lt;b&gt;" in rubnoise.build({**SCENARIO.resolved(), "title": "<b>"})._repr_html_()
 
 

@@ -123,7 +123,7 @@ def test_columns_of_a_trace_keep_the_units_that_they_carry(
 
 
 def test_an_array_with_a_unit_is_converted_or_defines_it() -> None:
-    for unit in ("mN", "N", None):
+    for unit in ("mN", "N", UNIT.mN, None):
         trace = rubnoise.Trace(FORCES * UNIT.N, rate="10 Hz", unit=unit)
         assert trace["trace"] == pytest.approx(1e6 * FORCES, rel=1e-12)
     with pytest.raises(rubnoise.Refused, match="newton: a quantity in mm is needed"):
@@ -135,7 +135,7 @@ def test_an_array_with_a_unit_is_converted_or_defines_it() -> None:
 def test_heights_with_a_unit_are_converted_or_define_it() -> None:
     heights = np.random.default_rng(1).standard_normal((16, 16))
     plain = rubnoise.Surface.of(heights, spacing="1 um", unit="nm").heights
-    for unit in ("nm", "um", None):
+    for unit in ("nm", "um", UNIT.um, None):
         made = rubnoise.Surface.of(heights * UNIT.nm, spacing=1.0 * UNIT.um, unit=unit).heights
         np.testing.assert_allclose(made, plain, rtol=1e-9, atol=1e-15)
     with pytest.raises(rubnoise.Refused, match="values in second: a quantity in um is needed"):
@@ -172,6 +172,30 @@ def test_a_table_says_how_its_samples_lie(name: str) -> None:
         rubnoise.infer(TABLES[name], rate="50 kHz", speed="1 mm/s")
     with pytest.raises(rubnoise.Refused, match="rate=: 50 kHz: has no effect on a trace of columns"):
         rubnoise.Trace(TABLES[name], rate="50 kHz")
+
+
+@pytest.mark.parametrize(
+    ("unit", "named"),
+    [
+        (UNIT.uN, "uN"),
+        (1 * UNIT.uN, "uN"),
+        (1.0 * UNIT.mN, "mN"),
+        ("1 mN", "mN"),
+        (0.5 * UNIT.mN, "0.5 mN"),
+        ("10 mN", "10 mN"),
+        ("V", "V"),
+    ],
+)
+def test_a_unit_is_named_without_a_factor_of_one(unit: Any, named: str) -> None:
+    found = rubnoise.infer(FORCE, rate=f"{1 / STEP} Hz", speed="1 mm/s", unit=unit, law="fixed")
+    assert found.estimates["noise"].unit == found.signal.unit == named
+    assert found.to_dict()["noise"]["unit"] == named
+    assert all(len(repr(each)) <= 1500 and "np." not in repr(each) for each in (found, found.fit, found.signal))
+
+
+def test_a_unit_of_something_else_is_refused_by_its_name() -> None:
+    with pytest.raises(rubnoise.Refused, match=r'unit=: second: "s" is the unit of a time'):
+        rubnoise.infer(FORCE, rate="1 kHz", speed="1 mm/s", unit=UNIT.s)
 
 
 def test_a_run_is_a_trace_over_its_distance(tmp_path: Any) -> None:

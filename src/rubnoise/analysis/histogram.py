@@ -8,11 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.records import FEWEST_BATCHES, batch_length, error_of_mean
 from rubnoise.arrays import Doubles
+from rubnoise.tables import fields_as_text
 
 BINS = 60
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Histogram:
     """A density over bins: ``edges`` in the unit of the quantity, density and standard error in one over it.
 
@@ -24,6 +25,9 @@ class Histogram:
     density: Doubles
     standard_error: Doubles
     outside: float
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
 
     @property
     def middles(self) -> Doubles:

@@ -238,7 +238,7 @@ def _given_unit(measured: Measured, unit: Any) -> Any:
         raise Refused(
             f"unit=: {keywords.shown(unit)}: {_named(measured)} is in {measured.unit} by its own words; leave unit= out"
         )
-    return keywords.unit_text(unit)
+    return keywords.unit_text(unit).removeprefix("1 ").removeprefix("1.0 ")
 
 
 def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> tuple[tuple[float, float], ...]:

@@ -9,7 +9,7 @@ from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.errors import Refused
-from rubnoise.units import AREA, FORCE, FREQUENCY, Kind, Quantity, QuantityError, is_of_pint, quantity_of
+from rubnoise.units import AREA, FORCE, FREQUENCY, Kind, Quantity, QuantityError, is_of_pint, quantity_of, unit_name
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
@@ -23,7 +23,8 @@ _UNIT_FORMS: Final = 'unit="mN", unit="0.5 mN" where a value of 1 is 0.5 mN, uni
 
 def shown(value: Any) -> str:
     """Return a value as a message shows it: as it was written, and cut short."""
-    text = str(value) if isinstance(value, str | Quantity | int | float) or hasattr(value, "units") else repr(value)
+    plain = isinstance(value, str | Quantity | int | float) or hasattr(value, "dimensionality")
+    text = str(value) if plain else repr(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
@@ -68,8 +69,8 @@ def count(keyword: str, value: Any, most: int) -> int:
 
 
 def unit_text(unit: Any) -> Any:
-    """Return a quantity of pint as a text, anything else as it is."""
-    return f"{unit.magnitude} {unit.units:~C}" if is_of_pint(unit) else unit
+    """Return a quantity or a unit of pint as a text, anything else as it is."""
+    return f"{unit.magnitude} {unit_name(unit.units)}" if is_of_pint(unit) else unit_name(unit)
 
 
 def scale_of(unit: Any, what: str) -> tuple[float | None, bool]:

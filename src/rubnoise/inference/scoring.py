@@ -4,7 +4,7 @@ What a record holds of its large junctions moves its bands and its mean together
 noise of the junctions themselves, so that intervals need no bootstrap.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
 from typing import Final
 
@@ -14,6 +14,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.inference.fitting import Expected, FitPoint, FitProblem
 from rubnoise.inference.passes import energies, first_integrals, offsets
 from rubnoise.inference.populations import moment_slope, shot_sizes
+from rubnoise.tables import fields_as_text
 
 STEPS: Final = 25
 _CLOSE = 1e-6  # in the chi-square of a step: a thousandth of a standard error
@@ -63,14 +64,14 @@ _IN_BANDS = {"births": 1.0, "strength": 2.0, "inequality": 1.0}
 _IN_MEAN = {"births": 1.0, "strength": 1.0, "inequality": 0.0}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Fit:
     """A fitted contact: the ``names`` of its parameters, whose logarithms have the ``covariance``.
 
     ``residual`` is of mean (if known) and bands, ``scatter`` the covariance of these, ``by`` their derivatives.
     """
 
-    problem: FitProblem
+    problem: FitProblem = field(repr=False)
     contact: Contact
     known: Given
     names: tuple[str, ...]
@@ -80,6 +81,9 @@ class Fit:
     scatter: Doubles
     by: Doubles
     deviance: float
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
 
     def error(self, powers: dict[str, float]) -> float:
         """Return the standard error of the logarithm of a product of powers of parameters."""

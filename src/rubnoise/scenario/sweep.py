@@ -3,7 +3,7 @@
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import islice
 from typing import Any
@@ -18,6 +18,7 @@ from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_table import Axis, Keep, Precision, Table, read_table
+from rubnoise.tables import fields_as_text
 
 _NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
 _SHOWN_CHARACTERS = 40
@@ -65,7 +66,7 @@ def _reported(found: Sequence[tuple[Problem, Examined]], points: Sequence[Examin
 _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Sweep:
     """A file with a `[sweep]` table: its points, each a whole scenario, and how many runs of each are wanted.
 
@@ -75,7 +76,7 @@ class Sweep:
     """
 
     name: str
-    text: str
+    text: str = field(repr=False)
     title: str
     keys: tuple[str, ...]
     side_by_side: tuple[str, ...]
@@ -84,6 +85,9 @@ class Sweep:
     warnings: tuple[str, ...]
     keep: Keep = "runs"
     precision: Precision | None = None
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
 
 
 _ENGINE_OF_SWEEPS = "batch"

@@ -131,7 +131,7 @@ def _of_clusters(model: Model, births: ClusteredBirths, strength_moments: tuple[
     own[:, alive] = _raw(cumulants_by_age(moments, strength_moments))
     spread = np.exp(-0.5 * np.square(2.0 * pi * np.fft.rfftfreq(points, step) * births.width))
     together = births.cluster_size * np.fft.irfft(np.fft.rfft(own) * spread, points)
-    return list(_raw(together).sum(axis=-1) * step * model.birth_rate / births.cluster_size)
+    return (_raw(together).sum(axis=-1) * step * model.birth_rate / births.cluster_size).tolist()
 
 
 def _raw(cumulants_: Doubles) -> Doubles:

@@ -5,7 +5,7 @@ smoother comes from the characteristic function, see `rubnoise.theory.inversion`
 """
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from math import exp
 from typing import Any, cast
@@ -17,6 +17,7 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import at_each, real_numbers
+from rubnoise.tables import fields_as_text
 from rubnoise.theory.inversion import NOTHING, Window, area_tails, windows
 from rubnoise.theory.live_area import NODES, LiveArea, Piecewise, live_area, series
 from rubnoise.theory.occupancy import mean_count
@@ -114,7 +115,7 @@ _AT_ONCE = 65_536
 _ANGLES_AT_ONCE = 2**20
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Distribution:
     """The law of A_r: an atom at 0, where no junction is alive, and a density beside it.
 
@@ -126,8 +127,11 @@ class Distribution:
 
     area: Doubles
     atom_at_zero: float
-    few: FewLive | None
-    windows: tuple[Window, ...]
+    few: FewLive | None = field(repr=False)
+    windows: tuple[Window, ...] = field(repr=False)
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
 
     def cdf(self, area: ArrayLike) -> Doubles:
         """Return P(A_r <= a) at areas in um^2 of any shape: the atom at 0, 0 below it, 1 far out."""

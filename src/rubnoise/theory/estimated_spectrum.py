@@ -19,6 +19,7 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_number
+from rubnoise.tables import fields_as_text
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import size_range, size_rule
 from rubnoise.theory.regular_births import are_at_random, need_centred_passes, need_random_births
@@ -203,7 +204,7 @@ class Segments:
         return [(0, 1.0 / self.count), *later]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class EstimatedSpectrum:
     """What Welch's method is expected to show of the real contact area, and how far one estimate strays from it.
 
@@ -219,6 +220,9 @@ class EstimatedSpectrum:
     wavenumber: Doubles
     density: Doubles
     standard_error: Doubles
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
 
     def band(self, lowest: ArrayLike, highest: ArrayLike) -> tuple[float, float]:
         """Return the mean of an estimate over the bins from ``lowest`` to ``highest`` rad/um, and its standard error.

@@ -13,7 +13,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.real_numbers import at_each, real_number, real_numbers
-from rubnoise.tables import as_html
+from rubnoise.tables import as_html, fields_as_text, in_short
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.coupling import Coupling, coupling
@@ -37,7 +37,7 @@ from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import spectral_density, visible_lines
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Exact:
     """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
@@ -65,9 +65,13 @@ class Exact:
     load: LoadMotion | None = None
     free: FreeMotion | None = None
 
+    def __repr__(self) -> str:
+        return fields_as_text(self)
+
     def _repr_html_(self) -> str:
         known = ((name, getattr(self, name)) for name in self.__slots__ if name != "model")
-        return as_html("exact results", ("", "value"), [(name, value) for name, value in known if value is not None])
+        rows = [(name, in_short(value)) for name, value in known if value is not None]
+        return as_html("exact results", ("", "value"), rows)
 
     @property
     def count_std(self) -> float:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.model import Model
+from rubnoise.tables import fields_as_text
 from rubnoise.theory.drive import drive_of, separation_of
 from rubnoise.theory.quadrature import distinct, panels
 from rubnoise.theory.regular_births import need_random_births
@@ -60,7 +61,7 @@ def relative_speed(model: Model) -> float:
     return 1.0 / (overlap_scale(model) * drive.resonance)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LoadMotion:
     """Stationary motion under a load that weighs, of first order: um, um/s, uN, Hz.
 
@@ -82,6 +83,9 @@ class LoadMotion:
     error: float
     names: tuple[str, ...]
     covariances: Doubles
+
+    def __repr__(self) -> str:
+        return fields_as_text(self)
 
     @property
     def velocity_level(self) -> float:
