@@ -210,6 +210,42 @@ def test_a_run_is_a_trace_over_its_distance(tmp_path: Any) -> None:
         rubnoise.Trace(tmp_path / "run.h5")
 
 
+def test_a_column_of_a_run_has_its_place_and_its_unit() -> None:
+    over_distance, over_time = RECORD.trace["friction_force"], RECORD.slider["friction_force"]
+    found = rubnoise.infer(over_distance, zero="known", law="fixed")
+    assert found.estimates == rubnoise.infer(RECORD, zero="known", law="fixed").estimates
+    over = rubnoise.infer(over_time, speed="1 mm/s", zero="known", law="fixed", unit="uN")
+    assert over.estimates["diameter"].value == pytest.approx(found.estimates["diameter"].value, rel=1e-9)
+    trace = rubnoise.Trace(over_time)
+    assert (trace.place, trace.step, trace.units["friction_force"]) == ("time", pytest.approx(STEP), "uN")
+    assert_array_equal(trace["friction_force"], FORCE)
+    assert rubnoise.infer(RECORD.trace["real_contact_area"], law="fixed").signal.is_area
+    for wrong in (RECORD.trace["distance"], RECORD.junctions["diameter"]):
+        with pytest.raises(rubnoise.Refused, match="the trace has no time and no distance"):
+            rubnoise.infer(wrong)
+    with pytest.raises(rubnoise.Refused, match=r"row \d+: distance grows"):
+        rubnoise.infer(RECORD.trace.where("real_contact_area > 100")["friction_force"])
+    with pytest.raises(rubnoise.Refused, match="rate=: the trace says itself"):
+        rubnoise.infer(over_distance, rate="10 kHz")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ({"what": "slider"}, r"right form: beside=rubnoise\.open\("),
+        ({"what": "psd", "of": "velocity"}, r"right form: beside=rubnoise\.open\("),
+        ({"what": "psd"}, r"right form: beside=rubnoise\.Trace\(rubnoise\.open\("),
+        ({"what": "trace"}, 'a trace of yours goes with "psd", another run with "slider"'),
+    ],
+)
+def test_the_path_of_a_result_beside_a_picture_is_told_what_goes(
+    words: dict[str, Any], told: str, tmp_path: Any
+) -> None:
+    RECORD.save(tmp_path / "run.h5").close()
+    with pytest.raises(rubnoise.Refused, match=f"beside.*{told}"):
+        RECORD.plot(**words, beside=tmp_path / "run.h5")
+
+
 @pytest.mark.parametrize(
     ("source", "words"),
     [

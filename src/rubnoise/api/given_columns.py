@@ -5,19 +5,23 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.api.column_group import Columns
+from rubnoise.api.columns import Column
 from rubnoise.storage.text_heads import NONE, head_of
 
 _NANOSECONDS: Final = 1e-9
+_PLACES: Final = ("s", "um")
 
 
 def given_columns(source: Any) -> dict[str, Any] | None:
     """Return columns by headers with units, time or distance first; None for what is no table with a place.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
-    group of columns of a run, or a run, whose trace is meant.
+    group of columns of a run or one of its columns, or a run, whose trace is meant.
     """
     if hasattr(source, "groups_by_name"):
         source = source.trace
+    if isinstance(source, Column):
+        return _of_column(source)
     if isinstance(source, Columns):
         return {_header(name, column.units): column[:] for name, column in source.items()}
     if hasattr(source, "dims") and hasattr(source, "coords"):
@@ -25,6 +29,14 @@ def given_columns(source: Any) -> dict[str, Any] | None:
     if hasattr(source, "index") and hasattr(source, "to_numpy"):
         return _of_pandas(source)
     return None
+
+
+def _of_column(source: Column) -> dict[str, Any] | None:
+    """Return a column of a run over its time or distance; None for that itself, and for one over numbers of rows."""
+    place = source.beside
+    if place is None or place.name == source.name or place.units not in _PLACES:
+        return None
+    return {_header(each.name, each.units): each[:] for each in (place, source)}
 
 
 def _of_xarray(source: Any) -> dict[str, Any] | None:

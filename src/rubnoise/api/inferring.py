@@ -65,8 +65,8 @@ def infer(
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
     ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, a table
-    of pandas or xarray, a run, or an object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts
-    with a unit, or quantities of pint.
+    of pandas or xarray, a run or its column, or an object with ``columns``, ``units``, ``place`` and ``step``.
+    Quantities are texts with a unit, or quantities of pint.
     ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
     sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
     known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" if 0 means no force.

@@ -15,6 +15,8 @@ from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.inference.inference import InferenceResult
+from rubnoise.regular_file import read_at_most
+from rubnoise.storage.measured import HDF5, refusing_files
 from rubnoise.units import LENGTH, QuantityError, quantity_of, read_quantity
 
 if TYPE_CHECKING:
@@ -65,9 +67,11 @@ def drawn(
         near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
         hint = f'; did you mean "{near}"?' if near else ""
         raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
-    if isinstance(beside, str | os.PathLike):
-        beside = Trace(beside)
     heard = heard_of(of)
+    if isinstance(beside, str | os.PathLike):
+        if what not in {"psd", *OVERLAID}:
+            raise Refused('beside: a trace of yours goes with "psd", another run with "slider", "phase" and "load"')
+        beside = _measurement(beside, whole=what != "psd" or heard is not None)
     if heard is not None and what not in HEARD:
         raise Refused(f'of={of!r}: is for "psd", "spectrogram" and "histogram"')
     if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and not (what == "psd" and heard):
@@ -96,6 +100,16 @@ def _distance(keyword: str, value: Any) -> float | None:
         return float(quantity_of(value, LENGTH))
     except QuantityError as problem:
         raise Refused(f'{keyword}=: {keywords.shown(value)}: {problem}; right form: {keyword}="1 mm"') from problem
+
+
+def _measurement(path: str | os.PathLike[str], *, whole: bool) -> Trace:
+    """Read a trace to lay over a spectrum; raises Refused for a result, of which the picture needs the ``whole``."""
+    with refusing_files(path):
+        if read_at_most(os.fspath(path), len(HDF5)) == HDF5:
+            opened = f'rubnoise.open("{os.fspath(path)}")'
+            right = opened if whole else f"rubnoise.Trace({opened})"
+            raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
+    return Trace(path)
 
 
 def in_inches(size: str) -> tuple[float, float]:
