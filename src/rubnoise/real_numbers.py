@@ -1,13 +1,15 @@
 """Numbers that a caller gives from Python, as arrays: in the unit that is needed, or refused."""
 
 from collections.abc import Callable
+from math import isfinite
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.units import QuantityError, in_unit, is_of_pint, unit_name
+from rubnoise.units import Kind, QuantityError, in_unit, is_of_pint, quantity_of, unit_name
 
 
 def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
@@ -38,6 +40,20 @@ def real_number(value: Any, what: str, unit: str | None = None) -> float:
     if found.ndim:
         raise Refused(f"{what}: has the shape {found.shape}; one number is needed")
     return float(found)
+
+
+def number_in(value: Any, what: str, kind: Kind) -> float:
+    """Return a bare number as it is, and a text with a unit or a quantity of pint in the working unit of its kind.
+
+    Raises Refused for anything else, and for what is not finite.
+    """
+    if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
+        return float(value)
+    try:
+        return float(quantity_of(value, kind))
+    except QuantityError as problem:
+        hint = problem.hint or f'right form: "{kind.example}"'
+        raise Refused(f"{what}: {value!s:.40}: {problem}; {hint}") from problem
 
 
 def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:

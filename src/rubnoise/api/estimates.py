@@ -4,18 +4,17 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from math import inf, pi
-from numbers import Real
+from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.spectra import SEGMENTS, WelchSum
-from rubnoise.api import keywords
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.model import Model
+from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:
@@ -218,11 +217,8 @@ def power_spectrum(
 
 
 def _length(segment: Any, place_units: str) -> float:
-    """Return the length of a segment in s or um: a number, a text with a unit or a quantity of pint."""
-    if isinstance(segment, bool) or not isinstance(segment, Real):
-        return keywords.quantity("segment", segment, TIME if place_units == "s" else LENGTH) or 0.0
-    length = float(segment)
-    if not 0.0 < length < inf:
+    length = number_in(segment, "segment=", TIME if place_units == "s" else LENGTH)
+    if not length > 0.0:
         raise Refused(f"segment=: {length:g} is no length; a number is in {place_units}, above 0 and finite")
     return length
 

@@ -4,8 +4,6 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
-from math import isfinite
-from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
@@ -15,9 +13,10 @@ from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.inference.inference import InferenceResult
+from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import read_at_most
 from rubnoise.storage.measured import HDF5, refusing_files
-from rubnoise.units import LENGTH, QuantityError, quantity_of, read_quantity
+from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,13 +92,7 @@ def drawn(
 
 
 def _distance(keyword: str, value: Any) -> float | None:
-    """Return a sliding distance in um: a number, a text with a unit or a quantity of pint."""
-    if value is None or (isinstance(value, Real) and isfinite(value)):
-        return None if value is None else float(value)
-    try:
-        return float(quantity_of(value, LENGTH))
-    except QuantityError as problem:
-        raise Refused(f'{keyword}=: {keywords.shown(value)}: {problem}; right form: {keyword}="1 mm"') from problem
+    return None if value is None else number_in(value, f"{keyword}=", LENGTH)
 
 
 def _measurement(path: str | os.PathLike[str], *, whole: bool) -> Trace:

@@ -16,13 +16,13 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.api.result import Opened, Run
 from rubnoise.errors import Refused, RunFileRefused, needing
-from rubnoise.real_numbers import real_number
+from rubnoise.real_numbers import number_in
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
-from rubnoise.units import KINDS, RATIO, QuantityError, read_quantity
+from rubnoise.units import KINDS, RATIO
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -258,12 +258,7 @@ class SweepResult(Opened):
         if column.dtype.kind != "f":
             texts = [str(text) for text in column[:]]
             return [n for n, text in enumerate(texts) if value in (text, self.values[n][key])]
-        if isinstance(value, str):
-            try:
-                value = read_quantity(value, next((kind for kind in KINDS if kind.unit == column.units), RATIO))
-            except QuantityError as problem:
-                raise Refused(f"{key}: {problem}") from problem
-        number = real_number(value, key, column.units)
+        number = number_in(value, key, next((kind for kind in KINDS if kind.unit == column.units), RATIO))
         return np.flatnonzero(np.isclose(column[:], number, rtol=_ROUNDING, atol=0.0)).tolist()
 
     def _columns(self, group: str) -> Columns:

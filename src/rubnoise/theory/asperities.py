@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import exp, gamma, inf, isfinite, pi, sqrt
-from numbers import Real
+from math import exp, gamma, inf, pi, sqrt
 from typing import Any, Literal
 
 from rubnoise.errors import Refused
-from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, Kind, QuantityError, quantity_of
+from rubnoise.real_numbers import number_in
+from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, Kind
 
 _FARTHEST = 12.0  # separations over the height scale, to either side, among which a load is looked for
 
@@ -99,7 +99,7 @@ def greenwood_williamson(
         return 4.0 / 3.0 * whole * stiff * sqrt(r) * s**1.5 * height_integral(heights, 1.5, h)
 
     if load is None:
-        h = _in_working_unit("separation", separation, LENGTH) / s
+        h = number_in(separation, "separation", LENGTH) / s
     else:
         h = _separation_of(_positive("load", load, FORCE), load_at, 0.0 if heights == "exponential" else -_FARTHEST)
     if heights == "exponential" and h < 0.0:
@@ -125,17 +125,7 @@ def _separation_of(load: float, load_at: Any, least: float) -> float:
 
 
 def _positive(name: str, value: Any, kind: Kind) -> float:
-    number = _in_working_unit(name, value, kind)
+    number = number_in(value, name, kind)
     if not 0.0 < number < inf:
         raise Refused(f"{name}: must be above 0")
     return number
-
-
-def _in_working_unit(name: str, value: Any, kind: Kind) -> float:
-    """Return a bare number as it is, and a text or a quantity of pint in the working unit of its kind."""
-    if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
-        return float(value)
-    try:
-        return float(quantity_of(value, kind))
-    except QuantityError as error:
-        raise Refused(f'{name}: {error}; {error.hint or f"""right form: "{kind.example}" """.strip()}') from None
