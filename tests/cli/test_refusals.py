@@ -30,6 +30,51 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+READING = (
+    "run contact.toml -o contact.toml",
+    "run contact.toml -o contact.toml --dry-run",
+    "run above.toml -o contact.toml",
+    "run sized.toml -o sizes.csv",
+    "teach contact.h5 -o contact.h5",
+    "teach contact.toml -o contact.toml",
+    "infer contact.h5 -o contact.h5",
+    "infer contact.h5 --report contact.h5",
+    "surface scan.nc --cutoff 8um --load 2N --hardness 1GPa -o scan.nc",
+    "surface scan.nc scan.nc --cutoff 8um --load 2N --hardness 1GPa --report scan.nc",
+    "report run.html -o run.html",
+    "view run.html -o run.html",
+    "plot run.png -o run.png",
+    "plot slider.h5 slider --with run.png -o run.png",
+    "animate run.gif -o run.gif",
+    "junction run.png 1 --plot run.png",
+    "theory contact.png --plot contact.png",
+    "listen run.wav --what force -o run.wav",
+)
+
+
+@pytest.mark.parametrize("words", READING)
+def test_force_does_not_replace_what_is_read(
+    made: Path, tmp_path: Path, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "place"
+    shutil.copytree(made, place)
+    monkeypatch.chdir(place)
+    for name in ("run.html", "run.png", "run.gif", "run.wav"):
+        shutil.copy("contact.h5", name)
+    shutil.copy("contact.toml", "contact.png")
+    Path("scan.nc").write_bytes(b"a scan")
+    Path("sizes.csv").write_text("diameter_um\n3\n4\n", encoding="utf-8")
+    Path("above.toml").write_text('format = 1\nextends = "contact.toml"\n', encoding="utf-8")
+    Path("sized.toml").write_text(
+        'format = 1\nextends = "contact.toml"\n[diameter]\nlaw = "empirical"\nfile = "sizes.csv"\n', encoding="utf-8"
+    )
+    before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+    answer = call(*split(words), "--force")
+    assert answer.code == 2
+    assert "is read here" in answer.err
+    assert {path: path.read_bytes() for path in place.rglob("*") if path.is_file()} == before
+
+
 @pytest.mark.parametrize("words", SAID.kept)
 def test_wrong_words_are_refused_and_make_nothing(
     made: Path, tmp_path: Path, words: str, monkeypatch: pytest.MonkeyPatch

@@ -51,6 +51,36 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path
     assert not (tmp_path / "elsewhere.h5").exists() or (tmp_path / "elsewhere.h5").read_bytes() == b"of somebody"
 
 
+def itself(path: Path) -> Path:
+    return path
+
+
+def by_another_path(path: Path) -> Path:
+    return path.parent / ".." / path.parent.name / path.name
+
+
+def by_a_link(path: Path) -> Path:
+    link = path.with_name("link")
+    link.symlink_to(path)
+    return link
+
+
+def by_a_hard_link(path: Path) -> Path:
+    os.link(path, path.with_name("link"))
+    return path.with_name("link")
+
+
+@pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
+@pytest.mark.parametrize("named", [itself, by_another_path, by_a_link, by_a_hard_link])
+def test_what_is_read_is_no_output_by_any_name(tmp_path: Path, named: Callable[[Path], Path], name: str) -> None:
+    (tmp_path / name).write_bytes(b"read")
+    read = named(tmp_path / name)
+    for force in (False, True):
+        with pytest.raises(OutputRefused, match="is read here"):
+            check_output(tmp_path / "run.h5", force=force, reads=[tmp_path / "missing", read])
+    check_output(tmp_path / "other.h5", force=False, reads=[read])
+
+
 @pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
 def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"older")

@@ -100,8 +100,8 @@ def run(
     """
     _refuse(unknown)
     check_locks(path)
-    check_output(path, force=force, unfinished=True)
     scenario = _seeded(load(scenario), seed)
+    check_output(path, force=force, unfinished=True, reads=scenario.files)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
     check_disk_space(scenario, expected(scenario), path)
     begun = None if force else interrupted(scenario, path)

@@ -44,7 +44,7 @@ def command(
 
     ends = distance("--from", start), distance("--to", stop)
     path = output or Path(f"{file.stem}.gif")
-    kind = _kind(path, force=force)
+    kind = _kind(path, file, force=force)
     with finished_run(file) as run, stoppable() as between:
         film = Film.of(Stretch.of(run, *ends), seconds=seconds, rate=rate)
         with whole_file(path, force=force) as part:
@@ -54,7 +54,7 @@ def command(
     print(sentence(f"{path}: {count} frames, {stretch}, {size(path.stat().st_size)}"))
 
 
-def _kind(path: Path, *, force: bool) -> "Kind":
+def _kind(path: Path, file: Path, *, force: bool) -> "Kind":
     """Return what a path's ending names; raises Refused if it can't be made, or nothing may be written there."""
     from rubnoise.figures.film import KINDS, check_film
     from rubnoise.storage.output import check_output
@@ -62,6 +62,6 @@ def _kind(path: Path, *, force: bool) -> "Kind":
     kind = next((kind for kind in KINDS if path.suffix.lower() == f".{kind}"), None)
     if kind is None:
         raise typer.BadParameter(f"{printable(str(path))} ends neither in .gif nor in .mp4")
-    check_output(path, force=force)
+    check_output(path, force=force, reads=[file])
     check_film(kind)
     return kind

@@ -143,7 +143,7 @@ def command(
 
     for path in (output, report):
         if path is not None:
-            check_output(path, force=force)
+            check_output(path, force=force, reads=[trace])
     if output is not None and report is not None and output.absolute() == report.absolute():
         raise Refused(f"{output}: -o and --report name the same file")
     found = infer(

@@ -113,7 +113,7 @@ def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
     from rubnoise.figures.life import life_png
     from rubnoise.storage.output import check_output, whole_file
 
-    check_output(path, force=force)
+    check_output(path, force=force, reads=[file])
     picture = life_png(life, printable(file.name))
     with whole_file(path, force=force) as part:
         part.write_bytes(picture)

@@ -106,7 +106,7 @@ def _paths(files: list[Path], output: Path | None, what: What, *, force: bool) -
             raise typer.BadParameter(f"{files[paths.index(path)]} and {files[i]} would both be written to {path}")
         if path.suffix.lower() != ".wav":
             raise typer.BadParameter(f"{path} does not end in .wav")
-        check_output(path, force=force)
+        check_output(path, force=force, reads=files)
     return paths
 
 

@@ -1,7 +1,7 @@
 """`rubnoise plot`: pictures of a run or of a sweep, simulation and theory in each."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from enum import StrEnum
 from functools import partial
@@ -168,7 +168,7 @@ def _plot_run(
     if beside is not None and not has_measured and what not in OVERLAID and not (what == "psd" and heard):
         raise typer.BadParameter("--with is for slider, phase, load, and psd --of anything but area")
     path = output or Path(f"{file.stem}_{what}{_ending(heard)}.png")
-    check_picture(path, force=force)
+    check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
     with finished_run(file) as run, ExitStack() as opened:
         stretch = Stretch.of(run, *ends)
         other = measured = None
@@ -227,7 +227,7 @@ def distance(option: str, text: str | None) -> float | None:
         raise Refused(f"{option}: {printable(text)}: {problem}{hint}") from problem
 
 
-def check_picture(path: Path, *, force: bool) -> "Format":
+def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Format":
     """Return the format that a path's ending names; raises Refused if nothing may or can be written there."""
     from rubnoise.figures.style import FORMATS
     from rubnoise.storage.output import check_output
@@ -235,7 +235,7 @@ def check_picture(path: Path, *, force: bool) -> "Format":
     kind = next((kind for kind in FORMATS if path.suffix.lower() == f".{kind}"), None)
     if kind is None:
         raise typer.BadParameter(f"{printable(str(path))} ends in none of .png, .pdf and .svg")
-    check_output(path, force=force)
+    check_output(path, force=force, reads=reads)
     return kind
 
 

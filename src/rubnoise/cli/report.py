@@ -39,7 +39,7 @@ def command(
     path = output or Path(f"{Path(realpath(file)).stem}_report.html")
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
-    check_output(path, force=force)
+    check_output(path, force=force, reads=[file])
     with stoppable() as between:
         if is_folder(file):
             with api.open_sweep(file) as sweep:

@@ -69,7 +69,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     from rubnoise import api
     from rubnoise.storage.output import check_output
 
-    check_output(path, force=force, unfinished=True)
+    check_output(path, force=force, unfinished=True, reads=scenario.files)
     prepare_kernels()
     if not force and not quiet:
         from rubnoise.api.resuming import interrupted
@@ -97,7 +97,7 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
     from rubnoise.storage.forecast import check_disk_space, counted, expected
     from rubnoise.storage.output import check_output
 
-    check_output(path, force=force, unfinished=True)
+    check_output(path, force=force, unfinished=True, reads=scenario.files)
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)

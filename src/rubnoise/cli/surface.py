@@ -103,7 +103,7 @@ def command(
 
     for path in (output, report):
         if path is not None:
-            check_output(path, force=force)
+            check_output(path, force=force, reads=scans or ())
     if synthesise:
         if scans or report is not None:
             raise typer.BadParameter("--synthesise takes no scan and makes no report")

@@ -38,8 +38,8 @@ def command(
     from rubnoise.scenario.shipped import shipped
     from rubnoise.storage.output import check_output, whole_file
 
-    check_output(output, force=force)
     source = file or shipped("paper/fig5.toml")
+    check_output(output, force=force, reads=[source])
     scenario, record = _scenario_and_junctions(source)
     text = page(scenario.title or source.stem, settings_of(scenario), record)
     with whole_file(output, force=force) as part:

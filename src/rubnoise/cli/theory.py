@@ -86,7 +86,7 @@ def command(
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     if plot:
         picture = picture or Path(f"{file.stem}_theory.png")
-        check_picture(picture, force=force)
+        check_picture(picture, force=force, reads=[file])
     scenario = scenario_or_result(file, changes or (), quiet=as_json)
     model = scenario.model()
     if plot and picture is not None:

@@ -56,7 +56,7 @@ def command(
     path = output or Path(f"{Path(realpath(file)).stem}.html")
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
-    check_output(path, force=force)
+    check_output(path, force=force, reads=[file])
     if is_folder(file):
         if ends != (None, None):
             raise typer.BadParameter("--from and --to are for one run")

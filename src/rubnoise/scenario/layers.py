@@ -45,6 +45,11 @@ class Layers:
         """The file that was asked for."""
         return next(source for source in reversed(self.sources) if not isinstance(source, Overlay))
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files that were read, the most basic first."""
+        return tuple(source.name for source in self.sources if not isinstance(source, Overlay | Values))
+
     def value_place(self, path: Path) -> Place:
         """Return where the value of a key stands that counts."""
         return self.source_of(path).value_place(path)

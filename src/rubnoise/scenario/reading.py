@@ -72,8 +72,7 @@ def _sizes_of_file(
     if not all(isinstance(table.get(key, ""), str) for key in ("file", "column", "hash")):
         return _STANDS_IN, []  # said where these keys are read
     try:
-        folder = FilePath(given.source_of((_TABLE, "file")).name).parent
-        values = (read or _refuse)(str(folder / table["file"]), table.get("column"))
+        values = (read or _refuse)(str(_size_file(given, table)), table.get("column"))
     except Refused as refused:
         key = "column" if isinstance(refused, NoColumn) else "file"
         return _STANDS_IN, [_wrong(given, key, str(refused))]
@@ -206,7 +205,20 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
         too_large="\n".join(str(each) for each in in_order(problems) if each.forbids_run),
         physics=model,
         given=given.data,
+        files=_files(given),
     )
+
+
+def _files(given: Layers) -> tuple[str, ...]:
+    """Return the files that were read: the scenario, what it extends, and that of its diameters."""
+    table = given.data.get(_TABLE, {})
+    sizes = [str(_size_file(given, table))] if "file" in table else []
+    return *given.files, *sizes
+
+
+def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:
+    """Return the file of diameters, which lies relative to the scenario file that names it."""
+    return FilePath(given.source_of((_TABLE, "file")).name).parent / table["file"]
 
 
 EITHER = {

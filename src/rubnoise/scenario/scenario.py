@@ -29,8 +29,8 @@ class Scenario:
     """The sections of a scenario file, with values in um, s, kg, uN, MPa, N/m, N s/m and defaults filled in.
 
     ``text`` is the file as read, ``warnings`` what is allowed and doubtful, each ready to print, ``physics`` the model,
-    ``given`` the keys as they were given, without defaults. ``too_large`` says why no run of it is possible; it is
-    empty if one is. Its theory is exact in both cases.
+    ``given`` the keys as they were given, without defaults, ``files`` the files that were read for it. ``too_large``
+    says why no run of it is possible; it is empty if one is. Its theory is exact in both cases.
 
     >>> import rubnoise
     >>> scenario = rubnoise.load("paper/fig5")
@@ -55,6 +55,7 @@ class Scenario:
     physics: Model
     too_large: str = field(default="", repr=False, compare=False)
     given: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    files: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> "Scenario":
         """Return the scenario with other values of some keys, checked like a file.

@@ -6,7 +6,7 @@ What is refused is refused before anything is created.
 import os
 import shutil
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,32 +45,41 @@ class OutputPaths:
             lock=final.with_name(f".{final.name}.lock"),
         )
 
+    @property
+    def names(self) -> tuple[Path, ...]:
+        """All of them."""
+        return self.final, self.part, self.journal, self.growing, self.making, self.lock
+
     def remove_beside(self) -> None:
         """Remove what lies beside a part as long as it is not whole; without a journal growing rows are of no use."""
         disk.remove(self.growing)
         disk.remove(self.journal)
 
 
-def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool = False) -> OutputPaths:
+def check_output(
+    path: str | os.PathLike[str], *, force: bool, unfinished: bool = False, reads: Iterable[str | os.PathLike[str]] = ()
+) -> OutputPaths:
     """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
 
     If a result or a part is in the way, the lock file that a killed run has left beside it goes.
 
     Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
     ``force``, a file that exists already, be it whole or, unless ``unfinished``, the part of a run that did not finish.
+    Also refused, even with ``force``, is a file that the caller ``reads``, by whatever name: it would be lost.
     """
     try:
         paths = OutputPaths.of(path)
         if not paths.final.parent.is_dir():
             raise OutputRefused(f"{paths.final.parent}: no such folder")
         # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
-        for name in (paths.final, paths.part, paths.journal, paths.growing, paths.making, paths.lock):
+        for name in paths.names:
             mode = _mode(name)
             # A link neither: renaming over it would leave its target as it was.
             if mode is not None and not stat.S_ISREG(mode):
                 raise OutputRefused(f"{name}: exists and is not a regular file")
         if not os.access(paths.final.parent, os.W_OK | os.X_OK):
             raise OutputRefused(f"{paths.final.parent}: the folder is not writable")
+        _check_not_read(paths, reads)
     except (OSError, ValueError) as problem:
         raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
     if not force:
@@ -193,6 +202,14 @@ def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
         raise OutputRefused(f"{paths.final}: exists already (force=True replaces it)")
     if not unfinished and _mode(paths.part) is not None:
         raise OutputRefused(f"{paths.part}: belongs to a running or stopped run (force=True replaces a stopped one)")
+
+
+def _check_not_read(paths: OutputPaths, reads: Iterable[str | os.PathLike[str]]) -> None:
+    for read in map(Path, reads):
+        for name in paths.names:
+            with suppress(OSError):  # one of the two is not there
+                if name.samefile(read):
+                    raise OutputRefused(f"{name}: is read here ({read}), so it can't be the output; take another name")
 
 
 def _reason(problem: Exception) -> str:
