@@ -53,6 +53,37 @@ def test_figure_5_says_what_follows_from_it(here: Path) -> None:
     assert names(here) == []
 
 
+DOUBTFUL = (
+    ("paper/fig5", (), 1, 1),
+    ("load/fig5_load", (), 1, 0),
+    ("load/fig5_rough", ("--set", "load.damping_ratio=0.01"), 2, 0),
+    ("load/fig5_rough", ("--set", 'sliding.speed="200 mm/s"'), 1, 2),
+    ("load/bouncing", (), 0, 1),
+)
+
+
+@pytest.mark.parametrize(("name", "changes", "warnings", "notes"), DOUBTFUL)
+def test_json_has_the_warnings_and_notes_of_the_text(
+    name: str, changes: tuple[str, ...], warnings: int, notes: int, here: Path
+) -> None:
+    answer = call("check", name, *changes, "--json").json()["scenarios"][name]
+    assert (len(answer["warnings"]), len(answer["notes"])) == (warnings, notes)
+    told = " ".join(call("check", name, *changes).out.split())
+    assert (told.count("warning: "), told.count("note: ")) == (warnings, notes)
+    assert all(f"warning: {each}" in told for each in answer["warnings"])
+    assert all(f"note: {each}" in told for each in answer["notes"])
+    assert names(here) == []
+
+
+def test_two_way_coupling_is_advised_only_if_it_is_allowed(here: Path) -> None:
+    two_way = ("--set", "slider.coupling=two-way")
+    for name, allowed in (("paper/fig5", True), ("load/fig5_load", False)):
+        (warning,) = call("check", name, "--json").json()["scenarios"][name]["warnings"]
+        assert ("is needed" in warning) == allowed
+        assert call("check", name, *two_way).code == (0 if allowed else 2)
+    assert names(here) == []
+
+
 def test_a_stiff_slider_gets_no_warning(here: Path) -> None:
     longer = ("--set", "sliding.distance=2 mm")
     answer = call("check", SLIDER, *longer, "--set", "strength.mean=0.1 MPa", "--set", "interface.calibration=matched")

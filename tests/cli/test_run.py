@@ -126,6 +126,21 @@ def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
     assert (slow.code, slow.err) == (0, "")
 
 
+@pytest.mark.parametrize(
+    ("name", "speed", "doubt"),
+    [
+        ("paper/fig5", "1 mm/s", "the velocity of the slider"),
+        ("load/fig5_rough", "200 mm/s", "the load would be negative"),
+    ],
+)
+def test_a_forecast_warns_as_a_run_does(name: str, speed: str, doubt: str, here: Path) -> None:
+    asked = ("run", name, "--set", f'sliding.speed="{speed}"', "--dry-run")
+    assert f"warning: {doubt}" in call(*asked).err
+    assert call(*asked, "-q").err == ""
+    assert any(each.startswith(doubt) for each in call(*asked, "--json").json()["warnings"])
+    assert names(here) == []
+
+
 def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
     weak = ("--set", "strength.mean=0.1 MPa", "-o", "x.h5", "--force")
     told = call("run", SLIDER, *weak)
@@ -197,7 +212,7 @@ def test_from_python_the_compiled_functions_of_others_multiply_matrices(here: Pa
 QUESTIONS = """
 import contextlib, sys
 from rubnoise.cli.app import main
-for words in (["check", "../given/slider.toml", "--json"], ["run", "../given/slider.toml", "--dry-run"]):
+for words in (["check", "../given/slider.toml", "--json"], ["run", "../given/slider.toml", "--dry-run", "--json"]):
     sys.argv = ["rubnoise", *words]
     with contextlib.suppress(SystemExit):
         main()

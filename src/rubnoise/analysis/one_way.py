@@ -2,14 +2,24 @@
 
 from typing import Final
 
+from rubnoise.model import Model
+
 WORTH_A_WARNING: Final = 0.1
 """Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
 
 
-def one_way_warning(validity: float) -> str:
-    """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
-    return (
-        f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
-        " which one-way coupling takes for constant; two-way coupling"
-        f' (slider.coupling = "two-way") is needed above {WORTH_A_WARNING:g}'
-    )
+def one_way_warnings(model: Model, validity: float) -> list[str]:
+    """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling, if anything.
+
+    Two-way coupling is advised only if a scenario may have it.
+    """
+    if model.slider is None or model.is_two_way or not validity > WORTH_A_WARNING:
+        return []
+    if model.held is not None:
+        advice = "two-way coupling is known at constant separation alone, so without [load]"
+    elif model.slider.excitation == "base":
+        advice = "two-way coupling is not known for excitation by the base"
+    else:
+        advice = f'two-way coupling (slider.coupling = "two-way") is needed above {WORTH_A_WARNING:g}'
+    spread = f"the velocity of the slider spreads by {validity:.3g} times the sliding speed"
+    return [f"{spread}, which one-way coupling takes for constant; {advice}"]

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
-from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
+from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.layout import ONE_WAY_ALONE, LineWords, grouped, line, lines, number, remark, too_short_for_motion
-from rubnoise.cli.load import format_load, load_as_json
+from rubnoise.cli.load import format_load, load_as_json, load_notes, load_warnings
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
@@ -33,7 +33,16 @@ def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
         "expected_junctions": theory.expected_junction_rows,
     }
     answer |= _dynamics(model, theory) | {"load": load_as_json(theory)}
-    return answer | {"warnings": list(scenario.warnings), "notes": _notes(scenario, answer)}
+    return answer | {
+        "warnings": [*scenario.warnings, *motion_warnings(model, answer)],
+        "notes": _notes(scenario, answer),
+    }
+
+
+def motion_warnings(model: Model, answer: dict[str, Any]) -> list[str]:
+    """Return what makes the exact motion of an answer doubtful: that of its slider, and that under its load."""
+    one_way = one_way_warnings(model, answer["slider"]["one_way_validity"]) if "slider" in answer else []
+    return one_way + (load_warnings(answer["load"]) if "load" in answer else [])
 
 
 def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
@@ -110,7 +119,7 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[st
     yield from [line("title", scenario.title)] if scenario.title else []
     yield from lines(answer | {"calibration": model.calibration}, SIZES)
     if "slider" in answer:
-        yield from format_motion(answer["slider"], two_way=model.is_two_way)
+        yield from lines(answer["slider"], MOTION)
     yield from format_load(answer["load"])
     yield line("births", f"{grouped(answer['expected_births'])} expected")
     if "cost" in answer:
@@ -123,14 +132,9 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[st
             "engine": scenario.run.engine,
         }
         yield from lines(cost | known, COST)
+    # Those of the scenario are printed when it is loaded.
+    yield from (remark(f"warning: {warning}") for warning in answer["warnings"][len(scenario.warnings) :])
     yield from (remark(f"note: {note}") for note in answer["notes"])
-
-
-def format_motion(slider: dict[str, Any], *, two_way: bool) -> Iterator[str]:
-    """Yield the exact motion of a slider as lines to print, with a warning where two-way coupling is needed."""
-    yield from lines(slider, MOTION)
-    if slider["one_way_validity"] > WORTH_A_WARNING and not two_way:
-        yield remark(f"warning: {one_way_warning(slider['one_way_validity'])}")
 
 
 def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
@@ -156,6 +160,7 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
             notes.append(f"the law {law} changes the mean strength by {off:+.1%} from {number(given)} MPa")
     if model.is_two_way:
         notes.append(ONE_WAY_ALONE)
+    notes += load_notes(answer["load"])
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]
 

@@ -5,7 +5,7 @@ from dataclasses import fields
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.cli.layout import LineWords, lines, remark
+from rubnoise.cli.layout import LineWords, lines
 
 if TYPE_CHECKING:
     from rubnoise.theory.exact import Exact
@@ -15,6 +15,12 @@ HELD = "separation held"
 
 FREE = "free"
 """The regime of a slider that may leave its contact, of which N, v and the loss decide what it does."""
+
+BOUNCING = "bouncing"
+"""The regime of so few junctions that first order is no guide."""
+
+ERROR_WORTH_A_NOTE = 0.01
+"""Error of first order, relative to a spread, from which it is printed."""
 
 WORTH_A_SHARE = 1e-4
 """Share of time with a negative load from which it is printed."""
@@ -75,30 +81,38 @@ def load_as_json(theory: "Exact") -> dict[str, Any]:
 
 
 def format_load(load: dict[str, Any]) -> Iterator[str]:
-    """Yield the same as lines to print, with a warning if first order is not to be trusted."""
+    """Yield the same as lines to print."""
     yield from lines(load, LINES.get(load["regime"], WEIGHED))
+
+
+def load_notes(load: dict[str, Any]) -> list[str]:
+    """Return how exact these numbers are."""
     if load["regime"] == FREE:
-        yield remark(
-            "note: these are exact, and so is that the level's exponents obey m = (1 + n)/2 where nothing but height"
-            " and speed changes; other lines are for constant separation, which free motion has at high speeds alone"
-        )
-    elif load["regime"] != HELD:
-        yield from map(remark, _doubts(load))
+        exact = "the numbers of free motion are exact, and so is that the level's exponents obey m = (1 + n)/2"
+        changed = "where nothing but height and speed changes"
+        others = "others are for constant separation, which free motion has at high speeds alone"
+        return [f"{exact} {changed}; {others}"]
+    if load["regime"] in {HELD, BOUNCING} or load["error_bound"] is None or load["error_bound"] <= ERROR_WORTH_A_NOTE:
+        return []
+    return [f"first order misses the spreads under the load by up to {100.0 * load['error_bound']:.2g} %"]
 
 
-def _doubts(load: dict[str, Any]) -> Iterator[str]:
-    if load["regime"] == "bouncing":
-        yield (
-            "warning: with fewer than about 10 live junctions the slider leaves its contact and bounces;"
+def load_warnings(load: dict[str, Any]) -> list[str]:
+    """Return why first order is not to be trusted, if so."""
+    if load["regime"] in {HELD, FREE}:
+        return []
+    warnings = []
+    if load["regime"] == BOUNCING:
+        warnings.append(
+            "with fewer than about 10 live junctions the slider leaves its contact and bounces;"
             " the linear motion is no guide to that"
         )
     elif load["error_bound"] is None:
-        yield (
-            "warning: first order was compared with exact motion from a damping ratio of 0.05 on;"
+        warnings.append(
+            "first order was compared with exact motion from a damping ratio of 0.05 on;"
             " near the resonance less damping errs more"
         )
-    elif load["error_bound"] > 0.01:
-        yield f"note: first order misses these spreads by up to {100.0 * load['error_bound']:.2g} %"
     if load["negative_share"] > WORTH_A_SHARE:
         share = f"{100.0 * load['negative_share']:.2g} %"
-        yield f"warning: the load would be negative for {share} of the time, while a contact only pushes"
+        warnings.append(f"the load would be negative for {share} of the time, while a contact only pushes")
+    return warnings

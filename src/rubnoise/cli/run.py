@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
+from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, json_text, line, sentence, size
 from rubnoise.cli.options import AsJson, EngineName, Quiet
@@ -101,9 +101,10 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)
+    warnings = [*scenario.warnings, *_doubts(scenario, quiet=quiet or as_json)]
     forecast = budget_as_json(budget)
     if as_json:
-        print(json_text({"output": str(path), "dry_run": True} | forecast | {"warnings": list(scenario.warnings)}))
+        print(json_text({"output": str(path), "dry_run": True} | forecast | {"warnings": warnings}))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
@@ -170,14 +171,17 @@ def _print_result(result: "Run", path: Path, seconds: float) -> None:
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     """Return what will make the result doubtful, or what it will be too short for; print it before the run."""
     from rubnoise.analysis.summary import missing_for_motion
+    from rubnoise.cli.load import load_as_json, load_warnings
+    from rubnoise.theory.exact import exact
     from rubnoise.theory.response import response
 
     if scenario.too_large:
         return []  # it has no run, and says why
     model, doubts = scenario.model(), []
     if model.slider is not None and not model.is_two_way:
-        validity = response(model).one_way_validity
-        doubts += [one_way_warning(validity)] if validity > WORTH_A_WARNING else []
+        doubts += one_way_warnings(model, response(model).one_way_validity)
+    if model.separation is not None:
+        doubts += load_warnings(load_as_json(exact(model)))
     if missing := missing_for_motion(model):
         doubts.append(layout.too_short_for_motion(missing.decays, missing.needed))
     if not quiet:

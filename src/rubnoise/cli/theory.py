@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -20,9 +20,12 @@ from rubnoise.cli.layout import (
     sentence,
     words,
 )
-from rubnoise.cli.load import format_load
+from rubnoise.cli.load import format_load, load_notes
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.cli.plot import check_picture, write_picture
+
+if TYPE_CHECKING:
+    from rubnoise.model import Model
 
 
 def command(
@@ -109,7 +112,7 @@ def command(
         print(json_text(answer))
     else:
         heading = f"{file}: {scenario.title}".removesuffix(": ")
-        text = partial(format_theory, heading, model.calibration, two_way=model.is_two_way)
+        text = partial(format_theory, heading, model)
         print("\n".join(csv_rows(answer) if as_csv else text(answer)))
 
 
@@ -248,21 +251,23 @@ OTHER_MODELS: Final = {
 """Groups of older models, and what they are called."""
 
 
-def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two_way: bool) -> Iterator[str]:
+def format_theory(heading: str, model: "Model", answer: dict[str, Any]) -> Iterator[str]:
     """Yield what theory says, as lines to print under a heading."""
-    from rubnoise.cli.derivation import format_motion
+    from rubnoise.cli.derivation import MOTION, motion_warnings
 
     yield from (sentence(printable(heading)), "")
-    yield from lines(answer | {"calibration": calibration}, MOMENTS)
+    yield from lines(answer | {"calibration": model.calibration}, MOMENTS)
     if "slider" in answer:
-        yield from format_motion(answer["slider"], two_way=two_way)
-        yield from [remark(f"note: {ONE_WAY_ALONE}")] if two_way else []
+        yield from lines(answer["slider"], MOTION)
+        yield from [remark(f"note: {ONE_WAY_ALONE}")] if model.is_two_way else []
     if "load" in answer:
         yield from format_load(answer["load"])
-    for group, model in OTHER_MODELS.items():
-        yield from ("", sentence(model)) if group in answer else ()
-        for name, value in answer.get(group, {}).items():
-            yield line(name.replace("_", " "), f"{plain(value)} {UNITS.get(f'{group}.{name}', '')}".rstrip())
+        yield from (remark(f"note: {note}") for note in load_notes(answer["load"]))
+    yield from (remark(f"warning: {warning}") for warning in motion_warnings(model, answer))
+    for group, name in OTHER_MODELS.items():
+        yield from ("", sentence(name)) if group in answer else ()
+        for key, value in answer.get(group, {}).items():
+            yield line(key.replace("_", " "), f"{plain(value)} {UNITS.get(f'{group}.{key}', '')}".rstrip())
     for group, curve in CURVES.items():
         if group in answer:
             yield from _curve_lines(group, curve, answer[group])

@@ -74,7 +74,7 @@ def run_report(file: Reader, between: Between) -> str:
     stretch = Stretch.of(file)
     figures = from_attributes(file.summary)
     origin = file.provenance
-    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(figures)]
+    words = [*in_words(stretch.model), *flights_in_words(stretch), *motion_in_words(stretch.model, figures)]
     sections = [
         _section("What was simulated", _paragraphs(words)),
         _section("Measured and exact", _agreement(figures)),

@@ -6,7 +6,7 @@ from typing import Final
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.landmarks import Flights
-from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
+from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.theory.campbell import area_cumulants
@@ -136,12 +136,12 @@ def _slider(model: Model) -> str:
     return words + " The coupling is one-way: the surfaces slide at constant speed, however the slider moves."
 
 
-def motion_in_words(figures: Sequence[Agreement]) -> list[str]:
+def motion_in_words(model: Model, figures: Sequence[Agreement]) -> list[str]:
     """Return sentences about the motion that was measured: whether one-way coupling holds, or how the slider sticks."""
     measured = {each.name: each.observed for each in figures}
     lines = []
     if "one_way_validity" in measured:
-        lines.append(_one_way(measured["one_way_validity"]))
+        lines.append(_one_way(model, measured["one_way_validity"]))
     if "stick_fraction" in measured:
         lines.append(
             f"The slider moves with the drive, stuck to the surface, for"
@@ -151,9 +151,8 @@ def motion_in_words(figures: Sequence[Agreement]) -> list[str]:
     return lines
 
 
-def _one_way(validity: float) -> str:
-    if validity > WORTH_A_WARNING:
-        warning = one_way_warning(validity)
+def _one_way(model: Model, validity: float) -> str:
+    for warning in one_way_warnings(model, validity):
         return f"{warning[0].upper()}{warning[1:]}."
     return (
         f"The velocity of the slider spreads by {validity:.3g} times the sliding speed, so that it is fair to take the"
