@@ -67,6 +67,15 @@ def fast(folder: Path) -> Iterator[Stretch]:
     yield from _opened(folder, "fast", "slider.coupling=two-way", 'sliding.speed="100 mm/s"')
 
 
+@pytest.fixture(scope="module")
+def force_alone(folder: Path) -> Iterator[Stretch]:
+    """Return a run without a slider, whose force is in /trace."""
+    scenario = rubnoise.load(FIG5, ['sliding.distance="2.5 mm"', 'output.tick="0.1 um"', "run.engine=batch"])
+    rubnoise.run(scenario.replace(slider=None), folder / "force.h5").close()
+    with open_run(folder / "force.h5") as file:
+        yield Stretch.of(file)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Held:
     """Rows of a made-up slider."""
@@ -315,10 +324,34 @@ def test_spectra_over_frequency_are_those_of_scipy(
         assert "/Hz)" in axes.get_ylabel()
 
 
-@pytest.mark.parametrize("heard", ["velocity", "displacement", "force"])
-def test_a_one_way_spectrum_is_what_is_expected_of_it(one_way: Stretch, heard: Any) -> None:
+def test_a_run_without_a_slider_has_the_spectrum_of_its_force(force_alone: Stretch, one_way: Stretch) -> None:
     with house_style():
-        figure = motion_spectrum_figure(one_way, heard)
+        above, _ = motion_spectrum_figure(force_alone, "force").axes
+    frequency, density = _line(above, "simulated")
+    count = round(2.0 / (frequency[0] * 1e-4))
+    values = 1e-3 * force_alone.file.column("trace", "friction_force")
+    _, expected = welch(values, 1e4, "hann", count, count // 2, detrend="constant")
+    np.testing.assert_allclose(density, expected[2 : frequency.size + 2], rtol=1e-6)
+    labels = {str(line.get_label()) for line in above.lines}
+    assert "one per mean life" in labels
+    assert not any("Kilburn" in label or "natural" in label for label in labels)
+    for name in ("psd", "histogram", "spectrogram"):
+        assert picture(name, force_alone, "png", heard="force")
+        with pytest.raises(Refused, match="no slider to draw"):
+            picture(name, force_alone, "png", heard="velocity")
+    # Beside the force of a run with a slider, each is called by its file.
+    with house_style():
+        above = motion_spectrum_figure(force_alone, "force", one_way).axes[0]
+    assert {"force.h5", "one.h5"} <= {str(line.get_label()) for line in above.lines}
+
+
+@pytest.mark.parametrize(
+    ("run", "heard"),
+    [("one_way", "velocity"), ("one_way", "displacement"), ("one_way", "force"), ("force_alone", "force")],
+)
+def test_a_one_way_spectrum_is_what_is_expected_of_it(run: str, heard: Any, request: pytest.FixtureRequest) -> None:
+    with house_style():
+        figure = motion_spectrum_figure(request.getfixturevalue(run), heard)
     _, below = figure.axes
     frequency, ratio = _line(below, "simulated over expected")
     error = 0.5 * np.array([band_of(below)[float(each)] for each in frequency])

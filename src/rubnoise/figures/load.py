@@ -68,7 +68,7 @@ def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
     if nothing but rounding varies.
     """
     quantity = QUANTITIES[heard]
-    motion = Motion.of(stretch, quantity.group)
+    motion = Motion.of(stretch, quantity.group, quantity.column)
     last = min(motion.last, motion.first + MOST_READ)
     values = motion.file.column(motion.group, motion.present(quantity.column), motion.first, last).astype(np.float64)
     if float(np.ptp(values)) <= NEAREST * quantity.still(motion):

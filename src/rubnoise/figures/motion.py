@@ -30,33 +30,44 @@ MOST_SPANS: Final = 1500
 """Sticks that are shaded one by one; of more each column of the picture is as dark as its share of sticks."""
 
 
-Group = Literal["slider", "load"]
-"""Which motion: along the surface, or up and down."""
+Group = Literal["slider", "load", "trace"]
+"""Which motion: along the surface, or up and down; of a run without a slider the force that would drive one."""
+
+FORCE: Final = "friction_force"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
     """Rows ``first`` to before ``last`` of a group, ``apart`` s from one to the next, and the physics of the run.
 
-    ``slider`` swings by itself: the mass on its spring, or under a load the mass on its contact.
+    ``swings`` is what swings by itself: the mass on its spring, or under a load the mass on its contact; None for the
+    force of a run without a slider.
     """
 
     group: Group
     file: Reader
     model: Model
-    slider: Slider
+    swings: Slider | None
     speed: float
     apart: float
     first: int
     last: int
 
     @classmethod
-    def of(cls, stretch: Stretch, group: Group = "slider") -> Self:
-        """Return the motion in a stretch; raises Refused for a run without it, and for fewer than two rows."""
+    def of(cls, stretch: Stretch, group: Group = "slider", column: str | None = None) -> Self:
+        """Return the motion in a stretch; raises Refused for a run without it, and for fewer than two rows.
+
+        If only the friction force is wanted of it (``column``), a run without a slider has that, too.
+        """
         model, file = stretch.model, stretch.file
-        held = model.held
-        slider = model.slider if group == "slider" else None if held is None else held.oscillator
-        if slider is None or model.sliding_speed is None or group not in file.columns:
+        if column == FORCE and model.slider is None and column in file.columns["trace"]:
+            group = "trace"
+        if group == "trace" and model.sliding_speed is None:
+            raise Refused("the run has no times; sliding.speed in its scenario would give them")
+        swinging = {"slider": model.slider, "load": None if model.held is None else model.held.oscillator}
+        swings = swinging.get(group)
+        missing = swings is None and group != "trace"
+        if missing or model.sliding_speed is None or group not in file.columns:
             what = "slider" if group == "slider" else "load that weighs"
             raise Refused(f"the run has no {what} to draw; [{group}] in its scenario would give it one")
         first, last = stretch.rows(group)
@@ -70,12 +81,24 @@ class Motion:
             group=group,
             file=file,
             model=model,
-            slider=slider,
+            swings=swings,
             speed=model.sliding_speed,
             apart=apart,
             first=first,
             last=last,
         )
+
+    @property
+    def slider(self) -> Slider:
+        """What swings by itself."""
+        if self.swings is None:
+            raise AssertionError("a run without a slider has nothing that swings")
+        return self.swings
+
+    @property
+    def frequency(self) -> float:
+        """The natural frequency in Hz; of a force that drives no slider, how many mean lives pass in a second."""
+        return self.speed / self.model.mean_life_distance if self.swings is None else self.swings.natural_frequency
 
     @property
     def begin(self) -> float:
@@ -142,19 +165,21 @@ class Motion:
         return None if self.model.free is None else Flights.of(self.file, self.begin, self.end, MOST_READ)
 
 
-def motions_of(stretch: Stretch, beside: Stretch | None, group: Group = "slider") -> list[Motion]:
+def motions_of(
+    stretch: Stretch, beside: Stretch | None, group: Group = "slider", column: str | None = None
+) -> list[Motion]:
     """Return the motion in a stretch, and in that of a run that is laid over it; raises Refused for runs without."""
-    first = Motion.of(stretch, group)
+    first = Motion.of(stretch, group, column)
     if beside is None:
         return [first]
     with prefix_refusals(f"--with {beside.file.path}"):
-        return [first, Motion.of(beside, group)]
+        return [first, Motion.of(beside, group, column)]
 
 
 def labels_of(motions: Sequence[Motion]) -> list[str]:
     """Return labels that distinguish motions: their coupling, or else the names of their files."""
-    couplings = [f"{motion.slider.coupling} coupling" for motion in motions]
-    if len(set(couplings)) == len(couplings):
+    couplings = [f"{motion.swings.coupling} coupling" for motion in motions if motion.swings is not None]
+    if len(set(couplings)) == len(motions):
         return couplings
     return [shortened(one_line(motion.file.path.name)) for motion in motions]
 

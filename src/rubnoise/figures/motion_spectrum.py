@@ -79,8 +79,20 @@ class Audible:
 
 def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     """Return S_F(w/V)/V, the two-sided density of the force in uN^2 per rad/s."""
-    drive = drive_of(model)
-    return force_spectral_density(model, drive.strengths, angular_frequency / drive.speed) / drive.speed
+    if model.slider is not None:
+        drive_of(model)  # raises Refused for a base
+    if model.strengths is None or model.sliding_speed is None:
+        raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
+    speed = model.sliding_speed
+    return force_spectral_density(model, model.strengths, angular_frequency / speed) / speed
+
+
+def _mean_force(motion: Motion) -> float:
+    """Return the mean force in uN."""
+    if motion.swings is not None:
+        return motion.slider.stiffness * _deflection(motion)
+    strengths = motion.model.strengths
+    return 0.0 if strengths is None else strengths.mean * motion.model.mean_real_contact_area
 
 
 def _deflection(motion: Motion) -> float:
@@ -117,7 +129,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         unit="mN",
         exact=_exact_force,
         white=white_force_spectrum,
-        still=lambda motion: motion.slider.stiffness * _deflection(motion),
+        still=_mean_force,
     ),
     "normal-velocity": Audible(
         column=COLUMNS["normal-velocity"],
@@ -138,6 +150,14 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
 }
 
 
+NATURAL: Final[dict[Group, str]] = {
+    "slider": "natural frequency",
+    "load": "contact resonance",
+    "trace": "one per mean life",
+}
+"""What the frequency of a motion is called."""
+
+
 def whose(heard: Heard) -> str:
     """Return a quantity in words."""
     return heard.replace("-", " ")
@@ -148,7 +168,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
 
     Raises Refused for runs without that motion, for too short a stretch, and if nothing but rounding varies.
     """
-    motions = motions_of(stretch, beside, QUANTITIES[heard].group)
+    motions = motions_of(stretch, beside, QUANTITIES[heard].group, QUANTITIES[heard].column)
     found = [spectrum_of(motion, heard) for motion in motions]
     for motion, seen in zip(motions, found, strict=True):
         if seen is None:
@@ -174,7 +194,7 @@ def is_expected(motion: Motion, heard: Heard) -> bool:
     if motion.model.is_two_way or motion.model.free is not None:
         return False
     try:
-        natural = np.array([2.0 * pi * motion.slider.natural_frequency])
+        natural = np.array([2.0 * pi * motion.frequency])
         return bool(QUANTITIES[heard].exact(motion.model, natural).any())
     except Refused:
         return False
@@ -212,7 +232,7 @@ def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
 
 def _longest_segment(motion: Motion) -> int:
     """Return the rows of a segment that is long enough: of many natural periods and, if it sticks, of many sticks."""
-    duration = PERIODS / motion.slider.natural_frequency
+    duration = PERIODS / motion.frequency
     if motion.model.is_two_way:
         sticks = first_landmark(motion.file, motion.end) - first_landmark(motion.file, motion.begin)
         duration = max(duration, STICKS * 2.0 * (motion.end - motion.begin) / max(sticks, 1))
@@ -225,7 +245,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
     That of a one-way slider is drawn as a line, and where all sliders are two-way as dashes.
     """
     quantity = QUANTITIES[heard]
-    natural = found[0][0].slider.natural_frequency
+    natural = found[0][0].frequency
     lowest = min(float(seen.wavenumber[FIRST]) for _, seen in found) / (2.0 * pi)
     fastest = max(float(seen.wavenumber[-1]) for _, seen in found) / (2.0 * pi)
     highest = min(fastest, max(FARTHEST * natural, 10.0 * lowest))
@@ -237,7 +257,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
         shown = frequency <= highest
         density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[FIRST:] / (2.0 * pi)
         axes.plot(frequency[shown], density[shown], label=label, **look)
-    name = "natural frequency" if quantity.group == "slider" else "contact resonance"
+    name = NATURAL[found[0][0].group]
     axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=name)
     _draw_exact(axes, [motion for motion, _ in found], quantity, lowest, highest)
     for axis in (axes.xaxis, axes.yaxis):
@@ -253,7 +273,7 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowe
     shown = next((motion for motion in motions if not motion.model.is_two_way), motions[0])
     if shown.model.free is not None:
         return
-    natural = shown.slider.natural_frequency
+    natural = shown.frequency
     frequency = np.sort(np.append(np.geomspace(lowest, highest, POINTS), np.linspace(0.8, 1.2, POINTS) * natural))
     frequency = frequency[(lowest <= frequency) & (frequency <= highest)]
     try:
@@ -264,7 +284,7 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowe
         elsewhere = all(motion.model.is_two_way for motion in motions)
         look: dict[str, Any] = {"ls": (0, (4, 2)), "label": "exact, one-way"} if elsewhere else {"label": "exact"}
         axes.plot(frequency, exact, color=VERMILION, lw=1.0, **look)
-        if shown.model.separation is not None or quantity.white is None or shown.slider.excitation == "base":
+        if shown.model.separation is not None or quantity.white is None or shown.swings is None or shown.driven_by_base:
             return
         white = 2.0 * quantity.scale**2 * quantity.white(shown.model, 2.0 * pi * frequency)
         if white.any():

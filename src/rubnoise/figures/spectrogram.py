@@ -39,13 +39,13 @@ def spectrogram_figure(stretch: Stretch, heard: Heard | None = None) -> "Figure"
         labels = DISTANCE, "cycles per µm"
         least = LIVES * stretch.model.mean_life_distance
     else:
-        motion = Motion.of(stretch, QUANTITIES[heard].group)
+        quantity = QUANTITIES[heard]
+        motion = Motion.of(stretch, quantity.group, quantity.column)
         last = min(motion.last, motion.first + MOST_READ)
-        values = motion.file.column(motion.group, motion.present(QUANTITIES[heard].column), motion.first, last).astype(
-            np.float64
-        )
+        column = motion.present(quantity.column)
+        values = motion.file.column(motion.group, column, motion.first, last).astype(np.float64)
         apart, begin, words = motion.apart, motion.begin, whose(heard)
-        highest = min(0.5 / apart, FARTHEST * motion.slider.natural_frequency)
+        highest = min(0.5 / apart, FARTHEST * motion.frequency)
         labels = "time (s)", "frequency (Hz)"
         least = LIVES * stretch.model.mean_life_distance / motion.speed
     place, frequency, level = _levels(values, apart, round(least / apart), words)

@@ -108,7 +108,7 @@ def _curve(sweep: SweepResult, point: int, key: str, heard: Heard | None) -> Cur
         return (
             _of_area(stretch, label)
             if heard is None
-            else _of_motion(Motion.of(stretch, QUANTITIES[heard].group), heard, label)
+            else _of_motion(Motion.of(stretch, QUANTITIES[heard].group, QUANTITIES[heard].column), heard, label)
         )
 
 
@@ -125,7 +125,7 @@ def _of_motion(motion: Motion, heard: Heard, label: str) -> Curve:
     seen = spectrum_of(motion, heard)
     if seen is None:
         raise Refused(f"spectra: the run at {label} is too short, or its {heard} does not vary")
-    quantity, natural = QUANTITIES[heard], 2.0 * pi * motion.slider.natural_frequency
+    quantity, natural = QUANTITIES[heard], 2.0 * pi * motion.frequency
     last = int(np.searchsorted(seen.wavenumber, FARTHEST * natural))
     angular, density = seen.wavenumber[FIRST:last], seen.density[FIRST:last]
     scale = 2.0 * quantity.scale**2
