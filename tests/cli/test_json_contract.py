@@ -193,6 +193,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     coupled = load(full, ["slider.coupling=two-way"])
     with make_part(OutputPaths.of("coupled.h5"), describe(coupled, "coupled.h5", ["rubnoise", "run", full])):
         pass
+    bouncing = load("elastic.toml")
+    with make_part(OutputPaths.of("bouncing.h5"), describe(bouncing, "bouncing.h5", ["rubnoise", "run", full])):
+        pass
     call("run", "bare.toml", "-o", "traced.h5", "--set", "sliding.distance=4 mm")
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
@@ -233,6 +236,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("unfinished", ("info", "stopped.h5.part", "--json")),
         ("unfinished", ("info", "growing.h5.part", "--json")),
         ("unfinished", ("info", "coupled.h5.part", "--json")),
+        ("unfinished", ("info", "bouncing.h5.part", "--json")),
         ("run", ("resume", "stopped.h5.part", "--json")),
         ("compare", ("compare", "long.h5", "--json")),
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),

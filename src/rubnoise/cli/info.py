@@ -167,7 +167,10 @@ def part_as_json(file: Path) -> dict[str, Any]:
         "bytes": file.stat().st_size,
         "share": found.share,
         "done": {"junctions": found.junctions, "ticks": found.ticks, **found.grown},
-        "whole": {"junctions": about.extent.junctions, "ticks": about.extent.ticks},
+        "whole": {
+            **({} if about.extent.junctions is None else {"junctions": about.extent.junctions}),
+            "ticks": about.extent.ticks,
+        },
         **({"slider_rows_at_most": most} if (most := _slider_rows_at_most(about)) is not None else {}),
         "committed": found.committed or None,
         "being_written": found.being_written,

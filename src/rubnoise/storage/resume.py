@@ -122,10 +122,16 @@ class CommittedRun:
 
 @contextmanager
 def committed_run(part: Path) -> Iterator[CommittedRun]:
-    """Open a part file for what it has committed; raises RunFileRefused as look does, and if that is nothing."""
+    """Open a part file for what it has committed.
+
+    Raises RunFileRefused as look does, if that is nothing, and for a part whose junctions grow beside it.
+    """
     found = look(part)
     if not found.ticks:
         raise RunFileRefused(f"{part}: nothing of this run is committed yet")
+    if "junctions" in found.grown:
+        hint = "a process is writing it" if found.being_written else resume_hint(str(part))
+        raise RunFileRefused(f"{part}: an unfinished run in free motion holds no junctions yet; {hint}")
     with open_run(part) as run:
         yield CommittedRun(run, found)
 
