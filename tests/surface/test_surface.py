@@ -1,6 +1,7 @@
 """Surfaces: reading, filters, exact theory, counting and the scenario that stands for them."""
 
 import json
+import re
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
@@ -399,6 +400,9 @@ def test_roughness_is_that_of_the_standard():
     assert found["slope_along"] == pytest.approx(2 * pi / 20 * sqrt(0.5), rel=0.05)
 
 
+SCANNED = "1.nc --cutoff 8um --load 2N --hardness 1GPa"
+
+
 class TestCommand:
     """`rubnoise surface`, where SurfaceTopography is installed."""
 
@@ -441,6 +445,28 @@ class TestCommand:
             assert found.code == 2, name
             assert not (folder / "no.toml").exists()
             assert "internal error" not in found.err
+
+    @pytest.mark.parametrize(
+        ("words", "said"),
+        [
+            ("--synthesise --load xyz", "--load is for scans"),
+            ("--synthesise --form tilt", "--form is for scans"),
+            ("--synthesise --report s.html", "--report is for scans"),
+            ("--synthesise --damping-ratio 0.1", "--damping-ratio is for scans"),
+            ("--synthesise 1.nc", "--synthesise takes no scan"),
+            *((f"{SCANNED} {option}", "is for --synthesise") for option in ("--points 512", "--seed 5", "--hurst 0.8")),
+            *((f"{SCANNED} {option}", "is for --synthesise") for option in ("--rolloff 3kg", "--spacing 1um")),
+            (f"{SCANNED} --mass 1kg", "--mass is for the scenario"),
+            (f"{SCANNED} --speed 1mm/s", "--speed is for the scenario"),
+            (f"{SCANNED} --unit nonsense", "nonsense"),
+            (f"{SCANNED} --mass 1kg -o s.toml", "needs --mass, --damping-ratio and --speed\n"),
+        ],
+    )
+    def test_options_without_effect_are_refused(self, folder, words, said):
+        found = call("surface", *words.split())
+        assert (found.code, found.out) == (2, "")
+        assert said in re.sub(r" *│\n│ *", " ", found.err)
+        assert sorted(each.name for each in folder.iterdir()) == ["1.nc", "2.nc"]
 
     def test_synthetic_surface_keeps_its_bits_in_a_file(self, folder):
         asked = ("surface", "--synthesise", "--points", "512", "--rolloff", "64um", "--cutoff", "8um", "--seed", "1")

@@ -1,14 +1,15 @@
 """From when on a slider moves too fast for a sliding speed that is taken for constant, and how to say so."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from rubnoise.model import Model
+if TYPE_CHECKING:
+    from rubnoise.model import Model
 
 WORTH_A_WARNING: Final = 0.1
 """Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
 
 
-def one_way_warnings(model: Model, validity: float) -> list[str]:
+def one_way_warnings(model: "Model", validity: float) -> list[str]:
     """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling, if anything.
 
     Two-way coupling is advised only if a scenario may have it.

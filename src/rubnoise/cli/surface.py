@@ -28,11 +28,17 @@ class Form(StrEnum):
     SPHERE = "sphere"
 
 
+_SYNTHETIC: Final = ("points", "spacing", "roughness", "hurst", "rolloff", "seed")
+_SCENARIO: Final = ("speed", "distance", "mass", "damping_ratio")
+_SCANS: Final = ("load", "hardness", "longest", "form", "unit", "slider_length", "report", *_SCENARIO)
+"""Options of a synthetic surface, of the scenario, and of all that scans are for."""
+
 _LAGS: Final = 200
 _WAVES: Final = 120
 
 
 def command(
+    context: typer.Context,
     scans: Annotated[
         list[Path] | None,
         typer.Argument(help="A scan, or two: the track, then the slider.", metavar="SCAN [SCAN]", show_default=False),
@@ -101,12 +107,13 @@ def command(
     from rubnoise.api.surface import Surface
     from rubnoise.storage.output import check_output
 
+    _refuse_unused(context, synthesise=synthesise, written=output is not None or report is not None)
     for path in (output, report):
         if path is not None:
             check_output(path, force=force, reads=scans or ())
     if synthesise:
-        if scans or report is not None:
-            raise typer.BadParameter("--synthesise takes no scan and makes no report")
+        if scans:
+            raise typer.BadParameter("--synthesise takes no scan")
         made = Surface.synthesise(
             points=points,
             spacing=spacing,
@@ -130,6 +137,18 @@ def command(
     print(json_text(contents(contact)) if as_json else "\n".join(described(contact)))
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
+
+
+def _refuse_unused(context: typer.Context, *, synthesise: bool, written: bool) -> None:
+    """Refuse options without effect: those of scans beside --synthesise and the other way round, and of no scenario."""
+    unused = dict.fromkeys(_SCANS, "is for scans, not for --synthesise") if synthesise else {}
+    if not synthesise:
+        unused |= dict.fromkeys(_SYNTHETIC, "is for --synthesise")
+        unused |= {} if written else dict.fromkeys(_SCENARIO, "is for the scenario, which -o or --report writes")
+    for name, reason in unused.items():
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}")
 
 
 def _write(

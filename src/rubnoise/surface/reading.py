@@ -53,6 +53,8 @@ def from_topography(topography: Any, name: str = "surface", unit: str | None = N
         raise Refused(f"{name}: is a profile or has uneven points; a map of heights over an even grid is needed")
     if topography.pixel_size is None:
         raise Refused(f"{name}: does not say how far its points are apart; save it with its lengths")
+    if unit is not None:
+        length_scale(unit, "unit=")  # also if the file names its own
     named = getattr(topography, "unit", None) or unit
     if named is None:
         raise Refused(f'{name}: names no unit of its lengths; say it: unit="um" (--unit um)')

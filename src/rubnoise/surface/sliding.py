@@ -170,7 +170,7 @@ class SlidingContact:
             raise Refused(f"no scenario is written: {'; '.join(self.refused)}")
         weighs = mass is not None or damping_ratio is not None
         if weighs and (mass is None or damping_ratio is None or speed is None):
-            raise Refused("a load that moves needs mass=, damping_ratio= and speed= (--mass, --damping-ratio, --speed)")
+            raise Refused("a load that moves needs mass=, damping_ratio= and speed=")
         return "".join(f"# {line}\n" for line in self._provenance()) + text_of(
             self._keys(speed, distance, self._weight(mass, damping_ratio) if weighs else {})
         )
