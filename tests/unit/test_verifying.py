@@ -313,6 +313,8 @@ def test_a_sweep_without_runs_has_no_blocks_to_make_again(tmp_path: Path) -> Non
     sweep = sweep_of(tmp_path, TABLE + "", "sweep.keep=summary", head=HEAD)
     run_sweep(sweep, tmp_path / "d", jobs=1).close()
     assert told_of_folder(tmp_path / "d") == {}
+    left_out = {each.name: each.reason for each in verify_sweep(tmp_path / "d").omitted}
+    assert left_out["runs without files"] == "4 runs, of which the sweep keeps only the summary: not made again"
     with pytest.raises(Refused, match="keeps no runs"):
         verify_sweep(tmp_path / "d", 1)
 

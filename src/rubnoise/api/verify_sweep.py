@@ -48,6 +48,10 @@ def journal_check(folder: SweepFolder, files: Figures, left_out: list[LeftOut]) 
     done = {entry.run_id: (place, entry) for place, entry in entries if entry.state == "done"}
     for place, entry in done.values():
         _compare(notes, place, entry, files, folder)
+    bare = sum(entry.row is None or not entry.row.file for _, entry in done.values())
+    if bare:
+        reason = f"{bare:,} {'run' if bare == 1 else 'runs'}, of which the sweep keeps only the summary: not made again"
+        left_out.append(LeftOut(name="runs without files", reason=reason))
     unwritten = files.keys() - done.keys()
     if unwritten:
         reason = f"{len(unwritten):,} results are there that no journal calls done yet; the same sweep takes them in"
