@@ -58,6 +58,17 @@ def test_the_velocity_is_heard_where_nothing_is_said(result: Path, here: Path) -
     assert any("audible, 20 Hz to 20 kHz" in each for each in lines)
 
 
+@pytest.mark.parametrize("words", [(), ("--what", "velocity"), ("--what", "normal-velocity")])
+def test_the_velocity_of_a_load_alone_is_called_normal(here: Path, words: tuple[str, ...]) -> None:
+    assert call("run", "load/bouncing", "-q", "-o", "b.h5", "--set", "sliding.distance=1 mm").code == 0
+    answer = call("listen", "b.h5", *words)
+    assert answer.code == 0
+    assert answer.out.startswith("b_normal-velocity.wav: ")
+    assert " s of normal-velocity, " in answer.out.splitlines()[0]
+    assert names(here) == ["b.h5", "b_normal-velocity.wav"]
+    assert _comment(here / "b_normal-velocity.wav")["quantity"] == "normal-velocity"
+
+
 @pytest.mark.parametrize("what", ["velocity", "force", "displacement"])
 def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) -> None:
     answer = call("listen", "x.h5", "--what", what, "-o", "a.wav")

@@ -48,7 +48,7 @@ READING = (
     "animate run.gif -o run.gif",
     "junction run.png 1 --plot run.png",
     "theory contact.png --plot contact.png",
-    "listen run.wav --what force -o run.wav",
+    "listen run.wav -o run.wav",
 )
 
 
@@ -60,7 +60,7 @@ def test_force_does_not_replace_what_is_read(
     shutil.copytree(made, place)
     monkeypatch.chdir(place)
     for name in ("run.html", "run.png", "run.gif", "run.wav"):
-        shutil.copy("contact.h5", name)
+        shutil.copy("slider.h5", name)
     shutil.copy("contact.toml", "contact.png")
     Path("scan.nc").write_bytes(b"a scan")
     Path("sizes.csv").write_text("diameter_um\n3\n4\n", encoding="utf-8")

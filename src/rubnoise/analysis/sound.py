@@ -63,6 +63,7 @@ class Sound:
     def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float, seconds: float | None) -> Self:
         """Return the sound of an open run, of ``seconds`` from its start or of all of it, but for a transient.
 
+        The velocity of a run with a load that weighs, and without a slider, is its normal velocity.
         Raises Refused if the run has nothing of the kind, if it is too short for the seconds, and for a speed-up
         that makes more than 4096 ticks of a sample or the other way round.
         """
@@ -80,7 +81,7 @@ class Sound:
             swinging = None if model.separation is None else model.separation.oscillator
         return cls(
             file=file,
-            what=what,
+            what="normal-velocity" if group == "load" and what == "velocity" else what,
             group=group,
             first=first,
             rows=min(rows, input_count(samples, ratio)),

@@ -77,10 +77,13 @@ def command(
     for option, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):
             raise typer.BadParameter(f"{option}: {value:g} is no number above 0")
-    paths = _paths(files, output, what, force=force)
+    if output and len(files) > 1:
+        raise typer.BadParameter("-o names one file; several runs are written as RUN_WHAT.wav in this folder")
     with ExitStack() as opened, stoppable() as between:
         runs = [opened.enter_context(finished_run(file)) for file in files]
         sounds = [Sound.of(run, what.value, rate=int(rate), speed_up=speed_up or 1.0, seconds=None) for run in runs]
+        paths = [output or Path(f"{sound.file.path.stem}_{sound.what}.wav") for sound in sounds]
+        _check_paths(files, paths, force=force)
         faster = speed_up or (audible(sounds[0], between) if len(sounds) > 1 else 1.0)
         choose = partial(Sound.of, what=what.value, rate=int(rate), speed_up=faster)
         sounds = [choose(run, seconds=seconds) for run in runs]
@@ -94,20 +97,16 @@ def command(
             print(*format_sound(path, sound, level, others=len(sounds) - 1), sep="\n")
 
 
-def _paths(files: list[Path], output: Path | None, what: What, *, force: bool) -> list[Path]:
-    """Return where to write the sound of each file; raises Refused before anything is read if that cannot be."""
+def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
+    """Raise Refused before anything is written if the sound of a file cannot be written to its path."""
     from rubnoise.storage.output import check_output
 
-    if output and len(files) > 1:
-        raise typer.BadParameter("-o names one file; several runs are written as RUN_WHAT.wav in this folder")
-    paths = [output or Path(f"{file.stem}_{what}.wav") for file in files]
     for i, path in enumerate(paths):
         if path in paths[:i]:
             raise typer.BadParameter(f"{files[paths.index(path)]} and {files[i]} would both be written to {path}")
         if path.suffix.lower() != ".wav":
             raise typer.BadParameter(f"{path} does not end in .wav")
         check_output(path, force=force, reads=files)
-    return paths
 
 
 def _write(path: Path, sound: "Sound", level: "Level", between: "Callable[[], None]", *, force: bool) -> None:
