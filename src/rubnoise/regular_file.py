@@ -8,6 +8,7 @@ import os
 import stat
 import sys
 import tempfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -29,12 +30,20 @@ def flags(*names: str) -> int:
 _READING = os.O_RDONLY | flags("O_CLOEXEC", "O_NONBLOCK", "O_NOCTTY")
 
 
+_OF_SWEEPS: Final = ("sweep.json", "index.h5")
+"""Files by which the folder of a sweep is known."""
+
+
 class NotRegular(OSError):  # noqa: N818  (says what the path is)
     """A path that is there, and is a folder, a pipe, a device, a socket, or something that only looks like a file."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Name the path."""
-        super().__init__(errno.EINVAL, "is not a regular file", os.fspath(path))
+        """Name the path, and what is there if it is a sweep."""
+        name, reason = os.fspath(path), "is not a regular file"
+        with suppress(OSError):  # a folder that may not be looked into
+            if any(Path(name, each).is_file() for each in _OF_SWEEPS):
+                reason = "is the folder of a sweep, not a file; rubnoise info says what is in it"
+        super().__init__(errno.EINVAL, reason, name)
 
 
 def open_regular(path: str | os.PathLike[str]) -> int:

@@ -298,7 +298,7 @@ def test_a_scenario_with_a_mass_runs_alike_in_both_engines():
         for column, values in runs[0][group].items():
             assert np.array_equal(values, runs[1][group][column], equal_nan=True), column
     assert runs[0].compare().passed
-    with pytest.raises(rubnoise.Refused, match="--speed"):
+    with pytest.raises(rubnoise.Refused, match="speed="):
         found.scenario_text(mass=0.2, damping_ratio=0.3)
 
 
@@ -459,10 +459,11 @@ class TestCommand:
             (f"{SCANNED} --mass 1kg", "--mass is for the scenario"),
             (f"{SCANNED} --speed 1mm/s", "--speed is for the scenario"),
             (f"{SCANNED} --unit nonsense", "nonsense"),
+            (f"{SCANNED} --load 1e-9N", '--load "1e-09 N": leaves'),
             (f"{SCANNED} --mass 1kg -o s.toml", "needs --mass, --damping-ratio and --speed\n"),
         ],
     )
-    def test_options_without_effect_are_refused(self, folder, words, said):
+    def test_options_without_effect_or_sense_are_refused(self, folder, words, said):
         found = call("surface", *words.split())
         assert (found.code, found.out) == (2, "")
         assert said in re.sub(r" *│\n│ *", " ", found.err)

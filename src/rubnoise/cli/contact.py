@@ -9,6 +9,7 @@ import typer
 
 from rubnoise.cli.layout import json_text, line, number, remark, sentence
 from rubnoise.cli.options import AsJson
+from rubnoise.errors import Refused
 
 
 class Heights(StrEnum):
@@ -51,6 +52,7 @@ def command(
 
     Example: rubnoise contact --radius '50 um' --height '0.5 um' --density '300 1/mm^2' --modulus '100 GPa' --load '1 N'
     """
+    from rubnoise.scenario.document import AREAS, COUNTS
     from rubnoise.storage.output import whole_file
     from rubnoise.theory.asperities import greenwood_williamson
 
@@ -66,6 +68,11 @@ def command(
         heights=heights.value,
         regime=regime.value,
     )
+    if found.junction_count < COUNTS.low or found.real_contact_area < AREAS.low:
+        given = f"--load {load}" if separation is None else f"--separation {separation}"
+        few = f"{number(found.junction_count)} contacts of {number(found.real_contact_area)} um^2 in all"
+        hint = "larger" if separation is None else "smaller"
+        raise Refused(f"{given}: leaves {few}, too few for a scenario; take a {hint} one")
     if output is not None:
         with whole_file(output, force=False) as part:
             part.write_text(f"format = 1\n\n{found.interface()}", encoding="utf-8", newline="\n")

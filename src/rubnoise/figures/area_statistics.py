@@ -62,9 +62,9 @@ def histogram_figure(stretch: Stretch) -> "Figure":
     highest = float(seen.density.max()) or 1.0
     linear.set_ylim(0.0, 1.2 * highest)
     linear.set_ylabel("density (1/µm²)")
-    logarithmic(tails.yaxis)
     lowest = float(seen.density.min(where=seen.density > 0.0, initial=highest))
-    tails.set_ylim(0.3 * lowest, 3.0 * highest)
+    tails.set_ylim(0.3 * lowest, 3.0 * highest)  # before the scale, which would warn of a density that is 0 everywhere
+    logarithmic(tails.yaxis)
     legend_above(linear)
     return figure
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import Scenario, loads
 from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.scenario.writing import text_of
@@ -214,8 +214,16 @@ class SlidingContact:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The scenario of the same area and number, whatever `refused` says: what theory compares with the surfaces."""
-        return loads(text_of(self._keys(None, None, {})), "surface")
+        """The scenario of the same area and number, whatever `refused` says: what theory compares with the surfaces.
+
+        Raises Refused for numbers that no scenario can have.
+        """
+        try:
+            return loads(text_of(self._keys(None, None, {})), "surface")
+        except ScenarioRefused as refusal:
+            gaussian, load = self.gaussian, f"{1e-6 * self.load:.6g} N"
+            found = f"{gaussian.junction_count:.3g} junctions of {gaussian.real_contact_area:.3g} um^2 in all"
+            raise Refused(f'load="{load}": leaves {found}, which no scenario can have; take another one') from refusal
 
     @cached_property
     def scenario_relative_std(self) -> float:
