@@ -12,8 +12,8 @@ import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
-from io import TextIOWrapper
-from typing import Final
+from io import BufferedWriter, RawIOBase, TextIOWrapper
+from typing import Any, Final, TextIO
 
 import typer
 from typer import Typer
@@ -121,10 +121,7 @@ def main() -> None:
     """
     # What a command loads stays to the end, and a run makes no garbage that grows.
     gc.set_threshold(20_000, 50, 50)
-    for stream in (sys.stdout, sys.stderr):
-        # A file name or title that the terminal's encoding lacks is no reason to fail.
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    sys.stdout, sys.stderr = _sound(sys.stdout), _sound(sys.stderr)
     warnings.formatwarning = _warning_text
     flags = Flags()
     try:
@@ -142,6 +139,37 @@ def main() -> None:
                 traceback.print_exc()
             print(_error_text(problem), file=sys.stderr)
         sys.exit(problem.exit_code if isinstance(problem, RubnoiseError) else 1)
+
+
+class _WholeWrites(BufferedWriter):
+    """Bytes for a raw stream, which may take a part of them and not say so: all are written at once, or OSError."""
+
+    def write(self, data: Any) -> int:
+        """Write all of the data."""
+        written = super().write(data)
+        self.flush()
+        return written
+
+    def close(self) -> None:
+        """Leave the raw stream open, which belongs to others."""
+        self.flush()
+
+
+def _sound(stream: TextIO) -> TextIO:
+    """Return a standard stream that loses nothing, whatever PYTHONUNBUFFERED says, and writes any character."""
+    if not isinstance(stream, TextIOWrapper):
+        return stream
+    # A file name or title that the terminal's encoding lacks is no reason to fail.
+    stream.reconfigure(errors="backslashreplace")
+    if not isinstance(stream.buffer, RawIOBase):
+        return stream
+    return TextIOWrapper(
+        _WholeWrites(stream.buffer),
+        encoding=stream.encoding,
+        errors=stream.errors,
+        line_buffering=stream.line_buffering,
+        write_through=True,
+    )
 
 
 def _call(flags: Flags) -> None:
