@@ -16,6 +16,7 @@ import rubnoise
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.figures import animation, film, style
+from rubnoise.figures import stage as staging
 from rubnoise.figures.animation import Film
 from rubnoise.figures.film import check_film, write_film
 from rubnoise.figures.stage import BORN, LEAD, MOST_AT_ONCE, Stage, shades, stage_of
@@ -111,6 +112,22 @@ def test_a_crowd_is_refused(stage: Stage) -> None:
     assert stage_of(_alike(MOST_AT_ONCE, stage.junctions), 3.6).x.size == MOST_AT_ONCE
     with pytest.raises(Refused, match="401 junctions are there at once, of which a film shows 400 at most"):
         stage_of(_alike(MOST_AT_ONCE + 1, stage.junctions), 3.6)
+
+
+def test_a_great_crowd_is_refused_before_anyone_is_placed(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To place each of many takes a time that grows with their square."""
+    monkeypatch.setattr(staging, "_places", lambda *_: pytest.fail("junctions are being placed"))
+    with pytest.raises(Refused, match="1,000,000 junctions are there at once"):
+        stage_of(_alike(1_000_000, stage.junctions), 3.6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_as_many_are_there_at_once_as_need_places(seed: int) -> None:
+    """Also if some begin where others end."""
+    drawn = np.random.default_rng(seed)
+    begins = drawn.integers(0, 30, 40).astype(float)
+    ends = begins + drawn.integers(1, 9, 40)
+    assert staging._most_at_once(begins, ends) == staging._places(begins, ends).max() + 1
 
 
 def test_nobody_at_all_is_a_stage_too(stage: Stage) -> None:

@@ -135,9 +135,12 @@ def stage_of(junctions: Neighbours, aspect: float) -> Stage:
     Raises Refused if more of them are there at once than a picture shows.
     """
     largest = float(junctions.diameter.max(initial=1.0))
-    order, slots = _places(junctions)
+    lead = LEAD * junctions.diameter
+    begins, ends = junctions.birth - lead, junctions.death + lead
+    slots = _most_at_once(begins, ends)
     if slots > MOST_AT_ONCE:
         raise Refused(f"{slots:,} junctions are there at once, of which a film shows {MOST_AT_ONCE} at most")
+    order = _places(begins, ends)
     cells = ceil(SPARE * max(slots, 1))
     spread = 1.0 if junctions.offset is None else 2.0  # circles lie on either side of the line of motion
     wide, high = CELL[0] * largest, spread * CELL[1] * largest
@@ -174,21 +177,27 @@ def shades(count: int) -> NDArray[np.uint8]:
     return colours
 
 
-def _places(junctions: Neighbours) -> tuple[NDArray[np.int64], int]:
-    """Return a number for each junction, unlike that of any other there at once, and how many are there at once."""
-    lead = LEAD * junctions.diameter
+def _most_at_once(begins: Doubles, ends: Doubles) -> int:
+    """Return how many are there at once at most, each from its begin on and no longer at its end."""
+    first, last = np.sort(begins), np.sort(ends)
+    there = np.arange(1, first.size + 1) - np.searchsorted(last, first, side="right")
+    return int(there.max(initial=0))
+
+
+def _places(begins: Doubles, ends: Doubles) -> NDArray[np.int64]:
+    """Return a number for each junction, unlike that of any other there at once; few of them are."""
     free_from: list[float] = []
-    numbers = np.empty(junctions.rows.size, dtype=np.int64)
-    for i in np.argsort(junctions.birth - lead, kind="stable").tolist():
-        begins, ends = float(junctions.birth[i] - lead[i]), float(junctions.death[i] + lead[i])
+    numbers = np.empty(begins.size, dtype=np.int64)
+    for i in np.argsort(begins, kind="stable").tolist():
+        begin, end = float(begins[i]), float(ends[i])
         # The place that has been empty longest, so that births are seen all over the stage.
         emptiest = min(range(len(free_from)), key=free_from.__getitem__, default=-1)
-        if emptiest < 0 or free_from[emptiest] > begins:
+        if emptiest < 0 or free_from[emptiest] > begin:
             emptiest = len(free_from)
-            free_from.append(ends)
-        free_from[emptiest] = ends
+            free_from.append(end)
+        free_from[emptiest] = end
         numbers[i] = emptiest
-    return numbers, len(free_from)
+    return numbers
 
 
 def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> list[Any]:
