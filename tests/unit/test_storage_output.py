@@ -103,7 +103,8 @@ def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path, name:
         ("x" * 250, "too long"),
         ("a\0b", "null"),
         ("", "not a regular file"),
-        ("/", "empty name"),
+        ("/", "names a folder"),
+        ("new/", "names a folder"),
     ],
 )
 def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str, reason: str) -> None:

@@ -3,14 +3,17 @@
 Files, names and titles may come from anywhere, so all that is printed is escaped.
 """
 
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from inspect import cleandoc
+from pathlib import Path
 from typing import Any, TextIO
 
+import typer
 from typer.core import TyperCommand, TyperGroup
 
 _TAG = re.compile(r"(\\*)(\[[a-z#/@][^\[]*?\])")
@@ -46,6 +49,23 @@ def without_types(params: Any) -> Any:
     return params
 
 
+def files_only(params: Any) -> None:
+    """Let options for a file refuse the name of a folder, of which a path would not keep the last slash."""
+    for param in params:
+        if param.param_type_name == "option" and param.metavar != "DIR":
+            param.process_value = _file_only(param.process_value)
+
+
+def _file_only(process: Callable[..., Any]) -> Callable[..., Any]:
+    def processed(context: Any, value: Any) -> Any:
+        found = process(context, value)
+        if isinstance(found, Path) and isinstance(value, str) and value.endswith(("/", os.sep)):
+            raise typer.BadParameter(f"{value}: names a folder; name a file")
+        return found
+
+    return processed
+
+
 class Command(TyperCommand):
     """A command whose help is shown as it is written."""
 
@@ -53,6 +73,7 @@ class Command(TyperCommand):
         """Make a command (see click)."""
         styled = rest.get("rich_markup_mode") == "rich"
         super().__init__(name, help=literal_texts(styled, help, rest.get("params")), **rest)
+        files_only(self.params)
 
     def get_params(self, ctx: Any) -> Any:
         """Return arguments and options (see click)."""

@@ -68,6 +68,8 @@ def check_output(
     Also refused, even with ``force``, is a file that the caller ``reads``, by whatever name: it would be lost.
     """
     try:
+        if os.fspath(path).endswith(("/", os.sep)):
+            raise OutputRefused(f"{path}: names a folder; name a file")
         paths = OutputPaths.of(path)
         if not paths.final.parent.is_dir():
             raise OutputRefused(f"{paths.final.parent}: no such folder")
