@@ -8,11 +8,14 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import h5py
 import pytest
 
 import rubnoise
+from rubnoise.analysis.summary import summarise
+from rubnoise.api import playing
 from rubnoise.api.playing import describe, play
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.scenario import Scenario, build
@@ -142,7 +145,7 @@ def test_a_run_is_stopped_while_it_is_compressed_and_goes_on(
 
     def watch(distance: float, junctions: int, live: int) -> None:
         told.append(distance)
-        if told.count(2400.0) == 3:  # the last panel, and two chunks
+        if told.count(2400.0) == 4:  # the last panel, theory, and two chunks
             raise RunStopped(2)
 
     path = tmp_path / "x.h5"
@@ -151,6 +154,29 @@ def test_a_run_is_stopped_while_it_is_compressed_and_goes_on(
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
     rubnoise.run(GZIP, path).close()
     assert datasets(path) == expected["bare"]
+
+
+def test_a_run_that_was_to_stop_during_its_theory_is_not_published_and_goes_on(
+    tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signals = []
+
+    def slow(*given: Any) -> Any:
+        signals.append(2)
+        return summarise(*given)
+
+    def watch(distance: float, junctions: int, live: int) -> None:
+        if signals:
+            raise RunStopped(signals[0])
+
+    path = tmp_path / "x.h5"
+    with monkeypatch.context() as patched:
+        patched.setattr(playing, "summarise", slow)
+        with pytest.raises(RunStopped, match="continues it"):
+            rubnoise.run(WHOLE, path, watch=watch)
+    assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
+    rubnoise.run(WHOLE, path).close()
+    assert datasets(path) == expected["whole"]
 
 
 @contextmanager

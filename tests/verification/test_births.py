@@ -18,12 +18,13 @@ from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.writing import text_of
 from rubnoise.simulation import draws
-from rubnoise.theory import birth_noise
+from rubnoise.theory import birth_noise, correlation
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.exact import exact
 from rubnoise.theory.quadrature import panels, size_rule
+from rubnoise.theory.sampling import variance_of_time_mean
 from rubnoise.theory.spectrum import spectral_density
 from rubnoise.theory.transform import transform_of
 from tests.models import bare, contents, recorded
@@ -65,6 +66,22 @@ def test_the_spectrum_is_the_transform_of_the_covariance(births: str) -> None:
         covariance = covariance - 2.0 * np.cos(np.multiply.outer(lags, k)) @ power
     turned = 2.0 * np.cos(np.multiply.outer(WAVENUMBERS, lags)) @ (weights * covariance)
     assert turned == pytest.approx(spectral_density(run, WAVENUMBERS), rel=1e-5, abs=1e-5 * turned[0])
+
+
+def _jittered(jitter: float) -> Model:
+    run = contact("regular", spread=Spread(), calibration="exact")
+    return replace(run, births=JitteredBirths(mean_spacing=run.births.mean, jitter=jitter))
+
+
+def test_births_that_remember_little_need_no_more_lags(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Means of records take a covariance at every lag: as many as before, or few if births hardly move."""
+    moved, usual = _jittered(2e-3), correlation._MOST_PANELS
+    expected = variance_of_time_mean(moved, 500.0)
+    monkeypatch.setattr(correlation, "_MOST_PANELS", 300)
+    assert correlation.lag_rule(moved, 500.0)[0].size < 50_000
+    assert variance_of_time_mean(moved, 500.0) == pytest.approx(expected, rel=1e-6)
+    monkeypatch.setattr(correlation, "_MOST_PANELS", usual)
+    assert correlation.lag_rule(_jittered(1e-6), 500.0)[0].size < 50_000
 
 
 def test_limits_of_the_laws() -> None:

@@ -94,7 +94,9 @@ def play(
         if watch is not None:
             watch(model.distance, end.junctions, len(end.live))
 
-    writer.publish(_figures(model, tally), between=between)
+    figures = _figures(model, tally)
+    between()  # theory may take seconds, in which someone may have asked to stop
+    writer.publish(figures, between=between)
 
 
 def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False) -> Written | None:

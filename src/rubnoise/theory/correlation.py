@@ -129,6 +129,7 @@ def _powers(values: Doubles, highest: int) -> list[Doubles]:
 
 
 _PANELS = 8
+_MOST_PANELS, _FEW_PANELS = 2**15, 2**12
 _LAG_NODES = 10
 _FEW_TICKS = 64
 _MOST_TICKS = 512
@@ -184,13 +185,24 @@ def lag_edges(model: Model, end: float) -> Doubles:
     typical = _typical_life(model)
     parts: list[NDArray[Any]] = [np.linspace(0.0, min(end, _WIDE * typical), _PANELS + 1)]
     if 0.0 < model.births.memory < np.inf:
-        parts.append(np.linspace(0.0, end, ceil(_PANELS * end / min(typical, 2.0 * model.births.memory))))
+        parts += _as_fine_as_births(end, min(typical, 2.0 * model.births.memory))
     if end > _WIDE * typical:
         parts += [typical * 2.0 ** np.arange(np.log2(_FINEST), np.log2(end / typical)), np.array([end])]
     shortest = hard_ends(model.sizes)[0]
     if shortest is not None and 2.0 * shortest < end:
         parts.append(np.array([2.0 * shortest]))
     return distinct(np.concatenate(parts))
+
+
+def _as_fine_as_births(end: float, width: float) -> list[NDArray[Any]]:
+    """Return edges in um up to an end, as narrow as what births remember; of too many, few beyond ``width``.
+
+    What so short a memory rounds off is at lag 0 alone.
+    """
+    count = ceil(_PANELS * end / width)
+    if count <= _MOST_PANELS:
+        return [np.linspace(0.0, end, count)]
+    return [np.linspace(0.0, width, _PANELS + 1), np.linspace(0.0, end, _FEW_PANELS)]
 
 
 def _typical_life(model: Model) -> float:
