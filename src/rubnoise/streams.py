@@ -66,3 +66,16 @@ def uniforms(seed: int, stream: Stream, block: int, count: int, blocks: int = 1)
         bits.state = begin
         source.random(out=row)
     return numbers.ravel()
+
+
+_AT_ONCE = 4
+"""Numbers that Philox makes of each counter."""
+
+
+def uniforms_from(seed: int, stream: Stream, block: int, first: int, count: int) -> NDArray[np.float64]:
+    """Return ``count`` numbers of those of `uniforms`, from number ``first`` on: those before it are not drawn."""
+    source = generator(seed, stream, block)
+    bits: Any = source.bit_generator
+    bits.advance(first // _AT_ONCE)
+    before = first % _AT_ONCE
+    return source.random(before + count)[before:]

@@ -10,6 +10,7 @@ import pytest
 
 from rubnoise.contact import births as laws
 from rubnoise.contact.births import ClusteredBirths, GammaBirths, JitteredBirths, scattered
+from rubnoise.contact.deviates import normal_quantile
 from rubnoise.contact.laws import Fixed, Spread
 from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.errors import Refused
@@ -185,9 +186,27 @@ def test_births_come_in_order_and_from_any_stretch(monkeypatch: pytest.MonkeyPat
     assert law.between(7, begin, 8000.0).tobytes() == whole[4000 : np.searchsorted(whole, 8000.0)].tobytes()
     run = contact("clustered")
     assert (np.diff(recorded(run, 1)["junctions"]["birth_distance"]) >= 0.0).all()
-    scattered._of_cell.cache_clear()
     monkeypatch.setattr(scattered.np, "sort", lambda values: values)
-    assert not (np.diff(law.of_cell(7, 3)) >= 0.0).all()
+    assert not (np.diff(law.between(7, -500.0, 9000.0)) >= 0.0).all()
+
+
+def test_large_clusters_are_drawn_where_they_are_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the same bits as cells that are drawn whole, and far fewer births."""
+    law = ClusteredBirths(mean_spacing=0.5, cluster_size=300.0, cluster_width=40.0)
+    assert int(scattered._families(law, 7, 0).before[-1]) > scattered._KEPT
+    drawn = []
+    monkeypatch.setattr(scattered, "normal_quantile", lambda each: drawn.append(each.size) or normal_quantile(each))
+    found = [law.between(7, begin, begin + 2000.0) for begin in (-1000.0, 0.0, 1e6)]
+    assert sum(drawn) < 100_000
+    monkeypatch.setattr(scattered, "_KEPT", 2**30)
+    for each, begin in zip(found, (-1000.0, 0.0, 1e6), strict=True):
+        assert each.size > 500
+        assert each.tobytes() == law.between(7, begin, begin + 2000.0).tobytes()
+
+
+def test_the_largest_clusters_are_quick() -> None:
+    law = ClusteredBirths(mean_spacing=0.2, cluster_size=1e4, cluster_width=1.0)
+    assert law.following(7, 0.0, 30_000).size == 30_000
 
 
 def test_every_law_is_named_once() -> None:

@@ -8,18 +8,34 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, floor
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births.law import BirthLawEntry, Key
 from rubnoise.contact.deviates import exponential, normal_quantile
-from rubnoise.streams import Stream, generator, uniforms
+from rubnoise.streams import Stream, generator, uniforms, uniforms_from
 
 _CENTRES = 1024
 _WIDTHS = 4.0  # of a cell at least: if scatter is wide, a stretch would need many cells
 _FARTHEST = 8.3  # widths that the least and the largest uniform move a birth
+_KEPT = 2**18  # births of a cell that are drawn all at once and kept for the next stretch
 _REMEMBERED = 11.0  # sqrt 2 widths, as e-folds of a normal law: exp(-11^2/4) = 7e-14
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Families:
+    """The centres of a cell in um, in order, and how many births come ``before`` each, and in all at the end."""
+
+    centres: Doubles
+    before: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, centres: Doubles, sizes: NDArray[np.int64]) -> Self:
+        """Return centres with so many births each."""
+        return cls(centres=centres, before=np.concatenate([[0], np.cumsum(sizes)]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,8 +60,8 @@ class ScatteredBirths(ABC):
         """Length in um of a cell of centres."""
 
     @abstractmethod
-    def of_cell(self, seed: int, number: int) -> Doubles:
-        """Return where the births of a cell's centres lie in um, in any order."""
+    def families(self, seed: int, number: int) -> Families:
+        """Return the centres of a cell, in order, and how many births each has."""
 
     @property
     def memory(self) -> float:
@@ -54,10 +70,18 @@ class ScatteredBirths(ABC):
 
     def between(self, seed: int, begin: float, end: float) -> Doubles:
         """Return the births of a run that lie from ``begin`` to ``end`` um, in order."""
-        reach = _FARTHEST * self.width
+        reach = _FARTHEST * self.width + 8.0 * float(np.spacing(max(abs(begin), abs(end))))
         cells = range(floor((begin - reach) / self.cell) - 1, ceil((end + reach) / self.cell) + 1)
-        found = np.sort(np.concatenate([_of_cell(self, seed, number) for number in cells]))
-        return found[np.searchsorted(found, begin) : np.searchsorted(found, end, side="right")]
+        found = np.concatenate([self._of_cell(seed, number, begin - reach, end + reach) for number in cells])
+        return np.sort(found[(begin <= found) & (found <= end)])
+
+    def _of_cell(self, seed: int, number: int, begin: float, end: float) -> Doubles:
+        """Return births of a cell: all of a small one, of a large one those whose centres lie in a stretch in um."""
+        families = _families(self, seed, number)
+        if families.before[-1] <= _KEPT:
+            return _births_of(self, seed, number)
+        first, last = np.searchsorted(families.centres, [begin, end]).tolist()
+        return _scattered(self, seed, number, first, last)
 
     def following(self, seed: int, begin: float, count: int) -> Doubles:
         """Return the first births of a run from ``begin`` um on."""
@@ -68,13 +92,23 @@ class ScatteredBirths(ABC):
 
 
 @lru_cache(maxsize=32)
-def _of_cell(births: ScatteredBirths, seed: int, number: int) -> Doubles:
-    return births.of_cell(seed, number)
+def _families(births: ScatteredBirths, seed: int, number: int) -> Families:
+    return births.families(seed, number)
 
 
-def _offsets(seed: int, cell: int, count: int) -> Doubles:
-    """Return normal deviates of a cell, one a birth; none beyond 8.3."""
-    return normal_quantile(np.maximum(uniforms(seed, Stream.CHILDREN, cell % 2**64, count), 2.0**-54))
+@lru_cache(maxsize=32)
+def _births_of(births: ScatteredBirths, seed: int, number: int) -> Doubles:
+    families = _families(births, seed, number)
+    return _scattered(births, seed, number, 0, families.centres.size)
+
+
+def _scattered(births: ScatteredBirths, seed: int, number: int, first: int, last: int) -> Doubles:
+    """Return where the births of some of a cell's centres lie in um, in any order; no offset is beyond 8.3 widths."""
+    families = _families(births, seed, number)
+    before, until = int(families.before[first]), int(families.before[last])
+    shares = uniforms_from(seed, Stream.CHILDREN, number % 2**64, before, until - before)
+    offsets = normal_quantile(np.maximum(shares, 2.0**-54))
+    return np.repeat(families.centres[first:last], np.diff(families.before[first : last + 1])) + births.width * offsets
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,13 +145,11 @@ class ClusteredBirths(ScatteredBirths):
         """Return 0: there are no lines."""
         return np.zeros_like(wavenumber)
 
-    def of_cell(self, seed: int, number: int) -> Doubles:
-        """Return where the births of a cell's centres lie in um."""
+    def families(self, seed: int, number: int) -> Families:
+        """Return the centres of a cell, and the size of each cluster."""
         centres = number * self.cell + self._centres(seed, number)
         shares = uniforms(seed, Stream.FAMILIES, number % 2**64, centres.size)
-        families = np.searchsorted(_poisson_table(self.cluster_size), shares, side="right")
-        places = np.repeat(centres, families)
-        return places + self.cluster_width * _offsets(seed, number, places.size)
+        return Families.of(centres, np.searchsorted(_poisson_table(self.cluster_size), shares, side="right"))
 
     def _centres(self, seed: int, number: int) -> Doubles:
         """Return centres of a cell in um from its begin: exponential gaps, which need know of no other cell."""
@@ -179,11 +211,11 @@ class JitteredBirths(ScatteredBirths):
         """Return exp(-(k j s_jm)^2)."""
         return np.exp(-np.square(wavenumber * self.width))
 
-    def of_cell(self, seed: int, number: int) -> Doubles:
-        """Return where the births of a cell's centres lie in um."""
+    def families(self, seed: int, number: int) -> Families:
+        """Return the places of a cell, with one birth each."""
         phase = float(uniforms(seed, Stream.FIRST_BIRTH, 0, 1)[0])
         centres = (number * _CENTRES + np.arange(_CENTRES, dtype=np.float64) + phase) * self.mean_spacing
-        return centres + self.width * _offsets(seed, number, _CENTRES)
+        return Families.of(centres, np.ones(_CENTRES, dtype=np.int64))
 
 
 CLUSTERED_ENTRY = BirthLawEntry(
