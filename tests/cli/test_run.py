@@ -95,6 +95,18 @@ def test_a_dry_run_writes_nothing_and_refuses_what_a_run_would(here: Path) -> No
     assert call("run", SHORT, "--dry-run").code == 2
 
 
+def test_what_is_foreseen_of_free_motion_is_called_an_estimate(here: Path) -> None:
+    """Text and JSON say the same of it, and nothing of the kind if the separation is held."""
+    told = call("run", "load/bouncing", "--dry-run", "--json").json()["notes"]
+    checked = call("check", "load/bouncing", "--json").json()["scenarios"]["load/bouncing"]["notes"]
+    assert [note for note in checked if "estimate" in note] == told
+    assert any("constant separation" in note for note in checked)
+    for words, notes in ((("run", "load/bouncing", "--dry-run"), told), (("check", "load/bouncing"), checked)):
+        text = " ".join(call(*words).out.split())
+        assert all(note in text for note in notes)
+    assert call("run", SHORT, "--dry-run", "--json").json()["notes"] == []
+
+
 def test_json_is_one_object_and_nothing_else(here: Path) -> None:
     answer = spawn("run", SLIDER, "--json", "--seed", "3")
     assert (answer.code, answer.err) == (0, "")

@@ -17,6 +17,8 @@ from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
 
+FREE_ROWS = "free motion may touch a summit several times or not at all: rows of junctions and bytes are an estimate"
+
 
 def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
     """Return what follows from a scenario, by name, in working units; what a run would cost is `cost`."""
@@ -127,7 +129,7 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[st
         if cost["free_disk"] <= cost["bytes"]:
             del cost["free_disk"]
         known = {
-            "counted_by": "this seed" if model.free is None else "at constant separation",
+            "counted_by": "this seed" if model.free is None else "an estimate, at constant separation",
             "before": "" if scenario.output.compression == "none" else " before compression",
             "engine": scenario.run.engine,
         }
@@ -161,6 +163,8 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     if model.is_two_way:
         notes.append(ONE_WAY_ALONE)
     notes += load_notes(answer["load"])
+    if model.free is not None:
+        notes.append(FREE_ROWS)
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]
 

@@ -11,7 +11,7 @@ import typer
 
 from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.cli import layout
-from rubnoise.cli.layout import duration, grouped, json_text, line, sentence, size
+from rubnoise.cli.layout import duration, grouped, json_text, line, remark, sentence, size
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
 from rubnoise.regular_file import STANDARD_INPUT
@@ -93,7 +93,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
 
 def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
 
-    from rubnoise.cli.derivation import budget_as_json
+    from rubnoise.cli.derivation import FREE_ROWS, budget_as_json
     from rubnoise.storage.forecast import check_disk_space, counted, expected
     from rubnoise.storage.output import check_output
 
@@ -103,8 +103,10 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
     check_disk_space(scenario, budget, path)
     warnings = [*scenario.warnings, *_doubts(scenario, quiet=quiet or as_json)]
     forecast = budget_as_json(budget)
+    notes = [] if scenario.model().free is None else [FREE_ROWS]
     if as_json:
-        print(json_text({"output": str(path), "dry_run": True} | forecast | {"warnings": warnings}))
+        said = {"warnings": warnings, "notes": notes}
+        print(json_text({"output": str(path), "dry_run": True} | forecast | said))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
@@ -116,6 +118,8 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
             print(line("free disk", size(budget.disk_bytes)))
         print(line("memory", f"about {size(forecast['peak_memory'])}"))
         print(line("time", duration(forecast["seconds"])))
+        for note in notes:
+            print(remark(f"note: {note}"))
 
 
 @interrupted_at_once
