@@ -107,6 +107,7 @@ def cumulants(model: Model, at_random: tuple[float, ...], strength_moments: tupl
     return mean, variance, *_of_clusters(model, model.births, strength_moments)[2:]
 
 
+@lru_cache(maxsize=8)
 def jittered_lines(model: Model, *, of_count: bool) -> tuple[Doubles, Doubles]:
     """Return wavenumbers in rad/um and powers of the lines that jitter leaves, down to 1e-17 of themselves.
 

@@ -129,7 +129,7 @@ def _powers(values: Doubles, highest: int) -> list[Doubles]:
 
 
 _PANELS = 8
-_MOST_PANELS, _FEW_PANELS = 2**15, 2**12
+_MOST_PANELS, _FEW_PANELS = 2**15, 2**10
 _LAG_NODES = 10
 _FEW_TICKS = 64
 _MOST_TICKS = 512
