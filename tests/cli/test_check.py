@@ -58,7 +58,7 @@ DOUBTFUL = (
     ("load/fig5_load", (), 1, 0),
     ("load/fig5_rough", ("--set", "load.damping_ratio=0.01"), 2, 0),
     ("load/fig5_rough", ("--set", 'sliding.speed="200 mm/s"'), 1, 2),
-    ("load/bouncing", (), 0, 1),
+    ("load/bouncing", (), 0, 2),
 )
 
 
