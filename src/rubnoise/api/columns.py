@@ -130,12 +130,12 @@ class Column(NDArrayOperatorsMixin):
 
     def taken(self, rows: NDArray[np.int64]) -> "Column":
         """Return a column of chosen rows, in ascending order, which are read when they are needed."""
-        return Column(self.about, rows.size, ChosenRows(self, rows))
+        return Column(self.about, rows.size, RowsOfColumn(self, rows))
 
     @property
     def is_chosen(self) -> bool:
         """Whether it has only chosen rows of another column, so that their numbers do not run from 0."""
-        return isinstance(self._read, ChosenRows)
+        return isinstance(self._read, RowsOfColumn)
 
     def chunks(self, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
         """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
@@ -272,7 +272,7 @@ class Column(NDArrayOperatorsMixin):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ChosenRows:
+class RowsOfColumn:
     """Reads rows of a column that were chosen, in ascending order."""
 
     column: Column
