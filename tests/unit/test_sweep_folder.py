@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator
 from errno import EIO
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -376,6 +377,13 @@ def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(
         assert _recovered(points[0], claimed, ledger) is None
     assert path.exists()
     assert _recovered(points[0], claimed, ledger) is not None
+
+
+def test_a_sweep_without_room_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda _path: SimpleNamespace(free=1000))
+    with pytest.raises(OutputRefused, match="there is room for 1,000"):
+        rubnoise.run_sweep("paper/fig9", tmp_path / "deep" / "fig9", jobs=1)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_whole_result_of_another_run_stays(

@@ -27,7 +27,7 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.layers import plain
-from rubnoise.scenario.points import Point
+from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.reading import place_of
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.writing import text_of
@@ -228,6 +228,9 @@ def carry_out(
         watch=watch,
         synced=cluster is not None or sweep.keep == "summary",
     )
+    if not place.root.exists():  # nothing is made before it is known that there is room
+        points = points_of(sweep.cases, sweep.replicates)
+        means.affordable(points if part is None else part.of_points(points, points))
     return conduct(place, sweep, means, shard=part, command=join(command))
 
 

@@ -169,9 +169,11 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
 def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
     """Refuse runs into one folder, so many at a time on this machine, that there is no room for; name what to change.
 
-    ``budget`` is that of all runs together that are still to be made. Raises OutputRefused and Refused.
+    ``budget`` is that of all runs together that are still to be made; the folder need not be there yet. Raises
+    OutputRefused and Refused.
     """
-    room, memory = free_disk_bytes(folder / "run.h5"), free_memory_bytes()
+    there = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
+    room, memory = free_disk_bytes(there / "run.h5"), free_memory_bytes()
     if budget.disk_bytes > room:
         raise OutputRefused(
             f"{folder}: the results of {round(budget.work['run']):,} runs may take {budget.disk_bytes:,} bytes, and"
