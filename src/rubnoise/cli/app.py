@@ -9,7 +9,8 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from io import BufferedWriter, RawIOBase, TextIOWrapper
@@ -121,9 +122,12 @@ def main() -> None:
     """
     # What a command loads stays to the end, and a run makes no garbage that grows.
     gc.set_threshold(20_000, 50, 50)
-    sys.stdout, sys.stderr = _sound(sys.stdout), _sound(sys.stderr)
     warnings.formatwarning = _warning_text
-    flags = Flags()
+    with _sound_streams():
+        _answer(Flags())
+
+
+def _answer(flags: Flags) -> None:
     try:
         _call(flags)
     except KeyboardInterrupt:
@@ -151,8 +155,22 @@ class _WholeWrites(BufferedWriter):
         return written
 
     def close(self) -> None:
-        """Leave the raw stream open, which belongs to others."""
-        self.flush()
+        """Leave the raw stream open, which belongs to others; nothing waits to be written."""
+
+
+@contextmanager
+def _sound_streams() -> Iterator[None]:
+    """Have standard streams meanwhile that lose nothing and write any character."""
+    before = sys.stdout, sys.stderr
+    sound = [_sound(stream) for stream in before]
+    sys.stdout, sys.stderr = sound
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+        for stream, was in zip(sound, before, strict=True):
+            if isinstance(stream, TextIOWrapper) and stream is not was:
+                stream.detach()  # or its end would count as that of the raw stream
 
 
 def _sound(stream: TextIO) -> TextIO:

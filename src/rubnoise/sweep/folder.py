@@ -275,7 +275,8 @@ class SweepFolder:
             raise OutputRefused(f"{above}: the folder is not readable")
         if above == self.root and not self.manifest.exists():
             # What a sweep leaves that is stopped before it has said what it is.
-            own = {"runs", "journal", "sweep.json.part"}
+            # Another shard may say so just now.
+            own = {"runs", "journal", self.manifest.name, f"{self.manifest.name}.part"}
             if any(entry.name not in own and not entry.name.endswith(".lock") for entry in self.root.iterdir()):
                 raise OutputRefused(f"{self.root}: is not a sweep folder, and not empty; name another folder")
 
