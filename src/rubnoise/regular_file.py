@@ -88,6 +88,14 @@ def read_at_most(path: str | os.PathLike[str], count: int) -> bytes:
     return bytes(content)
 
 
+_HDF5: Final = b"\x89HDF"
+
+
+def is_hdf5(path: str | os.PathLike[str]) -> bool:
+    """Whether a regular file begins as HDF5 does; raises as `open_regular` does."""
+    return read_at_most(path, len(_HDF5)) == _HDF5
+
+
 def size_of(path: str | os.PathLike[str]) -> int:
     """Return how many bytes a regular file has; raises as `open_regular` does."""
     descriptor = open_regular(path)

@@ -122,7 +122,7 @@ def test_netcdf_holds_all_groups_or_one_at_its_root(here: Path, rows: Any) -> No
 
 
 def test_a_raw_standard_output_gets_every_byte(here: Path, rows: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As PYTHONUNBUFFERED makes it: one that takes a part of what it is given, and says so to nobody who asks."""
+    """A stream as PYTHONUNBUFFERED makes it: it may write a part of the data without an error."""
     part = _Parts()
     stream = TextIOWrapper(part, encoding="utf-8", write_through=True)
     with monkeypatch.context() as patched:

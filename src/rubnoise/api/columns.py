@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 READ_AT_ONCE: Final = 4
 Read = Callable[[int, int], NDArray[Any]]
-"""Returns rows start to stop of a column; of a run in memory these are the run's own, which nobody may change."""
+"""Returns rows start to stop of a column; of a run in memory these are the run's own, and read-only."""
 
 
 class Column(NDArrayOperatorsMixin):

@@ -154,10 +154,10 @@ def _of_columns(columns: dict[str, Any], column: str | None, *, ours: bool) -> M
 
 def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
     """Return a column of the trace of a result of ours; None for any other file."""
-    from rubnoise.regular_file import read_at_most
+    from rubnoise.regular_file import is_hdf5
 
     path = os.fspath(trace)
-    if not os.path.exists(path) or read_at_most(path, 4) != b"\x89HDF":  # noqa: PTH110  (a path with a colon may be no path)
+    if not os.path.exists(path) or not is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
         return None
     from rubnoise.api.result import open as open_result
 

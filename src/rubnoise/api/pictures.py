@@ -14,8 +14,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.real_numbers import number_in
-from rubnoise.regular_file import read_at_most
-from rubnoise.storage.measured import HDF5, refusing_files
+from rubnoise.regular_file import is_hdf5
+from rubnoise.storage.measured import refusing_files
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def _distance(keyword: str, value: Any) -> float | None:
 def _measurement(path: str | os.PathLike[str], *, whole: bool) -> Trace:
     """Read a trace to lay over a spectrum; raises Refused for a result, of which the picture needs the ``whole``."""
     with refusing_files(path):
-        if read_at_most(os.fspath(path), len(HDF5)) == HDF5:
+        if is_hdf5(path):
             opened = f'rubnoise.open("{os.fspath(path)}")'
             right = opened if whole else f"rubnoise.Trace({opened})"
             raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")

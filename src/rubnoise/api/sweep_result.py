@@ -63,7 +63,7 @@ class SweepResult(Opened):
         """Take over an open index."""
         self._file: IndexFile = file
         self.temporary: object = None
-        """Keeps the folder, if nobody named one, as long as the result and its copies are there."""
+        """The owner of a temporary folder, which lasts as long as the result and its copies; else None."""
         self.runs = self._columns(RUNS)
         self.points = self._columns(POINTS)
 

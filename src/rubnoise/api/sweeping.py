@@ -127,7 +127,7 @@ def run_sweep(
 
 
 class TemporaryFolder:
-    """Removes a folder when nobody keeps this any more, or else when the process ends."""
+    """Removes a folder when the last reference to it is gone, or else when the process ends."""
 
     PICKLED: ClassVar[list["TemporaryFolder"]] = []
     """Those of pickles, which may be read as long as the process runs."""

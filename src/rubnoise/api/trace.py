@@ -21,8 +21,8 @@ from rubnoise.api.given_columns import given_columns
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.real_numbers import with_unit
-from rubnoise.regular_file import read_at_most
-from rubnoise.storage.measured import HDF5, refusing_files
+from rubnoise.regular_file import is_hdf5
+from rubnoise.storage.measured import refusing_files
 from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
@@ -117,7 +117,7 @@ class Trace:
         without names, and for gaps and uneven steps. Source: docs/your-data.md.
         """
         with refusing_files(path):
-            if read_at_most(os.fspath(path), len(HDF5)) == HDF5:
+            if is_hdf5(path):
                 raise Refused(f'{path}: is no text; of a result, Trace(rubnoise.open("{path}")) takes the trace')
             table = TextTable(Path(path))
             if not table.layout.head_line:

@@ -123,7 +123,7 @@ def main() -> None:
     # What a command loads stays to the end, and a run makes no garbage that grows.
     gc.set_threshold(20_000, 50, 50)
     warnings.formatwarning = _warning_text
-    with _sound_streams():
+    with _lossless_streams():
         _answer(Flags())
 
 
@@ -145,7 +145,7 @@ def _answer(flags: Flags) -> None:
         sys.exit(problem.exit_code if isinstance(problem, RubnoiseError) else 1)
 
 
-class _WholeWrites(BufferedWriter):
+class _CompleteWrites(BufferedWriter):
     """Bytes for a raw stream, which may take a part of them and not say so: all are written at once, or OSError."""
 
     def write(self, data: Any) -> int:
@@ -159,21 +159,21 @@ class _WholeWrites(BufferedWriter):
 
 
 @contextmanager
-def _sound_streams() -> Iterator[None]:
+def _lossless_streams() -> Iterator[None]:
     """Have standard streams meanwhile that lose nothing and write any character."""
     before = sys.stdout, sys.stderr
-    sound = [_sound(stream) for stream in before]
-    sys.stdout, sys.stderr = sound
+    lossless = [_lossless(stream) for stream in before]
+    sys.stdout, sys.stderr = lossless
     try:
         yield
     finally:
         sys.stdout, sys.stderr = before
-        for stream, was in zip(sound, before, strict=True):
+        for stream, was in zip(lossless, before, strict=True):
             if isinstance(stream, TextIOWrapper) and stream is not was:
                 stream.detach()  # or its end would count as that of the raw stream
 
 
-def _sound(stream: TextIO) -> TextIO:
+def _lossless(stream: TextIO) -> TextIO:
     """Return a standard stream that loses nothing, whatever PYTHONUNBUFFERED says, and writes any character."""
     if not isinstance(stream, TextIOWrapper):
         return stream
@@ -182,7 +182,7 @@ def _sound(stream: TextIO) -> TextIO:
     if not isinstance(stream.buffer, RawIOBase):
         return stream
     return TextIOWrapper(
-        _WholeWrites(stream.buffer),
+        _CompleteWrites(stream.buffer),
         encoding=stream.encoding,
         errors=stream.errors,
         line_buffering=stream.line_buffering,

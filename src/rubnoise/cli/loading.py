@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rubnoise.api.scenarios import sizes_of
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
-from rubnoise.regular_file import read_at_most
+from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride
 from rubnoise.scenario.shipped import named
@@ -16,8 +16,6 @@ from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
-
-_HDF5 = b"\x89HDF"
 
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
@@ -80,7 +78,7 @@ def _refuse_result(file: Path) -> None:
 def is_result(file: Path) -> bool:
     """Whether a file begins as HDF5 does; what else is wrong with one, reading it says."""
     with suppress(OSError):
-        return read_at_most(file, len(_HDF5)) == _HDF5
+        return is_hdf5(file)
     return False
 
 

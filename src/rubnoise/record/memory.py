@@ -55,7 +55,7 @@ class MemoryRecord:
             kept[name][first_row : first_row + values.size] = values
 
     def protect(self) -> None:
-        """Refuse changes of what is kept from now on: the run is over, and whoever gets an array shares it."""
+        """Make all columns read-only: the run is over, and its arrays are handed out without a copy."""
         for columns in self.groups.values():
             for values in columns.values():
                 values.flags.writeable = False

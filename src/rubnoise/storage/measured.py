@@ -18,7 +18,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.regular_file import open_regular, read_at_most, size_of
+from rubnoise.regular_file import is_hdf5, open_regular, size_of
 from rubnoise.storage.measured_text import read_text
 from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
 from rubnoise.storage.sandbox import MEMORY_BYTES, sandboxed
@@ -33,8 +33,6 @@ MOST_VALUES: Final = 100_000_000
 
 _PIECE_VALUES: Final = 1 << 21  # of a dataset: it and its scale go down the pipe of the sandbox
 _PATIENCE: Final = 8.0  # seconds for a look at a file
-HDF5: Final = b"\x89HDF"
-"""How such a file begins."""
 
 _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_dataset()"
 
@@ -58,7 +56,7 @@ def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate
     if "\0" in text:
         raise Refused(f"{text[:40]!r}: no file has a zero byte in its name")
     path, dataset = (Path(text), "") if Path(text).exists() else _split(text)
-    if read_at_most(path, len(HDF5)) == HDF5:
+    if is_hdf5(path):
         if not dataset:
             raise Refused(f"{path}: which dataset? {path}:PATH names one")
         return _of_dataset(path, dataset)

@@ -8,9 +8,9 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.regular_file import read_at_most
+from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
-from rubnoise.storage.measured import HDF5, pieces_of_dataset, refusing_files
+from rubnoise.storage.measured import pieces_of_dataset, refusing_files
 from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import check_values, chosen_column
 from rubnoise.units import LENGTH, QuantityError, parse_unit
@@ -26,8 +26,7 @@ def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
     A column is a name or a number from 1 on, of HDF5 the path of a dataset; a table of one column needs none.
     """
     with refusing_files(path):
-        is_hdf5 = read_at_most(path, len(HDF5)) == HDF5
-        pieces = _of_dataset(Path(path), column) if is_hdf5 else _of_text(Path(path), column)
+        pieces = _of_dataset(Path(path), column) if is_hdf5(path) else _of_text(Path(path), column)
         found: list[Doubles] = []
         for piece in pieces:
             found.append(piece)
