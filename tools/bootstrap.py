@@ -258,19 +258,26 @@ def environment(settings: Mapping[str, str]) -> dict[str, str]:
 
 def call(command: list[str], settings: Mapping[str, str], lock_file: int) -> int:
     """Run a command to its end, in a process group of its own that is ended with this process; it writes to stderr."""
-    child = subprocess.Popen(
-        command,
-        env=environment(settings),
-        stdin=subprocess.DEVNULL,
-        stdout=sys.stderr,
-        process_group=0,
-        pass_fds=[lock_file],
-    )
+    # A signal that comes while the child is made would leave a child that nobody knows.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
-        return child.wait()
-    except BaseException:
-        end(child)
-        raise
+        child = subprocess.Popen(
+            command,
+            env=environment(settings),
+            stdin=subprocess.DEVNULL,
+            stdout=sys.stderr,
+            process_group=0,
+            pass_fds=[lock_file],
+            preexec_fn=lambda: signal.pthread_sigmask(signal.SIG_SETMASK, before),  # noqa: PLW1509  (one thread)
+        )
+        try:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            return child.wait()
+        except BaseException:
+            end(child)
+            raise
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end(child: subprocess.Popen[bytes]) -> None:
@@ -284,3 +291,4 @@ def end(child: subprocess.Popen[bytes]) -> None:
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(child.pid, signal.SIGKILL)
+        child.wait()

@@ -17,12 +17,13 @@ sys.path.insert(0, {tools!r})
 import bootstrap, dev
 bootstrap.find_spec = lambda name: name in {found!r} or None
 bootstrap.pip_command = lambda target: [sys.executable, {pip!r}, str(target.folder)]
+{more}
 sys.exit(dev.main(sys.argv[1:]))
 """
 
 # It notes how it was called, does what FAKE_PIP asks for, and "installs" a rubnoise that shows its arguments.
 PIP = """
-import json, os, sys, time
+import json, os, signal, sys, time
 from pathlib import Path
 here, target = Path(__file__).parent, Path(sys.argv.pop(1))
 if sys.argv[1] == "config":
@@ -35,7 +36,9 @@ with open(here / "calls.jsonl", "a") as log:
 order = (here / "order").read_text() if (here / "order").exists() else ""
 if order == "fail":
     sys.exit("no route to the index")
-if order == "wait":
+if order in ("wait", "stay"):
+    if order == "stay":
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     (here / "waiting").write_text(str(os.getpid()))
     time.sleep(60)
 if "--require-hashes" not in sys.argv:
@@ -55,11 +58,12 @@ esac
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sandbox:
-    """A project in `folder`, whose modules `found` says which of pip and ensurepip this Python has."""
+    """A project in `folder`; `found` says which of pip and ensurepip this Python has, `more` is run before dev.py."""
 
     folder: Path
     found: tuple[str, ...] = ("pip",)
     variables: dict[str, str] = field(default_factory=dict)
+    more: str = ""
 
     @property
     def venv(self) -> Path:
@@ -84,7 +88,7 @@ class Sandbox:
     def start(self, *arguments: str) -> subprocess.Popen[str]:
         """Start dev.py with its output caught."""
         tools, pip = str(self.folder / "tools"), str(self.folder / "pip.py")
-        driver = DRIVER.format(tools=tools, pip=pip, found=self.found)
+        driver = DRIVER.format(tools=tools, pip=pip, found=self.found, more=self.more)
         return subprocess.Popen(
             [sys.executable, "-c", driver, *arguments],
             env={**os.environ, **self.variables},
@@ -100,7 +104,7 @@ class Sandbox:
             return process.returncode, output, error
 
     def order(self, behaviour: str) -> None:
-        """Say what pip is to do from now on: fail, wait, or (empty) its work."""
+        """Say what pip is to do from now on: fail, wait, stay (wait, deaf to Ctrl-C), or (empty) its work."""
         (self.folder / "order").write_text(behaviour, encoding="utf-8")
 
     def pip_calls(self) -> list[dict[str, list[str] | dict[str, str]]]:

@@ -137,6 +137,38 @@ def test_interrupted_set_up_leaves_no_pip_and_is_repaired(sandbox: Sandbox, numb
     _expect_repair(sandbox)
 
 
+def test_a_pip_that_does_not_stop_has_ended_before_set_up_ends(sandbox: Sandbox) -> None:
+    pip = _interrupt(sandbox, signal.SIGINT, 130, behaviour="stay")
+    with pytest.raises(ProcessLookupError):
+        os.kill(pip, 0)
+
+
+# The signal comes when pip has been at work for a while and its number is not yet known.
+SLOW_POPEN = """
+import os, signal, subprocess, time
+from pathlib import Path
+
+class SlowPopen(subprocess.Popen):
+    def __init__(self, *words, **options):
+        super().__init__(*words, **options)
+        if "install" in words[0]:
+            while not Path({waiting!r}).exists():
+                time.sleep(0.01)
+            os.kill(os.getpid(), signal.SIGTERM)
+
+subprocess.Popen = SlowPopen
+"""
+
+
+def test_a_signal_while_pip_is_being_started_leaves_no_pip(sandbox: Sandbox) -> None:
+    waiting = sandbox.folder / "waiting"
+    sandbox.order("wait")
+    assert replace(sandbox, more=SLOW_POPEN.format(waiting=str(waiting))).dev("run")[0] == 143
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(waiting.read_text(encoding="utf-8")), 0)
+    _expect_repair(sandbox)
+
+
 def test_killed_set_up_is_repaired_after_its_pip_has_ended(sandbox: Sandbox) -> None:
     pip = _interrupt(sandbox, signal.SIGKILL, -signal.SIGKILL)
     with sandbox.start("run") as second:
@@ -148,9 +180,9 @@ def test_killed_set_up_is_repaired_after_its_pip_has_ended(sandbox: Sandbox) -> 
         assert second.returncode == 0
 
 
-def _interrupt(sandbox: Sandbox, number: int, code: int) -> int:
+def _interrupt(sandbox: Sandbox, number: int, code: int, *, behaviour: str = "wait") -> int:
     """Send a signal while pip is at work; return pip's process id."""
-    sandbox.order("wait")
+    sandbox.order(behaviour)
     waiting = sandbox.folder / "waiting"
     with sandbox.start("run") as process:
         deadline = time.monotonic() + 60
