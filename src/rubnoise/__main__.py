@@ -6,12 +6,12 @@ import sys
 
 
 def main() -> None:
-    """Load the command line and run it; an interrupt while it is being loaded ends the process without a word."""
+    """Load the command line and run it; an interrupt during loading ends the process silently."""
     _open_missing_streams()
     usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if usual:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # Plug-ins of pydantic, of which we use none, are looked for in all that is installed.
+    # We use no plug-ins of pydantic, and it would look for them in every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for library in ("OMP", "OPENBLAS", "MKL"):  # of matrices as small as ours, further threads only burn time waiting
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -23,7 +23,7 @@ def main() -> None:
 
 
 def _open_missing_streams() -> None:
-    """Open the null device for each standard stream that was closed, before a file of ours gets its number."""
+    """Open the null device for each closed standard stream, so that no file of ours gets its number."""
     for number, (name, mode) in enumerate({"stdin": "r", "stdout": "w", "stderr": "w"}.items()):
         try:
             os.fstat(number)

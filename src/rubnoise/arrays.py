@@ -23,5 +23,5 @@ def slices(start: int, stop: int, size: int | None = None) -> Iterator[slice]:
 
 
 def chunk_of_steps(step: int) -> int:
-    """Return the rows of a chunk that holds a whole number of steps, one at least."""
+    """Return the number of rows of a chunk that holds a whole number of steps, at least one."""
     return step * max(1, CHUNK_ROWS // step)

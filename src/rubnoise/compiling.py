@@ -1,4 +1,4 @@
-"""How the kernels are compiled: to machine code that is kept, without fastmath."""
+"""How the kernels are compiled: without fastmath, to machine code that is kept on disk."""
 
 import pickle
 import warnings
@@ -49,7 +49,7 @@ _WITHIN: Final[dict[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper"
 
 
 def compiled(function: Any) -> Any:
-    """Compile a function at its first call, and keep the machine code for later processes if a folder allows it.
+    """Compile a function at its first call, and keep the machine code for later processes if a folder can be written.
 
     No fastmath: sums keep their order and products their rounding, since the bits are part of the result.
     """
@@ -89,7 +89,7 @@ def _kept(function: Any, **how: Any) -> Any:
     try:
         kernel: Any = njit(cache=True, error_model=_DIVISION, **how)(function)
     except RuntimeError:
-        # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles again.
+        # Installed read-only for a user without a home folder: the code can't be kept, so each process compiles again.
         kernel = njit(error_model=_DIVISION, **how)(function)
         kernel._cache.load_overload = _nothing_kept  # noqa: SLF001  (numba has no public way)
         return kernel
@@ -105,7 +105,7 @@ BEFORE_COMPILING: Final[set[Callable[[], object]]] = set()
 
 
 def _kept_code(cache: Any, signature: Any, context: Any) -> Any:
-    """Return code that is kept, None if there is none and all is compiled anew.
+    """Return the kept code of a function; None if there is none, and the function must be compiled.
 
     numba's own way begins with loading whatever it can compile, a third of a second that kept code does without.
     """
@@ -121,7 +121,7 @@ def _nothing_kept(*_asked: object) -> None:
 
 
 class CodeNotKept(UserWarning):
-    """Machine code cannot be kept, so that each process compiles it again."""
+    """Machine code cannot be kept, so each process compiles it again."""
 
 
 def _keep(save: Callable[[Any, Any], None], folder: str, signature: Any, code: Any) -> None:
@@ -149,7 +149,7 @@ class _KeptFile(IndexDataCacheFile):
 
     @classmethod
     def like(cls, file: Any) -> "_KeptFile":
-        """Return such files with the names of numba's own."""
+        """Return the files of this class for the files that numba would use."""
         name = file._index_name.removesuffix(".nbi")  # noqa: SLF001
         return cls(file._cache_path, name, (file._source_stamp, _stamp()))  # noqa: SLF001
 
@@ -170,7 +170,7 @@ class _KeptFile(IndexDataCacheFile):
         self._write(str(Path(self._cache_path) / name), data)
 
     def _read(self, path: str) -> Any:
-        """Return what was written; raises OSError, which numba takes for code that is gone, if it is not that."""
+        """Return the content as it was written; raises OSError if it is not, which numba takes for missing code."""
         content = Path(path).read_bytes()
         if content[:SEAL_BYTES] != self._seal(content[SEAL_BYTES:]):
             raise OSError(f"{path}: damaged")
@@ -189,21 +189,21 @@ class _KeptFile(IndexDataCacheFile):
 
 
 def is_kept(kernel: Any) -> bool:
-    """Whether code of a function, as it is now, is kept for later processes."""
+    """Whether the code of a function in its present form is kept for later processes."""
     file = getattr(kernel._cache, "_cache_file", None)  # noqa: SLF001
     return file is not None and bool(file._load_index())  # noqa: SLF001
 
 
 @cache
 def _stamp() -> tuple[tuple[str, int, int], ...]:
-    """Return names, sizes and times of the files that are compiled into others."""
+    """Return the names, sizes and times of the files whose functions are compiled into those of others."""
     folder = Path(__file__).parent
     files = sorted(path for pattern in SOURCES for path in folder.glob(pattern))
     return tuple((path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files)
 
 
 def inlined(function: Any) -> Any:
-    """Compile a function that makes no arrays into whatever calls it, so that its own need not be handed over."""
+    """Compile a function that makes no arrays into each of its callers, so that its arguments need not be passed."""
     return njit(forceinline=True, error_model=_DIVISION, **_BARE, **_WITHIN)(function)
 
 

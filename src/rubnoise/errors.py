@@ -1,4 +1,4 @@
-"""Everything rubnoise refuses or fails at, each with the exit code the command line returns for it."""
+"""The errors of rubnoise, each with the exit code that the command line returns for it."""
 
 import os
 import re
@@ -10,7 +10,7 @@ from typing import Final
 
 
 class RubnoiseError(Exception):
-    """A failure that is reported as one clear text, without a traceback; exit code 1.
+    """An error that is reported as one clear message, without a traceback; exit code 1.
 
     >>> import rubnoise
     >>> issubclass(rubnoise.Refused, rubnoise.RubnoiseError)
@@ -27,7 +27,7 @@ _END: Final = 300
 
 
 class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedError" says it twice)
-    """Something refused before the first event: usage, invalid input, an output that cannot be written; exit code 2.
+    """Wrong usage, invalid input, or an output that cannot be written, refused before the first event; exit code 2.
 
     >>> import rubnoise
     >>> try:
@@ -40,37 +40,37 @@ class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedE
     exit_code = 2
 
     def __str__(self) -> str:
-        """Return the message; of a long one its begin, and its end, where the remedy is."""
+        """Return the message; the middle of a long one is left out, because the remedy is at the end."""
         text = super().__str__()
         return text if len(text) <= LONGEST else f"{text[: LONGEST - _END - 5]} ... {text[-_END:]}"
 
 
 class NoColumn(Refused):
-    """A file without the column or dataset that is asked of it."""
+    """A file does not have the requested column or dataset."""
 
 
 class ScenarioRefused(Refused):
-    """A scenario whose problems are listed in the message, all of them at once."""
+    """A scenario with problems; the message lists all of them."""
 
     def __str__(self) -> str:
-        """Return the whole list."""
+        """Return the list of all problems."""
         return Exception.__str__(self)
 
 
 class OutputRefused(Refused):
-    """An output path that exists already, is no regular file, or cannot be written."""
+    """An output path that already exists, is not a regular file, or cannot be written."""
 
 
 class RunFileRefused(Refused):
-    """A result file that is missing, foreign, damaged or of a newer format."""
+    """A result file that is missing, damaged, in a newer format, or not from rubnoise."""
 
 
 class ExtraMissing(Refused):
-    """An optional library that something asked for needs and that is not installed."""
+    """An optional library is needed and not installed."""
 
 
 class RunOutside(RubnoiseError):  # noqa: N818  (nothing failed: the run is not what theory says it is)
-    """A run of which something is outside of what theory allows it; exit code 3."""
+    """A run with a figure outside of its bounds from theory; exit code 3."""
 
     exit_code = 3
 
@@ -82,15 +82,15 @@ class TraceDoubtful(RubnoiseError):  # noqa: N818  (nothing failed: the trace is
 
 
 class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not what it says it is)
-    """A result file in which something is not what it should be; exit code 3."""
+    """A result file that differs from what it should contain; exit code 3."""
 
     exit_code = 3
 
 
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
-    """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it.
+    """A run was stopped by a signal; the exit code is 128 plus the signal's number, as in a shell.
 
-    ``kept`` is the part file from which it can go on, or None if nothing was kept.
+    ``kept`` is the part file from which the run can resume, or None if nothing was kept.
     """
 
     def __init__(self, signal_number: int) -> None:
@@ -100,7 +100,7 @@ class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no
         self.kept: str | None = None
 
     def __str__(self) -> str:
-        """Say what was kept, and how to go on."""
+        """Return what was kept, and how to resume."""
         return f"stopped by a signal; {resume_hint(self.kept) if self.kept else 'nothing was kept'}"
 
 
@@ -118,9 +118,9 @@ _KEYWORD: Final = re.compile(
 
 
 def in_shell(text: str) -> str:
-    """Return a message in the words of the command line: `speed=` of Python is `--speed` there, `drift=True` `--drift`.
+    """Return a message with keywords as command-line options: `speed=` becomes `--speed`, `drift=True` `--drift`.
 
-    So a message names a keyword by its sign of equality, and needs no list of those that there are.
+    A keyword is recognised by its equals sign, so no list of keywords is needed.
     """
     return _KEYWORD.sub(_option, _CALL.sub(r"rubnoise \1 \2", text))
 
@@ -138,7 +138,7 @@ EXTRAS_OF_SYNC: Final = ("analysis", "plot")
 
 
 def how_to_install(extra: str) -> str:
-    """Return the command that installs an extra here: of the project's tool in a checkout, else of pip."""
+    """Return the command that installs an extra here: the project's tool in a checkout, otherwise pip."""
     tool = Path(__file__).parents[2] / "tools" / "dev.py"
     if tool.is_file():
         shown = quote(os.path.relpath(tool))
@@ -148,7 +148,7 @@ def how_to_install(extra: str) -> str:
 
 @contextmanager
 def needing(extra: str, purpose: str) -> Iterator[None]:
-    """Turn a library that cannot be imported here into ExtraMissing, which says how to install its extra."""
+    """Raise ExtraMissing, which says how to install the extra, if a library cannot be imported in this context."""
     try:
         yield
     except ModuleNotFoundError as problem:

@@ -1,4 +1,4 @@
-"""The figures of a summary: in words, with their units, and what a scenario needs for each."""
+"""The figures of a summary: their names in words, their units, and the scenario key that each needs."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -1,4 +1,4 @@
-"""The physics of one run: frozen inputs in working units (um, s, kg) and what follows from them at once."""
+"""The physics of one run: frozen inputs in working units (um, s, kg) and quantities that follow directly from them."""
 
 from dataclasses import dataclass, field
 from math import pi, sqrt
@@ -42,7 +42,7 @@ class Slider:
 
     @property
     def damping_ratio(self) -> float:
-        """Damping c over the critical one, c / (2 sqrt(k m))."""
+        """Damping over critical damping, c / (2 sqrt(k m))."""
         return self.damping / (2.0 * sqrt(self.stiffness * self.mass))
 
 
@@ -87,7 +87,7 @@ class FreeSeparation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
-    """Everything a run or the theory needs to know, and nothing else.
+    """The complete input of a run and of the theory.
 
     A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None if no times are wanted), sliding distance and tick (um);
     hardness H (MPa) if A_rm is that of a load. A load that weighs moves the separation, of first order or free: then
@@ -120,7 +120,7 @@ class Model:
 
     @property
     def held(self) -> Separation | None:
-        """What a load that weighs holds, of either motion."""
+        """The separation that a load holds, of first order or free; None at constant separation."""
         return self.separation if self.free is None else self.free.held
 
     @property
@@ -145,7 +145,7 @@ class Model:
 
     @property
     def slider_rows(self) -> int | None:
-        """Rows of /slider: one at every tick, none without a slider; None if only the run itself shows it."""
+        """Number of rows of /slider: one per tick, 0 without a slider; None if only the run itself can tell."""
         if self.is_two_way:
             return None
         return 0 if self.slider is None else self.tick_count + 1
@@ -172,9 +172,9 @@ class Model:
 
     @property
     def equilibrium_displacement(self) -> float:
-        """Where the slider starts, in um: psi times the stationary mean area over k, or 0 from rest or without one.
+        """Displacement in um at which the slider starts: psi times the stationary mean area over k.
 
-        Over a base, the mean of the base.
+        0 from rest or without a slider; over a base, the mean of the base.
         """
         if self.slider is None or self.slider.start == "rest":
             return 0.0

@@ -1,4 +1,4 @@
-"""Numbers that a caller gives from Python, as arrays: in the unit that is needed, or refused."""
+"""Numbers given from Python, converted to arrays in the needed unit, or refused."""
 
 from collections.abc import Callable
 from math import isfinite
@@ -15,8 +15,8 @@ from rubnoise.units import Kind, QuantityError, in_unit, is_of_pint, quantity_of
 def real_numbers(values: Any, what: str, unit: str | None = None) -> Doubles:
     """Return values of any shape as doubles; quantities of pint are converted to ``unit``.
 
-    Raises Refused for texts, complex and masked values, and all else that is no number; for quantities of another unit,
-    and for any if no unit is needed.
+    Raises Refused for texts, complex and masked values, and anything else that is not a number; for quantities of
+    another unit, and for all quantities if no unit is needed.
     """
     if unit is None and any(map(is_of_pint, values if isinstance(values, list | tuple) else [values])):
         raise Refused(f"{what}: has a unit of its own; plain numbers are needed")
@@ -45,7 +45,7 @@ def real_number(value: Any, what: str, unit: str | None = None) -> float:
 def number_in(value: Any, what: str, kind: Kind) -> float:
     """Return a bare number as it is, and a text with a unit or a quantity of pint in the working unit of its kind.
 
-    Raises Refused for anything else, and for what is not finite.
+    Raises Refused for anything else, and for values that are not finite.
     """
     if not isinstance(value, bool) and isinstance(value, Real) and isfinite(value):
         return float(value)
@@ -72,7 +72,7 @@ def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:
 def at_each(
     function: Callable[[Doubles], Doubles], places: Doubles, what: str, limits: tuple[float, float] | None
 ) -> Doubles:
-    """Return a function at places of any shape: nan at nan, and the ``limits`` at -inf and inf.
+    """Return the values of a function at places of any shape: nan at nan, and the ``limits`` at -inf and inf.
 
     Raises Refused for an infinite place if ``limits`` is None.
     """

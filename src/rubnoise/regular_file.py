@@ -1,4 +1,4 @@
-"""Regular files opened for reading: no device, pipe or socket is opened, and no read waits for ever.
+"""Open regular files for reading: devices, pipes and sockets are refused, and no read waits for ever.
 
 The path - is standard input, which is copied into a file first.
 """
@@ -20,7 +20,7 @@ PIECE_BYTES = 1 << 20
 
 
 def flags(*names: str) -> int:
-    """Return flags for os.open by their names; those that a system lacks are left out.
+    """Return flags for os.open by their names; flags that the system lacks are left out.
 
     Windows has none of POSIX's, and takes a file for text unless O_BINARY says otherwise.
     """
@@ -35,7 +35,7 @@ _OF_SWEEPS: Final = ("sweep.json", "index.h5")
 
 
 class NotRegular(OSError):  # noqa: N818  (says what the path is)
-    """A path that is there, and is a folder, a pipe, a device, a socket, or something that only looks like a file."""
+    """A path that exists and is not a regular file: a folder, pipe, device, socket or endless file."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Name the path, and what is there if it is a sweep."""
@@ -51,11 +51,11 @@ def open_regular(path: str | os.PathLike[str]) -> int:
     if os.fspath(path) == STANDARD_INPUT:
         return os.open(_standard_input().name, _READING)
     try:
-        # To open a device can already do something, so a name is asked first; another file may bear it a moment later.
+        # Opening a device can already do something, so the path is checked first, and checked again when it is open.
         _check(Path(path).stat(), path)
         descriptor = os.open(path, _READING)
     except ValueError as problem:
-        # Each version of Python words it in its own way.
+        # The words of this error differ between versions of Python.
         reason = "embedded null byte" if "\0" in os.fspath(path) else str(problem)
         raise OSError(errno.EINVAL, reason, os.fspath(path)) from problem
     try:
@@ -97,7 +97,7 @@ def is_hdf5(path: str | os.PathLike[str]) -> bool:
 
 
 def size_of(path: str | os.PathLike[str]) -> int:
-    """Return how many bytes a regular file has; raises as `open_regular` does."""
+    """Return the size of a regular file in bytes; raises as `open_regular` does."""
     descriptor = open_regular(path)
     try:
         return os.fstat(descriptor).st_size
@@ -106,7 +106,7 @@ def size_of(path: str | os.PathLike[str]) -> int:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a path is a folder; False if it may not be looked at, which opening it then says."""
+    """Whether a path is a folder; False without permission to look, since opening it then gives the error."""
     try:
         return path.is_dir()
     except OSError:
@@ -117,7 +117,7 @@ def is_folder(path: Path) -> bool:
 def _standard_input() -> "tempfile._TemporaryFileWrapper[bytes]":
     """Return a file with all of standard input, which lasts as long as this process; raises OSError if it is too long.
 
-    A reader may ask for it several times, and from any place in it.
+    Readers may open it several times and read from any position.
     """
     file = tempfile.NamedTemporaryFile(prefix="rubnoise-input-")  # noqa: SIM115  (kept open: its end deletes it)
     copied = 0

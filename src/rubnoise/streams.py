@@ -17,7 +17,7 @@ LARGEST_UNIFORM = 1.0 - 2.0**-53
 
 
 class Stream(IntEnum):
-    """One purpose of random numbers; the value is the second word of the Philox key and never changes."""
+    """One purpose of random numbers; its value is the second word of the Philox key and never changes."""
 
     FIRST_BIRTH = 1
     GAPS = 2
@@ -53,7 +53,7 @@ def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:
 def uniforms(seed: int, stream: Stream, block: int, count: int, blocks: int = 1) -> NDArray[np.float64]:
     """Return ``count`` numbers uniform on [0, 1), multiples of 2^-53: integer arithmetic, equal bits everywhere.
 
-    With ``blocks``: so many from each of some blocks, one block after the other.
+    With ``blocks``: ``count`` numbers from each of these blocks, one block after the other.
     """
     source = generator(seed, stream, block)
     if blocks == 1:
@@ -73,7 +73,7 @@ _AT_ONCE = 4
 
 
 def uniforms_from(seed: int, stream: Stream, block: int, first: int, count: int) -> NDArray[np.float64]:
-    """Return ``count`` numbers of those of `uniforms`, from number ``first`` on: those before it are not drawn."""
+    """Return ``count`` of the numbers of `uniforms`, from number ``first`` on, without drawing those before it."""
     source = generator(seed, stream, block)
     bits: Any = source.bit_generator
     bits.advance(first // _AT_ONCE)

@@ -1,4 +1,4 @@
-"""Short texts and HTML tables, with which objects show themselves in a notebook."""
+"""Short texts and HTML tables that show objects in a notebook."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -13,7 +13,7 @@ FEW: Final = 8
 
 
 def shortened(lines: Iterable[str], longest: int = LONGEST) -> str:
-    """Return lines as one text of at most so many characters; the rest is counted in its last line."""
+    """Return lines as one text of at most ``longest`` characters; its last line counts the lines left out."""
     whole = [line if len(line) <= WIDEST else f"{line[: WIDEST - 3]}..." for line in lines]
     if sum(len(line) + 1 for line in whole) <= longest + 1:
         return "\n".join(whole)
@@ -35,7 +35,7 @@ def fields_as_text(value: Any) -> str:
 
 
 def in_short(value: Any) -> str:
-    """Return a value in one short text: plain numbers of six digits, and of many values the first and the last."""
+    """Return a value as a short text: numbers with six digits; of many values only the first and the last."""
     if getattr(value, "ndim", 0):
         ends = f": {value.flat[0]:.6g} ... {value.flat[-1]:.6g}" if value.size and value.dtype.kind in "fiu" else ""
         return f"{value.size:,} values{ends}"
@@ -65,7 +65,7 @@ def as_html(heading: str, names: Sequence[str], rows: Iterable[Sequence[object]]
 
 
 def as_text(names: Sequence[str], rows: Iterable[Sequence[object]], numeric: Iterable[int] = ()) -> list[str]:
-    """Return lines of a table in columns; those whose numbers are in ``numeric`` are flush right."""
+    """Return the lines of a table; the columns whose numbers are in ``numeric`` are aligned right."""
     cells = [list(names), *([str(cell) for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     right = set(numeric)

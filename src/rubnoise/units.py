@@ -67,7 +67,7 @@ RATIOS = ("%", "percent", "ppm")
 
 
 class QuantityError(ValueError):
-    """A text that is no quantity of the wanted kind; ``hint`` is advice or the right form, if there is one."""
+    """A text is not a quantity of the wanted kind; ``hint`` is advice or the right form, if there is one."""
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
@@ -106,7 +106,7 @@ KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO, FOR
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: how many working units (for a ratio: how much of 1) it is, exactly, and its dimension."""
+    """A unit: its exact size in working units (for a ratio: as a part of 1), and its dimension."""
 
     size: Fraction
     dimension: tuple[int, ...]
@@ -170,7 +170,7 @@ class Quantity(float):
 
 
 def in_working_unit(exact: Fraction, kind: Kind) -> str:
-    """Return ``exact`` as text in the kind's working unit: in full if its decimals end, else rounded once."""
+    """Return ``exact`` as text in the kind's working unit: in full if its decimals end, otherwise rounded once."""
     number = exact / USUAL_UNITS[kind.unit].size
     decimals = _decimals(number)
     if decimals is None:
@@ -179,7 +179,7 @@ def in_working_unit(exact: Fraction, kind: Kind) -> str:
 
 
 def _decimals(value: Fraction) -> int | None:
-    """Return how many decimals write the value in full, or None above 60."""
+    """Return the number of decimals that write the value in full, or None if that is more than 60."""
     return next((n for n in range(61) if 10**n % value.denominator == 0), None)
 
 
@@ -207,7 +207,7 @@ def read_quantity(text: str, *kinds: Kind) -> Quantity:
 
 
 def parse_unit(text: str) -> Unit:
-    """Return the exact size and dimension of a unit; raises QuantityError for what is no unit."""
+    """Return the exact size and dimension of a unit; raises QuantityError if the text is not a unit."""
     return _read_unit(text, "1")
 
 
@@ -229,7 +229,7 @@ def _read_unit(text: str, number: str) -> Unit:
 
 
 def _name_hint(name: str) -> str:
-    """Return advice on a name that is none: MPa for Mpa, and else what there is."""
+    """Return advice on an unknown name: MPa for Mpa, otherwise the names that exist."""
     meant = sorted(known for known in UNITS if known.casefold() == name.casefold())
     quoted = " or ".join(f'"{known}"' for known in meant)
     return f"did you mean {quoted}?" if meant else "a length, time, mass, force or pressure, such as um, s, kg, N, MPa"
@@ -242,7 +242,7 @@ def _power_hint(text: str, number: str) -> str:
 
 
 def in_unit(value: Any, unit: str) -> Any:
-    """Return numbers as they are, since they are in ``unit`` already, and quantities of pint converted to it.
+    """Return numbers unchanged, since they are in ``unit`` already, and quantities of pint converted to it.
 
     Raises QuantityError for a quantity of another dimension.
     """
@@ -259,7 +259,7 @@ def in_unit(value: Any, unit: str) -> Any:
 
 
 def quantity_of(value: Any, *kinds: Kind) -> Quantity:
-    """Return a quantity that Python was given: a text, or a quantity of pint.
+    """Return a quantity given from Python, as a text or as a quantity of pint.
 
     Raises QuantityError as `read_quantity` does, and for a number, which does not say its unit.
     """
@@ -275,9 +275,9 @@ def quantity_of(value: Any, *kinds: Kind) -> Quantity:
 
 
 def from_pint(value: Any, *kinds: Kind) -> Quantity:
-    """Return a quantity of pint as it is written, which is exact, or else converted to the unit of its kind.
+    """Return a quantity of pint as it is written, which is exact, or converted to the unit of its kind.
 
-    Raises QuantityError for one of none of the ``kinds``, and for what is no finite number.
+    Raises QuantityError if it is of none of the ``kinds``, or not finite.
     """
     try:
         magnitude = float(value.magnitude)
@@ -327,7 +327,7 @@ def _registry() -> Any:
 
 
 def _split(text: str, kind: Kind) -> tuple[str, str]:
-    """Return number and unit of a text, or raise what is wrong with it, most telling first."""
+    """Return the number and the unit of a text, or raise QuantityError with the most helpful message."""
     right_form = f'right form: "{kind.example}"'
     if len(text) > _MAX_TEXT_LENGTH:
         raise QuantityError(f"a text of more than {_MAX_TEXT_LENGTH} characters", right_form)

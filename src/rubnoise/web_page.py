@@ -1,4 +1,4 @@
-"""One self-contained web page: styles, script and data stand inside it, and its policy forbids every request."""
+"""A self-contained web page: it holds its styles, scripts and data, and its policy forbids every request."""
 
 import json
 from collections.abc import Mapping, Sequence

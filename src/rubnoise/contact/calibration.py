@@ -1,4 +1,4 @@
-"""From mean real contact area and mean junction count to the mean diameter: the three calibrations."""
+"""The three calibrations: the mean diameter from the mean real contact area and the mean junction count."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -16,7 +16,7 @@ _TURNING = (0.3, 3.0)  # where E[d^3]/d_m is least for unit spread lies between:
 class NoMatchingDiameter(Refused):
     """No mean diameter gives the wanted mean area with this absolute spread.
 
-    ``minimum`` in um^2 is the least that can be had, ``factor`` times N_jm spread^2.
+    ``minimum`` in um^2 is the least possible mean area, ``factor`` times N_jm spread^2.
     """
 
     def __init__(self, mean_area: float, minimum: float, factor: float) -> None:
@@ -38,7 +38,7 @@ class PaperMeansLens(Refused):
 def calibrated_diameter(
     calibration: str, mean_area: float, mean_count: float, spread: Spread, pulse: Pulse = LENS
 ) -> float:
-    """Return d_m in um, so that N_jm junctions have the mean real contact area A_rm between them.
+    """Return d_m in um, so that N_jm junctions have together the mean real contact area A_rm.
 
     ``paper``: d_m = sqrt(A_rm / (0.327 N_jm)) (first Eq. 12), for the lens alone; ``exact``: with the pulse's own life
     mean, 1/3 for the lens; ``matched``: the larger root of N_jm life_mean E[d^3] / d_m = A_rm with the sizes as drawn.
@@ -83,7 +83,7 @@ def _matched_diameter(wanted: Any, spread: Spread) -> Any:
 
 @lru_cache(maxsize=16)
 def _least_third_moment(law: str) -> tuple[Any, Any]:
-    """Return where E[d^3]/d_m is least for unit spread, and its value there.
+    """Return the d_m at which E[d^3]/d_m is least for unit spread, and that least value.
 
     0.887855 and 3 * 1.609247 for the normal law, sqrt 2 and 27/4 for the lognormal, 2^(1/4) and 3 + 2 sqrt 2 for gamma.
     """

@@ -1,6 +1,6 @@
 """The compiled heart of deviates by inversion: logarithms and normal quantiles of whole arrays.
 
-Every step rounds as it is written here, so that the bits are those of any processor.
+Every step rounds as written here, so that the bits are equal on every processor.
 """
 
 import numpy as np

@@ -26,7 +26,7 @@ _EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))
 
 
 def _has_compiler() -> bool:
-    """Whether the compiler is loaded, as it is when runs are made; otherwise numpy gives the same bits sooner."""
+    """Whether the compiler is loaded, as it is in a run; if not, numpy gives the same bits sooner."""
     return "numba" in sys.modules
 
 
@@ -42,7 +42,7 @@ def logarithm(x: Doubles) -> Doubles:
 
 
 def antilogarithm(x: Doubles) -> Doubles:
-    """Return e^x, within 1 ulp where -708 <= x <= 709; smaller x are taken as -708.
+    """Return e^x, within 1 ulp for -708 <= x <= 709; smaller x are taken as -708.
 
     x = k ln 2 + r with |r| <= ln 2 / 2, e^r by its series, and 2^k by exact scaling.
     """
@@ -139,7 +139,7 @@ def _table(shape: Any) -> Doubles:
 
 
 def _rows(point: tuple[Any, Any], centres: range, shape: Any) -> Iterator[list[float]]:
-    """Step from a point (z, y) of the quantile from centre to centre, and yield the coefficients about each."""
+    """Step along the quantile from a point (z, y), centre by centre, and yield the coefficients about each."""
     import mpmath
 
     z, y = point

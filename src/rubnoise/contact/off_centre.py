@@ -21,13 +21,13 @@ _NODES = 48
 
 
 class _OffCentre:
-    """What every pass at a lateral offset uniform on (-d, d) has."""
+    """The properties that all pulses with lateral offsets uniform on (-d, d) share."""
 
     __slots__ = ()
 
     @property
     def offset(self) -> Offset:
-        """How far passes miss the centre line."""
+        """The lateral offsets of passes, as a scenario names them."""
         return "uniform"
 
     @property
@@ -45,7 +45,7 @@ class _OffCentre:
 class OffCentreLens(_OffCentre, LensPulse):
     """The lens with lateral offsets uniform on (-d, d): mean life (pi/2) d, mean area over a life (pi/16) d^2.
 
-    Averages are over offsets. What takes an age alone is that of a pass through both centres, as of the lens.
+    Averages are over offsets. Functions of the age alone are those of a pass through both centres, as for the lens.
     """
 
     @property
@@ -93,8 +93,8 @@ class OffCentreLens(_OffCentre, LensPulse):
 class OffCentreParabola(_OffCentre, ParabolaPulse):
     """The parabola with lateral offsets uniform on (-d, d): mean life (pi/2) d, mean area over a life (pi/8) d^2.
 
-    A pass at an offset b is the parabola of the diameter sqrt(d^2 - b^2). Averages are over offsets. What takes an age
-    alone is that of a pass through both centres, as of the parabola.
+    A pass at an offset b is the parabola of the diameter sqrt(d^2 - b^2). Averages are over offsets. Functions of
+    the age alone are those of a pass through both centres, as for the parabola.
     """
 
     @property
@@ -139,7 +139,7 @@ class OffCentreParabola(_OffCentre, ParabolaPulse):
 
 
 def half_life(diameter: Doubles, offset: Doubles | None) -> Doubles:
-    """Return how far junctions slide from birth to mid-life, sqrt(d^2 - b^2) in um; d if there are no offsets."""
+    """Return the sliding distance from birth to mid-life, sqrt(d^2 - b^2) in um; d if there are no offsets."""
     return diameter if offset is None else np.sqrt((diameter - offset) * (diameter + offset))
 
 

@@ -1,4 +1,4 @@
-"""How the area of one junction rises and falls over its life: the pulse shapes.
+"""The pulse shapes: how the area of one junction rises and falls over its life.
 
 What is known of a shape by itself stands here. Its compiled kernel (`simulation`), its Fourier transform and the law of
 its live area (`theory`), and the formulas that judge it (`tests/oracle/second`) are tables by shape that have an entry
@@ -36,12 +36,12 @@ class Pulse(Protocol):
 
     @property
     def formula(self) -> str:
-        """The area in words, with x = |d - s|, as every result file says it."""
+        """The formula of the area as text, with x = |d - s|, as result files contain it."""
         ...
 
     @property
     def offset(self) -> Offset:
-        """How far passes miss the centre line: "none", or "uniform" up to the diameter on either side."""
+        """Lateral offsets of passes: "none", or "uniform" up to the diameter on either side."""
         ...
 
     @property
@@ -104,7 +104,7 @@ class Pulse(Protocol):
 
 
 class _Centred:
-    """What every pass through both centres has."""
+    """The properties that all pulses through both centres share."""
 
     __slots__ = ()
 

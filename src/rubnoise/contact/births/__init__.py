@@ -1,4 +1,4 @@
-"""When junctions are born: the laws of births along the sliding distance.
+"""The laws of births along the sliding distance.
 
 Each law is a file with its class and its entry for the registry `BIRTHS`, from which scenario keys, schema and docs
 read. Numbers are drawn by inversion, in operations that round the same on every processor.

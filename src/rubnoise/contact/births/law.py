@@ -1,4 +1,4 @@
-"""What a law of births is, and what the registry knows of each."""
+"""The interface of a law of births, and its entry in the registry."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,21 +33,21 @@ class BirthLaw(Protocol):
 
     @property
     def memory(self) -> float:
-        """Distance in um beyond which births know nothing of each other, to 1e-13; lines apart."""
+        """Distance in um beyond which births are independent to 1e-13; spectral lines are not counted."""
         ...
 
 
 class GapLaw(BirthLaw, Protocol):
-    """A law of births that are drawn gap by gap."""
+    """A law of births whose gaps are drawn one by one."""
 
     def gaps(self, uniform: Doubles) -> Doubles:
         """Return one gap in um for each uniform on [0, 1)."""
         ...
 
     def around(self, uniform: Doubles) -> tuple[float, float]:
-        """Return how far in um gaps go on before a place at random, and how far after it a birth lies, from 2 uniforms.
+        """Return the distances in um from a random place to the birth before it and to the next, from 2 uniforms.
 
-        Without memory of the last birth they go on before it at the place itself.
+        The first one is 0 for births without memory, since gaps may then end at the place itself.
         """
         ...
 

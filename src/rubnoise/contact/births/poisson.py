@@ -53,7 +53,7 @@ class PoissonBirths:
 
     @property
     def memory(self) -> float:
-        """0 um: births know nothing of each other."""
+        """0 um: births are independent."""
         return 0.0
 
 

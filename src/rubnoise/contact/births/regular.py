@@ -35,28 +35,28 @@ class RegularBirths:
         return np.full(uniform.shape, self.mean_spacing)
 
     def around(self, uniform: Doubles) -> tuple[float, float]:
-        """Return distances in um uniform on [0, s_jm): a place at random knows nothing of the births' phase."""
+        """Return the distances in um from a random place to the births before and after it: their phase is uniform."""
         after = float(self.mean_spacing * uniform[0])
         return self.mean_spacing - after, after
 
     def places(self, first: float, number: NDArray[np.int64]) -> Doubles:
-        """Return where births lie in um that are so many after the first one, or before it if negative.
+        """Return the places in um of births by their number after the first one, negative before it.
 
-        Each from the first alone: spacings added up one by one would drift by their rounding, all the same way.
+        Each is computed from the first: if spacings were added one by one, their rounding errors would add up.
         """
         return first + number.astype(np.float64) * self.mean_spacing
 
     @property
     def dispersion(self) -> float:
-        """0: the number of births is as good as fixed."""
+        """0: the number of births in a distance is fixed to within one."""
         return 0.0
 
     def excess(self, wavenumber: Doubles) -> Doubles:
-        """Return -1: between its lines the spectrum of regular births holds nothing."""
+        """Return -1: the spectrum of regular births is zero between its lines."""
         return np.full_like(wavenumber, -1.0)
 
     def line_share(self, wavenumber: Doubles) -> Doubles:
-        """Return 1: all there is lies in the lines."""
+        """Return 1: all power lies in the lines."""
         return np.ones_like(wavenumber)
 
     @property

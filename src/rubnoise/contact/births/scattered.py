@@ -34,7 +34,7 @@ class Families:
 
     @classmethod
     def of(cls, centres: Doubles, sizes: NDArray[np.int64]) -> Self:
-        """Return centres with so many births each."""
+        """Return centres with the given number of births each."""
         return cls(centres=centres, before=np.concatenate([[0], np.cumsum(sizes)]))
 
 
@@ -76,7 +76,7 @@ class ScatteredBirths(ABC):
         return np.sort(found[(begin <= found) & (found <= end)])
 
     def _of_cell(self, seed: int, number: int, begin: float, end: float) -> Doubles:
-        """Return births of a cell: all of a small one, of a large one those whose centres lie in a stretch in um."""
+        """Return the births of a cell: all of a small cell, those with centres in a stretch (um) of a large one."""
         families = _families(self, seed, number)
         if families.before[-1] <= _KEPT:
             return _births_of(self, seed, number)
@@ -103,7 +103,7 @@ def _births_of(births: ScatteredBirths, seed: int, number: int) -> Doubles:
 
 
 def _scattered(births: ScatteredBirths, seed: int, number: int, first: int, last: int) -> Doubles:
-    """Return where the births of some of a cell's centres lie in um, in any order; no offset is beyond 8.3 widths."""
+    """Return the places in um of the births of some centres of a cell, in any order; no offset exceeds 8.3 widths."""
     families = _families(births, seed, number)
     before, until = int(families.before[first]), int(families.before[last])
     shares = uniforms_from(seed, Stream.CHILDREN, number % 2**64, before, until - before)
@@ -152,7 +152,7 @@ class ClusteredBirths(ScatteredBirths):
         return Families.of(centres, np.searchsorted(_poisson_table(self.cluster_size), shares, side="right"))
 
     def _centres(self, seed: int, number: int) -> Doubles:
-        """Return centres of a cell in um from its begin: exponential gaps, which need know of no other cell."""
+        """Return the centres of a cell in um from its begin: exponential gaps, independent of other cells."""
         source = generator(seed, Stream.CENTRES, number % 2**64)
         places, last, spacing = [np.empty(0)], 0.0, self.cluster_size * self.mean_spacing
         while last < self.cell:
@@ -200,7 +200,7 @@ class JitteredBirths(ScatteredBirths):
 
     @property
     def dispersion(self) -> float:
-        """0: the number of births is as good as fixed."""
+        """0: the number of births in a long distance varies only at its two ends."""
         return 0.0
 
     def excess(self, wavenumber: Doubles) -> Doubles:

@@ -56,7 +56,7 @@ LAWS: Final[dict[str, LawEntry]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spread:
-    """Which law a quantity follows about a centre, and how widely: what a scenario says apart from the centre itself.
+    """The law of a quantity about its centre, and its spread: all that a scenario says but the centre.
 
     The standard deviation is absolute, in the unit of the centre, or ``relative``, a part of it; neither is one value.
     Of the normal law it is that before drawing again. ``parameters`` are the law's own, by name.
@@ -69,7 +69,7 @@ class Spread:
 
     @property
     def entry(self) -> LawEntry:
-        """The law's entry in the registry; that of one value if there is no spread."""
+        """The law's entry in the registry; that of `fixed` if there is no spread."""
         entry = LAWS[self.law]
         return entry if self.absolute or self.relative or not entry.takes_spread else LAWS["fixed"]
 

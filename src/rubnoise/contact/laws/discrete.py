@@ -1,4 +1,4 @@
-"""Laws made of others: a mixture of some, and measured values that are each as likely."""
+"""Laws made of parts: a mixture of laws, and measured values with equal probabilities."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -56,7 +56,7 @@ class Mixture:
         return values
 
     def draw_length_biased(self, generator: np.random.Generator, count: int) -> Doubles:
-        """Return values with density proportional to x f(x): a part by its share of the mean, then one of its own."""
+        """Return values with density proportional to x f(x): a part by its share of the mean, then its value."""
         chosen, values, below = generator.random(count), np.empty(count), 0.0
         mean = self.moment(1)
         for number, (weight, law) in enumerate(self.parts):
@@ -117,17 +117,17 @@ class Empirical:
 
 
 def parts_of(law: Law) -> tuple[tuple[float, Law], ...]:
-    """Return the parts of a law that is made of others, with their probabilities; none of another law."""
+    """Return the parts of a mixture or of measured values with their probabilities; an empty tuple for other laws."""
     return law.parts if isinstance(law, Mixture | Empirical) else ()
 
 
 def has_single_values(law: Law) -> bool:
-    """Whether a law has values that come with a probability of their own, so that no density says all."""
+    """Whether a law has single values with a probability of their own, so that a density is not enough."""
     return isinstance(law, Fixed | Empirical) or any(has_single_values(part) for _, part in parts_of(law))
 
 
 def largest_of(law: Law) -> float:
-    """Return the largest value that a law can draw: that of the largest uniform, of any of its parts."""
+    """Return the largest value that a law, or any part of it, can draw: from the largest uniform."""
     if isinstance(law, Mixture):
         return max(largest_of(part) for part in law.laws)
     return float(law.draw(np.array([LARGEST_UNIFORM]))[0])

@@ -1,4 +1,4 @@
-"""The gamma law, and the exponential law that it is at a spread of its mean."""
+"""The gamma law, and the exponential law, which is the gamma law whose standard deviation is its mean."""
 
 from dataclasses import dataclass
 from fractions import Fraction

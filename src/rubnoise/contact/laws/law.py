@@ -1,4 +1,4 @@
-"""What a law of a positive quantity is, and what the registry knows of each."""
+"""The interface of a law of a positive quantity, and its entry in the registry."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class Law(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """A number of its own that a law takes, under a key of its own beside `law`: its bounds and an ordinary value."""
+    """A parameter of a law, which has its own key beside `law`: its bounds and an ordinary value."""
 
     name: str
     about: str

@@ -1,4 +1,4 @@
-"""The lognormal law: a long tail of large values, none of no size."""
+"""The lognormal law: positive values with a long tail."""
 
 from dataclasses import dataclass
 from functools import lru_cache

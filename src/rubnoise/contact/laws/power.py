@@ -1,4 +1,4 @@
-"""A power law between two ends, as measured surfaces have it."""
+"""A power law between two values, as found on measured surfaces."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,7 +16,7 @@ class Power:
     """A law of density proportional to x^-exponent between two values, as contact spots of fractal surfaces have it.
 
     With q = 1 - exponent and L = ln(largest / smallest), x = smallest exp(L y) with y = ln(1 + u (exp(q L) - 1))/(q L)
-    for a uniform u, and y = u where q = 0. Moments: E[x^n] = smallest^n g((q + n) L) / g(q L), g(z) = (exp z - 1)/z.
+    for a uniform u, and y = u if q = 0. Moments: E[x^n] = smallest^n g((q + n) L) / g(q L), g(z) = (exp z - 1)/z.
     Source: Majumdar and Bhushan (1991), doi:10.1115/1.2920588, whose number of spots falls as a power of their size.
     """
 
@@ -42,7 +42,7 @@ class Power:
 
     @property
     def support(self) -> tuple[float, float]:
-        """The smallest and the largest value; there is nothing outside."""
+        """The smallest and the largest value."""
         return self.smallest, self.largest
 
     def draw(self, uniform: Doubles) -> Doubles:
@@ -66,9 +66,10 @@ class Power:
 
 
 def power_moment(exponent: Any, smallest: Any, largest: Any, power: int) -> Any:
-    """Return E[x^n] of the bounded power law, mpmath numbers in and out, at the working precision."""
+    """Return E[x^n] of the bounded power law as an mpmath number, at the working precision."""
     import mpmath
 
+    exponent, smallest, largest = map(mpmath.mpf, (exponent, smallest, largest))
     log_ratio = mpmath.log(largest / smallest)
 
     def mean_growth(rate: Any) -> Any:
@@ -82,7 +83,7 @@ def _rounded_power_moment(exponent: float, smallest: float, largest: float, powe
     import mpmath
 
     with mpmath.workdps(60):
-        return float(power_moment(mpmath.mpf(exponent), mpmath.mpf(smallest), mpmath.mpf(largest), power))
+        return float(power_moment(exponent, smallest, largest, power))
 
 
 @lru_cache(maxsize=64)
@@ -97,19 +98,13 @@ def _power_constants(exponent: float, smallest: float, largest: float) -> tuple[
         return float(log_ratio), float(growth), float(1 / (low * (growth / rate if rate else log_ratio)))
 
 
-def _unit_power_moment(power: int, exponent: float, smallest: float, largest: float) -> Any:
-    import mpmath
-
-    return power_moment(mpmath.mpf(exponent), mpmath.mpf(smallest), mpmath.mpf(largest), power)
-
-
 ENTRY = LawEntry(
     name="power",
     about="density ~ x^-exponent between smallest and largest",
     make=lambda centre, _std, own: Power(
         exponent=own["exponent"], smallest=own["smallest"] * centre, largest=own["largest"] * centre
     ),
-    moment=lambda centre, _std, own, n: centre**n * _unit_power_moment(n, **own),
+    moment=lambda centre, _std, own, n: centre**n * power_moment(power=n, **own),
     parameters=(
         Parameter(name="exponent", about="Fall of the density ~ x^-exponent", low=-10.0, high=10.0, sample=2.5),
         Parameter(name="smallest", about="Smallest value over {centre}", low=1e-3, high=1e3, sample=0.5),

@@ -1,4 +1,4 @@
-"""The Weibull law: how the weakest of many parts fails."""
+"""The Weibull law, which describes the failure of the weakest of many parts."""
 
 from dataclasses import dataclass
 from functools import lru_cache
