@@ -1,4 +1,4 @@
-"""One column of a file on its way to disk: gathered to large pieces, hashed and written at its place."""
+"""Write one column of a file to disk: rows are gathered into large pieces, hashed, and written at their place."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -24,14 +24,14 @@ READ_BYTES: Final = 1 << 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mark:
-    """How far a column was at a moment: its rows, and the xxh3_128 of all of them."""
+    """The progress of a column: its number of rows, and the xxh3_128 of all of them."""
 
     rows: int
     digest: bytes
 
 
 class ColumnFile:
-    """Rows of one column, written at their place in an open file: in one piece, or as they grow.
+    """One column, written at its place in an open file: a place of fixed size, or one that grows.
 
     Rows wait in memory until a piece is full, or until ``flush``. The hash is that of the raw little-endian bytes,
     taken while rows arrive in order; a column of which a row was written twice is read once more. Without ``hashed``
@@ -50,16 +50,16 @@ class ColumnFile:
 
     @property
     def rows(self) -> int:
-        """Rows of the whole column: of one that grows those so far."""
+        """Number of rows of the whole column; of a growing one, the rows so far."""
         return self.rows_written if self._place.rows is None else self._place.rows
 
     @property
     def offset(self) -> int:
-        """Where the column begins in its file; 0 for one without rows, and for one that grows."""
+        """Offset of the column in its file; 0 if it has no rows, or if it grows."""
         return self._place.offset
 
     def moved(self, descriptor: int, place: ByteRange) -> "ColumnFile":
-        """Return the column where all of its rows have been copied to."""
+        """Return this column at the place to which all of its rows have been copied."""
         column = ColumnFile(descriptor, place)
         column._hash, column.rows_written = self._hash, self.rows_written
         return column
@@ -78,20 +78,20 @@ class ColumnFile:
         self.rows_written = max(self.rows_written, end)
 
     def flush(self) -> None:
-        """Hand the rows that wait to the system."""
+        """Write the waiting rows (without fsync)."""
         if self._count:
             self._pass_on(self._waiting[: self._count], self._bytes(self.rows_written) - self._count)
             self._count = 0
 
     def mark(self, rows: int) -> Mark:
-        """Return how far the column was with its first ``rows``, which are no fewer than at the last mark."""
+        """Return the mark of the column after its first ``rows`` rows, not fewer than at the last mark."""
         self.flush()
         running = self._running() if rows == self.rows_written else self._earlier(rows)
         self._marked = (rows, running.copy())
         return Mark(rows=rows, digest=running.digest())
 
     def matching(self, marks: Sequence[Mark]) -> int:
-        """Read the column as far as it is as the marks say, in order of rows; return how many of them it fits."""
+        """Read the column and compare it with marks, in order of rows; return how many of the marks agree."""
         running = xxhash.xxh3_128()
         for number, (before, mark) in enumerate(pairwise([Mark(rows=0, digest=b""), *marks])):
             if not before.rows <= mark.rows <= self._place.held:
@@ -105,7 +105,7 @@ class ColumnFile:
         return len(marks)
 
     def go_on_from(self, rows: int) -> None:
-        """Forget the rows beyond the first ``rows``, which are in the file."""
+        """Continue after the first ``rows`` rows, which are in the file; later rows are forgotten."""
         if rows != self.rows_written:
             self._hash, self.rows_written = None, rows
             self.mark(rows)
@@ -116,7 +116,7 @@ class ColumnFile:
         return self._running().hexdigest()
 
     def stored_digest(self) -> str:
-        """Return the same of the whole column as its file has it now."""
+        """Return the xxh3_128 of the whole column as it is in the file now, in hexadecimal."""
         running, left, begin = xxhash.xxh3_128(), self._bytes(self.rows), 0
         target = np.empty(min(READ_BYTES, left), dtype=np.uint8).data
         while left:
@@ -134,7 +134,7 @@ class ColumnFile:
     def _append(self, data: Bytes) -> None:
         offset = self._bytes(self.rows_written)
         if data.size >= PIECE_BYTES:
-            # Large enough as it is: a copy would cost more than to write what waits before it.
+            # Large enough as it is: a copy would cost more than writing the waiting bytes first.
             self.flush()
             self._pass_on(data, offset)
             return
@@ -146,7 +146,7 @@ class ColumnFile:
                 self._count = 0
 
     def _gather(self, data: Bytes) -> int:
-        """Let bytes wait, as many as there is room for."""
+        """Put bytes into the buffer, as many as fit."""
         if not self._waiting.size:
             most = PIECE_BYTES if self._place.rows is None else self._bytes(self._place.rows)
             self._waiting = np.empty(min(PIECE_BYTES, most), dtype=np.uint8)
@@ -207,7 +207,7 @@ class ColumnFile:
         return rows * self._dtype.itemsize
 
     def _checked(self, first_row: int, values: NDArray[Any]) -> int:
-        """Return the number of rows, having refused what would land in the wrong place."""
+        """Return the number of rows of values; raises for values that would land in the wrong place."""
         if values.dtype != self._dtype or values.ndim != 1:
             raise TypeError(f"rows of {values.dtype} in {values.ndim} dimensions for a column of {self._dtype}")
         fits = self._place.rows is None or first_row + values.size <= self._place.rows

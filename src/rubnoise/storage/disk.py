@@ -1,8 +1,8 @@
-"""Every call that writes a result to disk or reads it: one place where tests watch, count or fail these calls.
+"""Every system call that reads or writes a result: the one place where tests count these calls or let them fail.
 
 Other modules call these as ``disk.sync(...)``, by the name of the module, so that a test can put others in their
-place. Nothing here is clever: each is one call of the system, or one repeated until it is done. A system may read or
-write less than it was asked for (POSIX allows it, and network disks do it).
+place. Each function is one system call, or one that is repeated until all bytes are done: a system may read or write
+less than it was asked for (POSIX allows it, and network disks do it).
 """
 
 import errno
@@ -25,7 +25,7 @@ SEEKING: Final = Lock()
 
 
 class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
-    """A file that is, on the disk, not what was written to it; the text names what of it."""
+    """What a file has on disk is not what was written to it; the text names the part that differs."""
 
     def __str__(self) -> str:
         """Say so."""
@@ -33,12 +33,12 @@ class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
 
 
 def create(path: Path) -> int:
-    """Create a file that is not there yet, for reading and writing, and return its descriptor."""
+    """Create a new file for reading and writing, and return its descriptor."""
     return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | _OURS_ALONE, 0o666)
 
 
 def reopen(path: Path) -> int:
-    """Open a file that is there, for reading and writing, and return its descriptor."""
+    """Open an existing file for reading and writing, and return its descriptor."""
     return os.open(path, os.O_RDWR | _OURS_ALONE)
 
 
@@ -50,7 +50,7 @@ def close(descriptor: int) -> None:
 def read_into(descriptor: int, target: memoryview, offset: int) -> int:
     """Fill a contiguous buffer of bytes from an offset, however many calls the system needs for it.
 
-    Return how many bytes there were: fewer than the buffer has only if the file ends before.
+    Return the number of bytes read, less than the size of the buffer only if the file ends before.
     """
     done = 0
     while done < len(target):
@@ -72,7 +72,7 @@ def _read_some(descriptor: int, target: memoryview, offset: int) -> int:
 
 
 def read(descriptor: int, size: int, offset: int) -> bytes:
-    """Return so many bytes from an offset, or all that there are if the file ends before (see `read_into`)."""
+    """Return ``count`` bytes from an offset, fewer if the file ends before (see `read_into`)."""
     content = bytearray(size)
     return bytes(content[: read_into(descriptor, memoryview(content), offset)])
 
@@ -91,7 +91,7 @@ def append_all(descriptor: int, data: memoryview) -> None:
 
 
 def _some(written: int) -> int:
-    """Return a count of bytes; raises OSError for none, which would be tried for ever."""
+    """Return a count of bytes; raises OSError if it is 0, since the caller would try again for ever."""
     if not written:
         raise OSError(errno.EIO, os.strerror(errno.EIO))
     return written
@@ -103,32 +103,32 @@ def resize(descriptor: int, size: int) -> None:
 
 
 def allocate(descriptor: int, size: int, start: int = 0) -> None:
-    """Take the space of a file's first bytes, or of those of them from ``start`` on, if the system can."""
+    """Allocate disk space for a file from ``start`` to a size, if the system can."""
     if sys.platform != "darwin":
         os.posix_fallocate(descriptor, start, size - start)
 
 
 def sync(descriptor: int) -> None:
-    """See a file onto the disk."""
+    """Flush a file to disk (fsync)."""
     os.fsync(descriptor)
 
 
 def sync_rows(descriptor: int) -> None:
-    """See the bytes of a file onto the disk, and of what is known about it only what it takes to read them."""
+    """Flush the bytes of a file to disk, and only the metadata that reading them needs (fdatasync)."""
     getattr(os, "fdatasync", os.fsync)(descriptor)
 
 
 def begin_sync(descriptor: int) -> None:
-    """Have the system begin to bring a file to the disk, if it can be asked to; nothing is waited for.
+    """Ask the system to begin to flush a file, if it can be asked; do not wait.
 
-    What POSIX calls advice that the bytes are not needed Linux takes as a reason to write out those that are changed.
+    The call is POSIX's advice that the bytes are not needed; Linux then begins to write the changed ones.
     """
     if hasattr(os, "posix_fadvise"):
         os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
 
 
 def sync_folder(folder: Path) -> None:
-    """See the names in a folder onto the disk, if a folder can be opened."""
+    """Flush the names in a folder to disk, if the system can open a folder."""
     if not hasattr(os, "O_DIRECTORY"):
         return
     descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
@@ -139,15 +139,15 @@ def sync_folder(folder: Path) -> None:
 
 
 def rename(source: Path, target: Path) -> None:
-    """Give a file another name, in the place of whatever bears it."""
+    """Rename a file; a file that has the new name already is replaced."""
     source.replace(target)
 
 
 def link(source: Path, target: Path) -> None:
-    """Give a file one more name, which nothing may bear yet."""
+    """Give a file a second name; raises OSError if the name exists."""
     os.link(source, target)
 
 
 def remove(path: Path) -> None:
-    """Remove a name, if it is there."""
+    """Remove a name, if it exists."""
     path.unlink(missing_ok=True)

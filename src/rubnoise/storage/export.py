@@ -31,7 +31,7 @@ TABLES: Final = ("junctions", "trace", "slider", "load", "landmarks")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportTable:
-    """One group of an open run file: its columns in order, the first one being that on which the others depend."""
+    """One group of an open run file: its columns in order, the one on which the others depend first."""
 
     file: RunFile
     group: Group
@@ -39,7 +39,7 @@ class ExportTable:
 
     @classmethod
     def of(cls, file: RunFile, name: str) -> Self:
-        """Return a group that the file has."""
+        """Return a group of the file as a table."""
         group = next(group for group in stored_groups(file.features) if group.name == name)
         return cls(file=file, group=group, rows=file.rows(name))
 
@@ -49,18 +49,18 @@ class ExportTable:
         return self.group.columns
 
     def chunks(self, rows: int | None = None) -> Iterator[tuple[int, list[NDArray[Any]]]]:
-        """Yield the first row and the columns of each stretch of at most so many rows."""
+        """Yield the first row and the columns of each chunk of at most ``size`` rows."""
         for chunk in chunks(self.file, self.group.name, rows):
             yield chunk.first, [chunk[column.name] for column in self.columns]
 
     @property
     def bytes(self) -> int:
-        """Size of the columns in the run file, uncompressed."""
+        """Uncompressed size of the columns in bytes."""
         return self.rows * sum(np.dtype(column.dtype).itemsize for column in self.columns)
 
 
 def origin(file: RunFile) -> dict[str, Scalar]:
-    """Return what is kept beside the rows wherever they go: where they come from, and what runs them again."""
+    """Return what every export keeps beside the rows: the run that made them, and the scenario to make them again."""
     attributes, provenance = file.attributes, file.provenance
     return {
         "Conventions": CONVENTIONS,
@@ -75,9 +75,9 @@ def origin(file: RunFile) -> dict[str, Scalar]:
 
 
 def heading(column: Dataset) -> str:
-    """Return a column's name with its unit, in letters that every tool takes for a name: max_area_um2.
+    """Return a column's name with its unit, in characters that every tool accepts in a name: max_area_um2.
 
-    A power loses its ^, a slash reads per, and what is a plain number has no unit: velocity_um_per_s, state.
+    A power loses its ^, a slash becomes per, and a pure number has no unit: velocity_um_per_s, state.
     """
     unit = column.units.replace("^", "").replace("/", "_per_").replace("*", "_")
     return column.name if unit == "1" else f"{column.name}_{unit}"
@@ -86,7 +86,7 @@ def heading(column: Dataset) -> str:
 def write_csv(
     path: Path, tables: Sequence[ExportTable], origin: dict[str, Scalar], between: Callable[[], None]
 ) -> None:
-    """Write one table; CSV has no place for its origin."""
+    """Write one table as CSV, which has no place for its origin."""
     del origin
     (table,) = tables
     with path.open("w", encoding="ascii", newline="") as stream:
@@ -105,7 +105,10 @@ def write_lines(stream: TextIO, table: ExportTable, between: Callable[[], None])
 def write_netcdf(
     path: Path, tables: Sequence[ExportTable], origin: dict[str, Scalar], between: Callable[[], None]
 ) -> None:
-    """Write tables with units at their variables and their origin at the root: of one, or of several in groups."""
+    """Write tables as netCDF, with units as attributes of variables and the origin as attributes of the root.
+
+    One table is written into the root, several into groups.
+    """
     with needing("analysis", "export --to netcdf"):
         import h5netcdf
     with unfailing(path) as target, h5netcdf.File(target, "w") as file:
@@ -167,7 +170,7 @@ WRITERS: Final[Mapping[Kind, Write]] = {"csv": write_csv, "parquet": write_parqu
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Export:
-    """One file to be written: where, in which format, from which groups of the run."""
+    """A file to be written: its path, its format, and the groups of the run."""
 
     path: Path
     kind: Kind
@@ -175,9 +178,9 @@ class Export:
 
 
 def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | None = None) -> list[Export]:
-    """Return the files that an export writes: one group or all there are, to ``output`` or into the current folder.
+    """Return the files that an export writes: of one group or of all, to ``output`` or into the current folder.
 
-    Raises Refused for a group that the run does not have, and for one output if several files are due.
+    Raises Refused for a group that the run does not have, and if ``output`` is given for several files.
     """
     there = tuple(name for name in TABLES if name in file.columns)
     if group is not None and group not in there:
@@ -193,7 +196,7 @@ def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | 
 
 
 def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Callable[[], None]) -> None:
-    """Write files from an open run, which get their names once all are whole; memory does not depend on its length.
+    """Write files from an open run; they get their names when all are complete. Memory does not grow with its length.
 
     ``between`` is called after each chunk of rows and may raise to stop. Raises, before anything is created, Refused
     for a run that is not finished, an output that exists already (unless ``force``) or is the run itself, and

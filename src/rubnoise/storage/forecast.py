@@ -1,4 +1,4 @@
-"""What a run will take, forecast before its first event; a run that this machine has no room for is refused."""
+"""Forecast the disk space, memory and time of a run before its first event, and refuse a run that does not fit."""
 
 import os
 import shutil
@@ -29,7 +29,7 @@ FAR: Final = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """What a run will take, or several made one after the other.
+    """The cost of one run, or of several made one after the other.
 
     result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
     them, with the copy that is made if one is compressed, or of rows that grow beside the part; working_bytes:
@@ -47,17 +47,17 @@ class Budget:
 
     @property
     def peak_bytes(self) -> int:
-        """Memory of a whole process at its peak, about; of this one with what it holds already."""
+        """About the peak memory of a process in bytes; for this process, with what it holds already."""
         return max(PROGRAM_BYTES, memory_in_use()) + self.working_bytes
 
     @property
     def more_bytes(self) -> int:
-        """Memory that this process would take beyond what it holds already, about."""
+        """About how many bytes this process would use beyond what it holds already."""
         return max(PROGRAM_BYTES - memory_in_use(), 0) + self.working_bytes
 
     @property
     def seconds(self) -> float:
-        """Time of one process on this machine, about: with the program's start, without compiling."""
+        """About the time of one process on this machine in s, with the program's start and without compiling."""
         return PROGRAM_SECONDS * machine_speed().processes + seconds(self.work, machine_speed())
 
 
@@ -90,7 +90,7 @@ def expected(scenario: Scenario) -> Budget:
 
 
 def _likely_junctions(model: Model) -> int:
-    """Return how many rows of /junctions are expected; of free motion those at constant separation."""
+    """Return the expected number of rows of /junctions; of free motion, the number at constant separation."""
     alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
     return round(model.birth_rate * model.distance + alive)
 
@@ -102,7 +102,7 @@ No run is that far off by chance."""
 
 
 def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
-    """Return how many rows a run has, to compare with those of its file; None if far more are expected, or fewer ticks.
+    """Return how many rows a run has, to compare with its file; None if far more, or fewer ticks, are expected.
 
     Raises ScenarioRefused for more rows, or more live junctions, than rubnoise can write.
     """
@@ -116,7 +116,7 @@ def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
 def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
     """Return the budget of runs made one after the other, each with its number.
 
-    Work and results add up; memory is that of the largest, and so is the copy of a result that is being compressed.
+    Work and results add up; memory, and the copy of a result during compression, are those of the largest run.
     """
     counts = tuple(runs)
     amounts: Counter[str] = Counter()
@@ -134,7 +134,7 @@ def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
 
 
 def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
-    """Refuse a run that this machine has no room for, and name the keys to change.
+    """Refuse a run that needs more disk space or memory than this machine has, and name the keys to change.
 
     Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
     """
@@ -154,7 +154,7 @@ def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike
 
 
 def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> None:
-    """Refuse a run that this machine has no memory for; ``kept_bytes`` of its result stay in memory too.
+    """Refuse a run that needs more memory than this machine has; ``kept_bytes`` of its result stay in memory, too.
 
     Raises Refused, with the keys to change named.
     """
@@ -167,7 +167,7 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
 
 
 def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
-    """Refuse runs into one folder, so many at a time on this machine, that there is no room for; name what to change.
+    """Refuse the runs of a sweep if this machine has not the disk space or memory; name the keys to change.
 
     ``budget`` is that of all runs together that are still to be made; the folder need not be there yet. Raises
     OutputRefused and Refused.
@@ -261,10 +261,10 @@ BLOCK_BYTES = 512
 
 
 def free_disk_bytes(path: str | os.PathLike[str]) -> int:
-    """Return how many bytes may be written at a path: what its disk has free, a file no larger than RLIMIT_FSIZE.
+    """Return the number of bytes that may be written at a path: the free space of its disk, at most RLIMIT_FSIZE.
 
-    The space of a part file beside it, and of rows beside that, counts as free, since it is the new result's or is
-    given back. Raises OSError if there is no such folder.
+    The space of a part file and of its growing rows counts as free: the new result uses it or gives it back.
+    Raises OSError if the folder does not exist.
     """
     final = Path(path).absolute()
     room = shutil.disk_usage(final.parent).free
@@ -276,7 +276,7 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
 
 
 def _limit(name: str) -> float:
-    """Return a limit of this process, inf if it has none or the system knows no limits."""
+    """Return a limit of this process; inf if there is none."""
     try:
         import resource
     except ImportError:
@@ -291,7 +291,7 @@ def memory_in_use(root: Path = Path("/")) -> int:
 
 
 def free_memory_bytes(root: Path = Path("/")) -> int | None:
-    """Return how many more bytes of memory this process may come to hold, or None if nothing is known.
+    """Return how many more bytes of memory this process may use, or None if that is unknown.
 
     The least of what the machine has available, what the control groups of the process leave it (version 1 and 2,
     and the groups around them), and what RLIMIT_AS leaves of its address space. ``root`` is where the system's own
@@ -315,7 +315,7 @@ def _left_of_address_space(root: Path) -> Iterator[int]:
 
 
 def _left_in_groups(root: Path) -> Iterator[int]:
-    """Yield what each control group with a limit leaves; the pages of files in it can be dropped at any time."""
+    """Yield the free memory of each control group with a limit; its file cache counts as free."""
     for folder, version, most in _limits(root):
         _, used, prefix = _NAMES[version]
         now = _number_in_file(folder / used)
@@ -334,7 +334,7 @@ _NAMES = {
 
 @cache
 def _limits(root: Path) -> tuple[tuple[Path, int, int], ...]:
-    """Return folder, version and limit of the groups that have one; looked for once, as runs of a sweep are many."""
+    """Return folder, version and limit of the groups that have a limit; kept, since a sweep asks for each run."""
     found = ((folder, version, _number_in_file(folder / _NAMES[version][0])) for folder, version in _groups(root))
     return tuple((folder, version, most) for folder, version, most in found if most is not None and most < _NO_LIMIT)
 
@@ -349,14 +349,14 @@ def _groups(root: Path) -> Iterator[tuple[Path, int]]:
             top, version = root / "sys/fs/cgroup", 2
         else:
             continue
-        # Inside a container the name may be that of the host's tree: what is not there is passed over.
+        # Inside a container the name may belong to the host's tree: missing folders are skipped.
         inner = PurePosixPath(name.lstrip("/"))
         for each in (inner, *inner.parents):
             yield top / each, version
 
 
 def _pages(root: Path) -> tuple[int, int]:
-    """Return the pages of this process's address space, and those of them that are in memory."""
+    """Return how many pages the address space of this process has, and how many of them are in memory."""
     pages = _text(root / "proc/self/statm").split()
     return (int(pages[0]), int(pages[1])) if pages else (0, 0)
 
@@ -367,7 +367,7 @@ def _numbers(path: Path) -> dict[str, int]:
 
 
 def _number_in_file(path: Path) -> int | None:
-    """Return the number that a file holds; None if it is missing or says "max"."""
+    """Return the number in a file; None if the file is missing or says "max"."""
     text = _text(path).strip()
     return int(text) if text.isdecimal() else None
 

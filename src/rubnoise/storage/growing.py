@@ -1,7 +1,7 @@
 """The file beside a part for groups whose number of rows is known only at the end of a run.
 
-It consists of steps of equal size, each taken from the disk as a whole before its first row is written. A step belongs
-to one group and holds as many of its rows as fit into it, column after column.
+It consists of steps of equal size. A step is allocated on disk before its first row is written; it belongs to one
+group and holds as many rows as fit, column after column.
 """
 
 import os
@@ -26,9 +26,9 @@ _HEAD: Final = struct.Struct("<4sI")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Steps:
-    """The steps of one group: its number, where each of its columns begins in a step, and where the steps lie so far.
+    """The steps of a group: its number, the offset of each column in a step, and the offsets of the steps so far.
 
-    ``rows``: how many fit into a step.
+    ``rows``: number of rows of a step.
     """
 
     group: int
@@ -38,7 +38,7 @@ class Steps:
 
     @classmethod
     def of(cls, group: str, columns: Sequence[str]) -> Self:
-        """Return the steps of a group that has none yet."""
+        """Return an empty list of steps for a group."""
         sizes = [np.dtype(DTYPES[group, name]).itemsize for name in columns]
         rows = (STEP_BYTES - _HEAD.size) // sum(sizes)
         begins = np.cumsum([_HEAD.size, *(rows * size for size in sizes[:-1])]).tolist()
@@ -48,7 +48,7 @@ class Steps:
 
 @dataclass(frozen=True, slots=True)
 class GrowingPlace:
-    """Where the bytes of a growing column lie: used as a `Place` is, and never full."""
+    """The place of a growing column: used as a `ByteRange` is, and never full."""
 
     file: "GrowingFile"
     steps: Steps
@@ -63,11 +63,11 @@ class GrowingPlace:
 
     @property
     def held(self) -> int:
-        """Rows for which there is room already."""
+        """Number of rows for which space is allocated."""
         return len(self.steps.places) * self.steps.rows
 
     def reserve(self, end: int) -> None:
-        """Take the steps that the first bytes of the column need."""
+        """Allocate the steps that the first ``bytes`` of the column need."""
         while self.held * np.dtype(self.dtype).itemsize < end:
             self.file.add(self.steps)
 
@@ -82,7 +82,7 @@ class GrowingPlace:
 
 
 class GrowingFile:
-    """The growing rows of some groups, each with the names of its columns, in a file of their own.
+    """The file with the growing rows of some groups, each given with the names of its columns.
 
     ``descriptor`` is open until ``close``. Raises OSError if the disk fails.
     """
@@ -102,7 +102,7 @@ class GrowingFile:
 
     @classmethod
     def found(cls, path: Path, groups: Mapping[str, Sequence[str]]) -> Self:
-        """Open the file with all its complete steps; make an empty file if it does not exist."""
+        """Open the file with its complete steps; create it if it does not exist."""
         try:
             file = cls(path, groups, descriptor=disk.reopen(path))
         except FileNotFoundError:
@@ -115,20 +115,20 @@ class GrowingFile:
         return file
 
     def close(self) -> None:
-        """Close the file; it stays."""
+        """Close the file, without removing it."""
         disk.close(self.descriptor)
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """The groups whose rows lie here."""
+        """The groups whose rows are in this file."""
         return tuple(self._steps)
 
     def place(self, name: Name) -> GrowingPlace:
-        """Return where a column lies."""
+        """Return the place of a column."""
         return GrowingPlace(self, self._steps[name[0]], name[1], DTYPES[name])
 
     def add(self, steps: Steps) -> None:
-        """Take one more step from the disk."""
+        """Allocate one more step."""
         start, end = self._size, self._size + STEP_BYTES
         disk.allocate(self.descriptor, end, start)
         disk.write_all(self.descriptor, memoryview(_HEAD.pack(_MAGIC, steps.group)), start)
@@ -136,14 +136,14 @@ class GrowingFile:
         self._size = end
 
     def sync(self) -> None:
-        """See all rows onto the disk, and the name of the file."""
+        """Flush all rows and the name of the file to disk."""
         disk.sync_rows(self.descriptor)
         if not self._named:
             disk.sync_folder(self._path.parent)
             self._named = True
 
     def copy(self, name: Name, place: ByteRange, target: int) -> None:
-        """Copy a column to its place in another open file, in one piece; not if a power cut has taken rows of it."""
+        """Copy a column into its place in another open file, unless a power cut has lost rows of it."""
         source, left, offset = self.place(name), place.end - place.offset, place.offset
         if place.rows > source.held:
             return
@@ -155,7 +155,7 @@ class GrowingFile:
             offset += count
 
     def _find_steps(self) -> None:
-        """Find the steps up to the first that has no head."""
+        """Find the steps, up to the first one without a valid head."""
         steps = {each.group: each for each in self._steps.values()}
         end = os.fstat(self.descriptor).st_size
         while self._size + STEP_BYTES <= end:

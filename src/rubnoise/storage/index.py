@@ -1,4 +1,4 @@
-"""The index of a sweep as HDF5: one row a run, and the traces of like runs seen as one array."""
+"""Write the index of a sweep as HDF5: a row for each run, and the traces of similar runs as one array."""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -55,7 +55,7 @@ class Filled:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stack:
-    """Runs with the same ticks and the same columns: their rows in /runs, and their files seen from the index.
+    """Runs with the same ticks and the same columns: their rows in /runs, and the relative paths of their files.
 
     ``slider``: rows of /slider in each of them, None if every run has another number.
     """
@@ -84,7 +84,7 @@ Arrays = Iterable[tuple[int, Mapping[str, NDArray[Any]]]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Index:
-    """All that an index holds: keys by their tables, columns of points and of runs, like runs, and arrays of both.
+    """The content of an index: keys by table, columns of points and runs, stacks of similar runs, and arrays of both.
 
     ``scenario_resolved`` is that of the first point; with the values of another one it is that one's.
     """
@@ -117,7 +117,7 @@ def compose_index(file: h5py.File, index: Index) -> None:
 
 
 def seal_of_index(attributes: Mapping[str, str], hashes: Mapping[str, str]) -> str:
-    """Return the xxh3_128 of what an index says: that of a JSON text of its attributes and its columns' hashes.
+    """Return the xxh3_128 of a JSON text with the index's attributes and the hashes of its columns.
 
     ``attributes`` are those in TEXTS, ``hashes`` stand under paths such as /runs/seed; names are sorted.
     """
@@ -126,7 +126,7 @@ def seal_of_index(attributes: Mapping[str, str], hashes: Mapping[str, str]) -> s
 
 
 def describe(file: h5py.File, index: Index) -> None:
-    """Write everything but the traces: what the sweep is, its runs, and what is kept of them instead of files."""
+    """Write everything but the traces: the sweep's attributes, its runs, and the figures kept instead of files."""
     texts = {
         "Conventions": CONVENTIONS,
         "format": FORMAT,
@@ -166,7 +166,7 @@ def create_scale(owner: h5py.Group, about: Dataset, values: NDArray[Any]) -> h5p
 
 
 def described(owner: h5py.Group, about: Dataset, values: NDArray[Any]) -> h5py.Dataset:
-    """Create a column with its values, what they are, and their hash."""
+    """Create a column with its values, their description and their hash."""
     raw = np.asarray(values, dtype=about.dtype)
     dataset = describe_column(owner.create_dataset(about.name, data=raw), about)
     put_text(dataset, HASH, xxhash.xxh3_128_hexdigest(np.ascontiguousarray(raw).data))
@@ -174,7 +174,7 @@ def described(owner: h5py.Group, about: Dataset, values: NDArray[Any]) -> h5py.D
 
 
 def describe_column(dataset: h5py.Dataset, about: Dataset) -> h5py.Dataset:
-    """Say of a dataset what it is."""
+    """Write the attributes that describe a dataset."""
     for name, text in {"units": about.units, "long_name": about.long_name, "symbol": about.symbol}.items():
         if text:
             put_text(dataset, name, text)
@@ -188,10 +188,10 @@ def attach(dataset: h5py.Dataset, *scales: h5py.Dataset) -> None:
 
 
 def _refer(owner: h5py.Group, group: Group, count: int, stack: Stack) -> None:
-    """Write one group of like runs as datasets of run and row, whose values stay in the files of the runs."""
+    """Write a stack of similar runs as datasets over run and row; the values stay in the files of the runs."""
     about, *rest = stack.columns(group)
     runs = create_scale(owner, RUN, np.asarray(stack.rows))
-    # Like runs have the same ticks: those of the first one stand for all.
+    # Similar runs have the same ticks: those of the first one serve for all.
     ticks = _virtual(owner, about, stack.files[:1], group, count, flat=True)
     ticks.make_scale(about.name)
     for column in rest:
@@ -201,7 +201,7 @@ def _refer(owner: h5py.Group, group: Group, count: int, stack: Stack) -> None:
 def _virtual(
     owner: h5py.Group, about: Dataset, files: Sequence[str], group: Group, count: int, *, flat: bool
 ) -> h5py.Dataset:
-    """Create a dataset that stands for the columns of files; by HDF5's own calls, as h5py's take five times as long."""
+    """Create a virtual dataset of columns in other files, by HDF5's own calls, since h5py's take five times as long."""
     shape = (count,) if flat else (len(files), count)
     creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     source, whole = h5py.h5s.create_simple((count,)), h5py.h5s.create_simple(shape)
@@ -217,7 +217,7 @@ def _virtual(
 
 
 def _keep_arrays(file: h5py.File, arrays: Arrays, scale: h5py.Dataset) -> None:
-    """Write arrays as they come, one row each, so that they are never all in memory; rows without one are nan or 0."""
+    """Write arrays into their rows, one at a time in memory; rows without an array are nan or 0."""
     datasets: dict[str, h5py.Dataset] = {}
     for row, found in arrays:
         for name, values in found.items():
@@ -233,7 +233,7 @@ def _keep_arrays(file: h5py.File, arrays: Arrays, scale: h5py.Dataset) -> None:
 
 
 def _put_hash(dataset: h5py.Dataset) -> None:
-    """Write the hash of a column beside it, which is read back for that in pieces."""
+    """Read a column back in pieces, and write its hash as its attribute."""
     digest = xxhash.xxh3_128()
     for part in slices(0, dataset.shape[0], ROWS_AT_ONCE):
         digest.update(np.ascontiguousarray(dataset[part]).data)
@@ -241,7 +241,7 @@ def _put_hash(dataset: h5py.Dataset) -> None:
 
 
 def index_structure(file: h5py.File, size: int) -> dict[str, Any]:
-    """Return where the columns of an index lie and what its attributes say; raises RunFileRefused for one unsound."""
+    """Return the places of an index's columns and its attributes; raises RunFileRefused for an invalid index."""
     version = read_integer(file, "format_version")
     if version > FORMAT_VERSION:
         return {"too_new": version, "source": read_text(file, "source")}

@@ -1,4 +1,4 @@
-"""What readers of an index rely on, asked before they get it: an index from elsewhere may say anything."""
+"""Check what readers of an index rely on, before they get it: an index from another person may hold anything."""
 
 import json
 import re
@@ -22,7 +22,7 @@ _KINDS: Final = {"S": "texts", "i": "whole numbers", "f": "numbers"}
 
 
 def check_index(index: IndexFile) -> None:
-    """Raise RunFileRefused, with what is wrong, for an index that is not one that the program writes."""
+    """Raise RunFileRefused, with the reason, for an index that this program cannot have written."""
     try:
         _check(index)
     except RunFileRefused as refusal:
@@ -57,7 +57,7 @@ def _require(right: bool, otherwise: str) -> None:  # noqa: FBT001
 
 
 def _json(text: str) -> Any:
-    """Return what a JSON text says; None for one that is none."""
+    """Return the value of a JSON text; None if it is not valid JSON."""
     try:
         return json.loads(text)
     except (ValueError, RecursionError):
@@ -84,7 +84,7 @@ def _check_kinds(group: str, there: dict[str, str], wanted: dict[str, str]) -> N
 
 
 def _is_point(values: Any, keys: list[str]) -> bool:
-    """Whether values are those of a point: one for each key, none of which holds others."""
+    """Whether values can be those of a point: a plain value for each key."""
     return (
         isinstance(values, dict)
         and values.keys() == set(keys)
@@ -93,7 +93,7 @@ def _is_point(values: Any, keys: list[str]) -> bool:
 
 
 def _check_places(index: IndexFile, grid: list[str], side_by_side: list[str]) -> None:
-    """Refuse points and replicates that there are not: arrays are made as large as these numbers say."""
+    """Refuse numbers of points and replicates that do not exist, since arrays get their size from these numbers."""
     point, replicate = (index.read(RUNS, name) for name in ("point", "replicate"))
     points = index.rows(POINTS)
     _check_range("point", point, np.full(point.size, points))

@@ -1,4 +1,4 @@
-"""An open index of a sweep, whose columns are read on demand with plain reads, and the results of its runs by name."""
+"""An open index of a sweep: its columns are read on demand with plain reads, the results of its runs opened by name."""
 
 import os
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ class IndexFile(OpenFile):
     called = "index"
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of a file, and what was found in it."""
+        """Take over the descriptor of an open file, and the structure that was read from it."""
         if "index" not in found:
             raise RunFileRefused("is the result of one run, not the index of a sweep")
         self.attributes: Mapping[str, str] = found["index"]
@@ -40,20 +40,20 @@ class IndexFile(OpenFile):
 
     @property
     def seal(self) -> str | None:
-        """The hash that the index keeps of all that it says; None if it has none."""
+        """The stored hash of the index's attributes and columns; None without one."""
         return self._seal
 
     @property
     def hashes(self) -> dict[str, str | None]:
-        """The hash that is kept beside each column, by paths such as /runs/seed."""
+        """The stored hash of each column, by paths such as /runs/seed."""
         return {f"/{group}/{name}": place.get(HASH) for group, of in self._places.items() for name, place in of.items()}
 
     def damaged(self) -> tuple[str, ...]:
-        """Return the columns that are unreadable or have another hash than is kept beside them, by their paths."""
+        """Return the paths of the columns that cannot be read, or differ from their stored hash."""
         return tuple(path for path, kept in self.hashes.items() if self._hash(*path[1:].split("/", 1)) != kept)
 
     def columns(self, group: str) -> tuple[Dataset, ...]:
-        """Return what the columns of "points", "runs" or "summaries" are, in their order; texts have a dtype of str."""
+        """Return descriptions of the columns of "points", "runs" or "summaries", in order; texts have the dtype str."""
         return tuple(_about(name, place) for name, place in self._places[group].items())
 
     def rows(self, group: str) -> int:
@@ -61,11 +61,11 @@ class IndexFile(OpenFile):
         return int(next(iter(self._places[group].values()))["shape"][0])
 
     def read(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Read rows of a column; raises KeyError for one that is not there, RunFileRefused if it cannot be read."""
+        """Read rows of a column; raises KeyError if it does not exist, RunFileRefused if it cannot be read."""
         return _decoded(self.raw(group, name, start, stop))
 
     def raw(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Read rows of a column as they are stored, texts as bytes; refused as by `read`."""
+        """Read rows of a column as they are stored, texts as bytes; raises as `read` does."""
         place = self._places[group][name]
         rows, *others = place["shape"]
         width, kind = prod(others), np.dtype(place["dtype"])
@@ -88,8 +88,8 @@ class IndexFile(OpenFile):
 def open_index(path: str | os.PathLike[str]) -> IndexFile:
     """Open the index of a sweep, which may come from elsewhere.
 
-    Raises RunFileRefused, with the reason in one sentence, for a path that is missing, and for a file that is no index,
-    damaged, or of a later format.
+    Raises RunFileRefused, with the reason in one sentence, for a missing path, and for a file that is not an
+    index, is damaged, or has a later format.
     """
     return opened(IndexFile, path)
 
@@ -122,7 +122,7 @@ def open_named(path: str | os.PathLike[str], run_id: str) -> RunFile:
 
 
 def name_of(file: Reader) -> str:
-    """Return the name that the scenario in a file has in a sweep; raises RunFileRefused if there is none."""
+    """Return the name of a run in its sweep, from the scenario in its file; raises RunFileRefused if there is none."""
     from rubnoise.scenario.points import run_id
     from rubnoise.scenario.reading import stored
 

@@ -1,4 +1,4 @@
-"""Everything in a file by name, with every attribute, and what a correct run has there.
+"""List everything in a file by name, with every attribute, and what the file of a correct run would have.
 
 Files from elsewhere are read in the sandbox; no row is read.
 """
@@ -40,14 +40,14 @@ Ended = tuple[Mapping[Name, str], Mapping[str, Scalar], str]
 
 
 def inventory(descriptor: int) -> bytes:
-    """Return, as JSON, everything that an open file holds, or why it is refused."""
+    """Return everything that an open file holds as JSON, or the reason why it is refused."""
     return structure_read_by(descriptor, lambda file: {"objects": inventory_of(file)})
 
 
 def expected_inventory(
     description: RunDescription, *, compressed: bool, ending: Ended | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Return what the file of a run holds beside its rows, before the first or at the end: it is made in memory."""
+    """Return what the file of a run must hold beside its rows, before the first one or at the end, made in memory."""
     with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         compose(file, description, compressed=compressed)
         if ending is not None:
@@ -56,7 +56,7 @@ def expected_inventory(
 
 
 def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, NDArray[Any]]]:
-    """Return what the file of an index holds, and the values of its columns by paths such as /runs/seed."""
+    """Return what the file of an index must hold, and the values of its columns by paths such as /runs/seed."""
     with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         compose_index(file, index)
         owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
@@ -64,7 +64,7 @@ def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, N
 
 
 def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:
-    """Return texts by name as the attributes of our files hold them."""
+    """Return texts by name in the form that attributes of our files have."""
     with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         for name, text in texts.items():
             put_text(file, name, text)
@@ -72,7 +72,7 @@ def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:
 
 
 def inventory_of(file: h5py.File) -> dict[str, dict[str, Any]]:
-    """Return everything that a file holds; what is neither a group nor a dataset of its own is named, and no more.
+    """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
 
     Raises RunFileRefused for more objects than any of our files has.
     """
@@ -93,7 +93,7 @@ def inventory_of(file: h5py.File) -> dict[str, dict[str, Any]]:
 
 
 def _links(owner: h5py.Group) -> Iterator[tuple[str, str, Any]]:
-    """Yield name, kind and object of everything in a group; of what is no hard link no object."""
+    """Yield name, kind and object of everything in a group; the object only for hard links."""
     names: list[bytes] = []
     owner.id.links.iterate(names.append)
     for raw in names:
@@ -128,7 +128,7 @@ def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
 
 
 def _storage(creation: h5py.h5p.PropDCID, layout: int) -> str:
-    """Return how the rows of a dataset lie in its file, in words."""
+    """Return how the rows of a dataset are stored, in words."""
     if layout == h5py.h5d.CONTIGUOUS:
         return "in other files" if creation.get_external_count() else "in one piece"
     if layout == h5py.h5d.VIRTUAL:
@@ -140,7 +140,7 @@ def _storage(creation: h5py.h5p.PropDCID, layout: int) -> str:
 
 
 def _sources(creation: h5py.h5p.PropDCID) -> str:
-    """Return which rows of a virtual dataset lie in which dataset of which file: how many pieces, and their hash."""
+    """Return the sources of a virtual dataset: the number of pieces, and a hash of their files, datasets and rows."""
     digest, count = xxhash.xxh3_128(), creation.get_virtual_count()
     for number in range(count):
         place = (creation.get_virtual_filename(number), creation.get_virtual_dsetname(number))
@@ -149,7 +149,7 @@ def _sources(creation: h5py.h5p.PropDCID) -> str:
 
 
 def _selection(space: h5py.h5s.SpaceID) -> str:
-    """Return which values are selected, by the corners of what holds them all, and their number."""
+    """Return a selection of values as the corners of its bounding box and its number of values."""
     if space.get_select_type() == h5py.h5s.SEL_ALL:
         return "all"
     first, last = (tuple(map(int, corner)) for corner in space.get_select_bounds())
@@ -173,7 +173,7 @@ def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
 
 
 def _type(kind: h5py.h5t.TypeID) -> str:
-    """Return the type of values as text, so that two of them are equal if the types are."""
+    """Return the type of values as text; the texts are equal if the types are."""
     if isinstance(kind, h5py.h5t.TypeStringID):
         characters = "UTF-8" if kind.get_cset() == h5py.h5t.CSET_UTF8 else "ASCII"
         length = "any length" if kind.is_variable_str() else f"{kind.get_size()} bytes"
@@ -191,7 +191,7 @@ def _type(kind: h5py.h5t.TypeID) -> str:
 
 
 def _value(owner: h5py.HLObject, attribute: h5py.h5a.AttrID, kind: h5py.h5t.TypeID) -> Any:
-    """Return what an attribute holds, references as the paths of what they refer to; None if it cannot be read."""
+    """Return the value of an attribute, with references as paths; None if it cannot be read."""
     if attribute.get_storage_size() > ATTRIBUTE_BYTES or attribute.shape is None:
         return None
     if isinstance(kind, h5py.h5t.TypeStringID):
@@ -214,7 +214,7 @@ def _decoded(texts: Any) -> Any:
 
 
 def _referred(owner: h5py.HLObject, value: Any) -> Any:
-    """Return lists and rows with paths in place of references."""
+    """Return lists and rows with references replaced by paths."""
     if isinstance(value, h5py.Reference):
         try:
             name = h5py.h5r.get_name(value, owner.file.id) if value else None

@@ -1,7 +1,7 @@
-"""The journal beside a part file: the run, each commit, and how the file is to be finished.
+"""The journal beside a part file: the run, each commit, and the ending of the file.
 
-Records are appended, each with its length and a checksum of its own. A commit counts and hashes the rows that are on
-the disk; the last record holds everything of the final file that is no row.
+Records are appended, each with its length and a checksum of its own. A commit counts and hashes the rows on disk; the
+last record holds everything of the final file except its rows.
 """
 
 import json
@@ -36,7 +36,7 @@ _HEAD: Final = struct.Struct("<4s4sQQ")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """One record as it was found: its kind, its content, and where it ends in the file."""
+    """One record of a journal: its kind, its content, and where it ends in the file."""
 
     kind: Kind
     content: bytes
@@ -46,7 +46,7 @@ class Frame:
 class Journal:
     """A journal for appending, made with a first record when there is something to append.
 
-    Of a journal that is there already the first ``size`` bytes are good; the rest is cut off.
+    The first ``size`` bytes of an existing journal are kept; the rest is cut off.
     """
 
     def __init__(self, path: Path, first: bytes, size: int = 0) -> None:
@@ -60,11 +60,11 @@ class Journal:
 
     @property
     def begun(self) -> bool:
-        """Whether there are records."""
+        """Whether the journal has records."""
         return self._end > 0
 
     def append(self, kind: Kind, content: bytes, *, durable: bool) -> None:
-        """Append a record, and see it onto the disk if it shall be ``durable``."""
+        """Append a record, and flush it to disk if ``durable``."""
         new = self._descriptor is None
         if self._descriptor is None:
             disk.remove(self._path)
@@ -77,7 +77,7 @@ class Journal:
                 disk.sync_folder(self._path.parent)
 
     def close(self) -> None:
-        """Close the file; it stays."""
+        """Close the file, without removing it."""
         if self._descriptor is not None:
             disk.close(self._descriptor)
             self._descriptor = None
@@ -89,7 +89,7 @@ class Journal:
 
 
 def frames(path: Path) -> Iterator[Frame]:
-    """Yield the records of a journal up to the first that is torn; none of a file that is missing.
+    """Yield the records of a journal up to the first damaged one; none if the file is missing.
 
     Raises OSError if the disk fails.
     """
@@ -122,7 +122,7 @@ def _packed(kind: Kind, content: bytes) -> bytes:
 
 
 def _checksum(kind: bytes, content: bytes) -> int:
-    """Return the checksum of a record; the length has its share in it, so that it needs none of its own."""
+    """Return the checksum of a record, which covers its length, too."""
     checksum: int = xxhash.xxh3_64_intdigest(kind + len(content).to_bytes(8, "little") + content)
     return checksum
 
@@ -133,9 +133,9 @@ _PIECE: Final = struct.Struct("<QQ")
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """What a file has outside of its rows when it is whole: pieces with their offsets, and its size in bytes.
+    """The content of a complete file outside of its rows: pieces with their offsets, and the file's size in bytes.
 
-    ``grown``: the columns that lie in a file beside it until then, with their places in it.
+    ``grown``: the columns to copy from the file of growing rows, with their places in the complete file.
     """
 
     pieces: tuple[tuple[int, bytes], ...]
@@ -143,7 +143,7 @@ class Ending:
     grown: tuple[tuple[Name, ByteRange], ...] = ()
 
     def packed(self) -> bytes:
-        """Return it as the content of a record."""
+        """Return the ending as the content of a record."""
         head = _ENDING_HEAD.pack(self.size, len(self.pieces))
         places = b"".join(_PIECE.pack(offset, len(data)) for offset, data in self.pieces)
         grown = [[*name, place.offset, place.rows] for name, place in self.grown]
@@ -152,7 +152,7 @@ class Ending:
 
     @classmethod
     def unpacked(cls, content: bytes) -> Self:
-        """Return what a record holds; raises struct.error, ValueError or KeyError for one that is none."""
+        """Return the ending in a record; raises struct.error, ValueError or KeyError if the record is not valid."""
         size, count = _ENDING_HEAD.unpack_from(content)
         begin = _ENDING_HEAD.size + count * _PIECE.size
         pieces = []
@@ -168,14 +168,14 @@ class Ending:
 
     @property
     def grown_groups(self) -> dict[str, list[str]]:
-        """The columns that lie beside the file, by group."""
+        """The columns in the file of growing rows, by group."""
         groups: dict[str, list[str]] = {}
         for (group, name), _ in self.grown:
             groups.setdefault(group, []).append(name)
         return groups
 
     def carry_out(self, descriptor: int, growing: GrowingFile | None) -> None:
-        """Write it to a file, and copy the rows that lie beside it; the disk need not have it then."""
+        """Write the ending to a file, and copy the growing rows into it, without fsync."""
         if growing is not None:
             disk.allocate(descriptor, self.size)
             for name, place in self.grown:
@@ -185,7 +185,7 @@ class Ending:
         disk.resize(descriptor, self.size)
 
     def is_in(self, descriptor: int) -> bool:
-        """Whether a file has it, to the last byte."""
+        """Whether a file has this ending, to the last byte."""
         return os.fstat(descriptor).st_size == self.size and all(
             disk.read(descriptor, len(data), offset) == data for offset, data in self.pieces
         )
@@ -204,7 +204,7 @@ _MARK: Final = struct.Struct("<Q16s")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Commit:
-    """How far a run was: ``moment`` (s since 1970), a mark for every column, and where its record lies.
+    """The progress of a run at a ``moment`` (s since 1970): a mark for every column, and the place of its record.
 
     ``state``: place and length of the packed state in the journal; ``end``: where the record ends.
     """
@@ -217,7 +217,7 @@ class Commit:
 
 @dataclass(slots=True, kw_only=True)
 class History:
-    """All that a journal holds. ``run`` is None if there is no journal, or none of a run."""
+    """The content of a journal. ``run`` is None if there is no journal, or it names no run."""
 
     run: str | None = None
     columns: tuple[Name, ...] = ()
@@ -227,10 +227,10 @@ class History:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Return what a journal holds, as far as it is whole.
+        """Return the content of a journal, up to the first damaged record.
 
-        ``begun`` is where its first record ends. Raises RunFileRefused for one of another version, OSError if the
-        disk fails.
+        ``begun`` is where its first record ends. Raises RunFileRefused for another version, OSError if the disk
+        fails.
         """
         history = cls()
         for frame in frames(path):
@@ -255,7 +255,7 @@ class History:
 
 
 def state_at(path: Path, commit: Commit) -> State:
-    """Return the state of a run at a commit; raises RunFileRefused if it is none."""
+    """Return the state of a run at a commit; raises RunFileRefused if it is not valid."""
     place, length = commit.state
     with open_stream(path) as stream, _refusing(path):
         stream.seek(place)
@@ -263,7 +263,7 @@ def state_at(path: Path, commit: Commit) -> State:
 
 
 def identity(description: RunDescription) -> str:
-    """Return what identifies a run: its scenario, seed and streams, its rows, and when it was started."""
+    """Return what identifies a run: its scenario, seed and streams, its rows, and its start time."""
     origin, extent = description.provenance, description.extent
     known = None if "free" in description.features else extent.junctions  # which the end of a free run alone shows
     rows = (known, extent.ticks, extent.blocks)
@@ -278,14 +278,14 @@ def packed_run(description: RunDescription, columns: Sequence[Name]) -> bytes:
 
 
 def packed_commit(marks: Sequence[Mark], state: State) -> bytes:
-    """Return the content of a commit's record; the marks stand in the order of the columns in the first one."""
+    """Return the content of a commit's record; its marks have the order of the columns in the first record."""
     packed = b"".join(_MARK.pack(mark.rows, mark.digest) for mark in marks)
     return _COMMIT_HEAD.pack(time(), len(marks)) + packed + state.pack()
 
 
 @contextmanager
 def _refusing(path: Path) -> Iterator[None]:
-    """Name the file of an intact record that makes no sense, which another program must have written."""
+    """Raise RunFileRefused, which names the file, for an intact record without meaning: another program wrote it."""
     try:
         yield
     except (ValueError, KeyError, TypeError, struct.error) as problem:

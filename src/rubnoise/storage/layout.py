@@ -1,4 +1,4 @@
-"""What one run stores: which columns, how many rows and bytes, and where they lie in its file."""
+"""The layout of a result file: its columns, their rows and bytes, and their places in the file."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ Name = tuple[str, str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunDescription:
-    """All that is known of a result file before its first row."""
+    """The content of a result file that is known before its first row."""
 
     title: str
     extent: Extent
@@ -36,7 +36,7 @@ class RunDescription:
 
 
 def features_of(model: Model) -> frozenset[Feature]:
-    """Return what a run of this model stores beyond the bare contact."""
+    """Return the features of a run of this model: what it stores beyond the bare contact."""
     given: dict[Feature, object] = {
         "speed": model.sliding_speed,
         "strength": model.strengths,
@@ -52,7 +52,7 @@ def features_of(model: Model) -> frozenset[Feature]:
 
 @cache
 def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
-    """Return the groups that a run with these features has, with the columns that it has, as its file describes them.
+    """Return the groups and columns of a run with these features, as its file describes them.
 
     Kept, since the runs of a sweep have the same.
     """
@@ -70,7 +70,7 @@ def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Dataset,
 
 
 def row_count(group: Group, extent: Extent) -> int:
-    """Return the number of rows in a group that are there before a run: none if they grow."""
+    """Return the number of rows that a group has before a run: 0 if its rows grow."""
     fixed = {"curve": CURVE_ROWS, "table": TABLE_ROWS}
     return fixed[group.length] if group.length in fixed else extent.rows(group.name) or 0
 
@@ -81,7 +81,7 @@ def grows(group: Group, extent: Extent) -> bool:
 
 
 def stored_extent(rows: Mapping[str, int], features: frozenset[Feature]) -> Extent:
-    """Return how many rows the groups of a file have; one that may grow has none before its run has ended."""
+    """Return how many rows the groups of a file have; a growing group has none before its run has ended."""
     growing = {group.name for group in GROUPS if not features.isdisjoint(group.grows) and rows.get(group.name) == 0}
     return Extent(
         junctions=None if "junctions" in growing else rows["junctions"],
@@ -94,7 +94,7 @@ def stored_extent(rows: Mapping[str, int], features: frozenset[Feature]) -> Exte
 
 
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
-    """Return the size of an uncompressed result file within a few kilobytes, its scenario not counted."""
+    """Return the size of an uncompressed result file within a few kilobytes, without its scenario."""
     return STRUCTURE_BYTES + sum(
         row_count(group, extent) * np.dtype(column.dtype).itemsize
         for group in stored_groups(features)
@@ -107,7 +107,7 @@ DTYPES: Final = {(group.name, column.name): column.dtype for group in GROUPS for
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ByteRange:
-    """Where the bytes of a contiguous column lie in its file; without rows they lie nowhere and the offset is 0."""
+    """The place of a contiguous column in its file; without rows its offset is 0."""
 
     offset: int
     rows: int
@@ -120,14 +120,14 @@ class ByteRange:
 
     @property
     def held(self) -> int:
-        """Rows for which there is room: all of them."""
+        """Number of rows for which space is allocated: all of them."""
         return self.rows
 
     def reserve(self, end: int) -> None:
-        """Take the space of the first bytes of the column, which its file has from the start."""
+        """Do nothing: the file has the space of the whole column from the start."""
 
     def pieces(self, first: int, size: int) -> Iterator[tuple[int, int]]:
-        """Yield offset and size of each piece of the file that holds some bytes of the column: of one alone."""
+        """Yield offset and size of the one piece of the file that holds some bytes of the column."""
         yield self.offset + first, size
 
 
@@ -141,9 +141,9 @@ def places_of(found: Mapping[str, Any]) -> dict[Name, ByteRange]:
 
 
 def between(columns: Iterable[ByteRange], size: int) -> tuple[range, ...]:
-    """Return the places of a file that hold no rows, in order.
+    """Return the parts of a file that hold no rows, in order.
 
-    Raises RunFileRefused if columns lie over one another or beyond the file.
+    Raises RunFileRefused if columns overlap or lie beyond the end of the file.
     """
     found, start = [], 0
     for column in sorted((column for column in columns if column.rows), key=lambda column: column.offset):
@@ -155,7 +155,7 @@ def between(columns: Iterable[ByteRange], size: int) -> tuple[range, ...]:
 
 
 def digest_of(pieces: Iterable[tuple[int, bytes]]) -> str:
-    """Return one hash of pieces of a file and of where they lie."""
+    """Return one hash of pieces of a file and their offsets."""
     digest = xxhash.xxh3_128()
     for offset, data in pieces:
         digest.update(f"{offset} {len(data)} ".encode() + data)

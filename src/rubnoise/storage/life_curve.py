@@ -1,4 +1,4 @@
-"""The life of any junction of a run as a table that any tool can interpolate, by the pulse that its file names."""
+"""The life of any junction as a table that any tool can interpolate, by the pulse that the file names."""
 
 import json
 from collections.abc import Mapping
@@ -50,7 +50,7 @@ def pulse_of(scenario: Mapping[str, object]) -> Pulse:
 
 
 def stored_pulse(scenario_resolved: object) -> Pulse:
-    """Return the pulse of a resolved scenario as /provenance has it; raises RunFileRefused if it is none."""
+    """Return the pulse of the resolved scenario in /provenance; raises RunFileRefused if that is not valid."""
     try:
         scenario = json.loads(str(scenario_resolved))
     except (ValueError, RecursionError) as problem:
@@ -70,7 +70,7 @@ LIFE_TABLES = ("life_curve", "life_table")
 
 
 def life_tables(pulse: Pulse) -> dict[str, dict[str, NDArray[np.float64]]]:
-    """Return the group of columns that tells the area of any life of a pulse, by its name."""
+    """Return the group of columns that describes the area of any life of a pulse, by its name."""
     if pulse.offset == "none":
         return {"life_curve": life_curve(pulse.shape)}
     return {"life_table": life_table(pulse.shape)}
@@ -99,7 +99,7 @@ def life_table(shape: Shape) -> dict[str, NDArray[np.float64]]:
 
 
 def _apart(u: Any, offset: Any) -> Any:
-    """Return r, r^2 = b^2 + (1 - b^2) (1 - u)^2: how far centres of unit diameter are apart, an mpmath number."""
+    """Return r, r^2 = b^2 + (1 - b^2) (1 - u)^2: the distance of the centres for unit diameter, an mpmath number."""
     import mpmath
 
     return mpmath.sqrt(offset**2 + (1 - offset**2) * (1 - u) ** 2)

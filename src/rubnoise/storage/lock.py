@@ -1,6 +1,6 @@
-"""A lock file: it keeps other processes away as long as its process lives, and its last holder removes it.
+"""A lock file, which keeps other processes away as long as its process lives; its last holder removes it.
 
-Windows has no such locks. There nothing is locked, and what cannot do without (see `AVAILABLE`) is refused.
+Windows has no such locks. There nothing is locked, and commands that need a lock (see `AVAILABLE`) are refused.
 """
 
 import os
@@ -34,10 +34,10 @@ class Held(Exception):  # noqa: N818  (no failure: another process is there)
 
 @contextmanager
 def holding(path: Path, *, shared: bool = False, patience: float | None = PATIENCE_SECONDS) -> Iterator[None]:
-    """Hold a lock, alone or ``shared``; its file is made, and removed by the last who holds it.
+    """Hold a lock, alone or ``shared``; its file is created, and removed by its last holder.
 
-    ``patience``: how many seconds to wait for others, None for as long as it takes. Raises Held if they have it
-    still, OSError if there can be no lock.
+    ``patience``: how many seconds to wait for others, None for as long as it takes. Raises Held if they still
+    hold it, OSError if the lock file cannot be made.
     """
     if not AVAILABLE:
         raise OSError(ENOLCK, "this system has no locks for it")
@@ -49,7 +49,7 @@ def holding(path: Path, *, shared: bool = False, patience: float | None = PATIEN
 
 
 def is_held(path: Path) -> bool:
-    """Whether a process holds a lock alone; no file is made, and no process is kept from the lock."""
+    """Whether a process holds a lock alone; asking makes no file and blocks no other process."""
     descriptor = _found(path)
     if descriptor is None:
         return False
@@ -80,7 +80,7 @@ def remove_stale(path: Path) -> None:
 
 
 def _locked(path: Path, how: int, patience: float | None) -> int:
-    """Return the descriptor of the lock file, locked, and sure to be the one that the name stands for."""
+    """Return the descriptor of the lock file, locked; it is certainly the file that has the name now."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
         try:
@@ -97,7 +97,7 @@ def _locked(path: Path, how: int, patience: float | None) -> int:
 
 
 def _lock(descriptor: int, how: int, patience: float | None) -> None:
-    """Lock a file, also if another process lets go of it only in a moment."""
+    """Lock a file; try again for a moment if another process is about to release it."""
     if patience is None:
         return fcntl.flock(descriptor, how)
     deadline = monotonic() + patience
@@ -111,8 +111,8 @@ def _lock(descriptor: int, how: int, patience: float | None) -> None:
 def _let_go(descriptor: int, path: Path) -> None:
     """Close a lock file, and remove it unless others hold it.
 
-    It is removed while it is held alone: a process that waits with the same file open sees that the name is gone, and
-    starts over. A file that cannot be removed is not locked, and does no harm.
+    It is removed while it is held alone: a process that waits with the same file open sees that the name is gone and
+    starts again. A file that cannot be removed is not locked, so it does no harm.
     """
     try:
         with suppress(OSError):
@@ -133,7 +133,7 @@ def _is_alone(descriptor: int) -> bool:
 
 
 def _found(path: Path) -> int | None:
-    """Open a lock file that is there; None if there is none that may be opened."""
+    """Open an existing lock file; None if there is none or it cannot be opened."""
     with suppress(OSError):
         descriptor = os.open(path, os.O_RDONLY | _OWN_FILE)
         if stat.S_ISREG(os.fstat(descriptor).st_mode):

@@ -16,7 +16,7 @@ _NUMBERS: Final = frozenset(
 
 
 def read_matlab(descriptor: int, name: str, first: int = 0) -> bytes:
-    """Return a line of JSON and a piece of a vector as doubles, or the names of all vectors; or why not."""
+    """Return a line of JSON and a piece of a vector as doubles, or the names of all vectors, or a refusal."""
     from scipy.io import loadmat, whosmat
 
     os.lseek(descriptor, 0, os.SEEK_SET)

@@ -1,6 +1,6 @@
 """Measured traces in files of other programs: text, WAV, MATLAB 5, and any dataset of an HDF5 or netCDF file.
 
-HDF5 is read in the sandbox. What a file does not say, unit or rate, has to be given.
+HDF5 is read in the sandbox. The caller must give a unit or rate that the file does not have.
 """
 
 import json
@@ -39,7 +39,7 @@ _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_da
 
 @contextmanager
 def refusing_files(path: object) -> Iterator[None]:
-    """Turn what the system says of a file into a refusal that names it."""
+    """Turn an OSError about a file into a refusal that names the file."""
     try:
         yield
     except OSError as problem:
@@ -48,9 +48,9 @@ def refusing_files(path: object) -> Iterator[None]:
 
 
 def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate: float | None = None) -> Measured:
-    """Return a column of a file; raises Refused, by name and line, for what is no trace.
+    """Return a column of a file; raises Refused, with name and line, if it is not a trace.
 
-    ``FILE.h5:PATH`` is a dataset. Without a ``column`` there has to be one that is neither time nor distance.
+    ``FILE.h5:PATH`` is a dataset. Without ``column`` the file must have one column that is neither time nor distance.
     """
     text = os.fspath(trace)
     if "\0" in text:
@@ -82,7 +82,7 @@ def _of_wave(path: Path, wanted: str | None) -> Measured:
 
 
 def _of_matlab(path: Path, wanted: str | None) -> Measured:
-    """Return a vector of a MATLAB file, which the sandbox has read: some kilobytes may unpack to gigabytes."""
+    """Return a vector of a MATLAB file, read in the sandbox, since some kilobytes may unpack to gigabytes."""
     descriptor = open_regular(path)
     try:
         listed: dict[str, Any] = json.loads(_from_sandbox(descriptor, "matlab", "", 0))
@@ -117,7 +117,7 @@ def _vector(path: Path, descriptor: int, name: str) -> Doubles:
 
 
 def _reason(found: dict[str, Any]) -> str:
-    """Return why the sandbox refused a MATLAB file: its own words, or that it took too much."""
+    """Return why the sandbox refused a MATLAB file: its message, or that the file needs too much memory or time."""
     if "unseen" not in found:
         return str(found["refused"])
     most = MEMORY_BYTES // 1024**2
@@ -125,7 +125,7 @@ def _reason(found: dict[str, Any]) -> str:
 
 
 def _of_dataset(path: Path, name: str) -> Measured:
-    """Return a dataset that the sandbox has read, in pieces that go down its pipe one by one."""
+    """Return a dataset, which the sandbox reads and sends through its pipe in pieces."""
     kept: list[Doubles] = []
     along, count = "", 0
     even: EvenSteps | None = None
@@ -150,7 +150,7 @@ def _of_dataset(path: Path, name: str) -> Measured:
 
 
 def pieces_of_dataset(path: Path, name: str) -> Iterator[tuple[dict[str, Any], Doubles, Doubles]]:
-    """Yield pieces of a dataset: what is known of it, its values, and those of its scale; raises NoColumn without."""
+    """Yield pieces of a dataset: its description, values, and those of its scale; raises NoColumn if it is missing."""
     count = 0
     descriptor = open_regular(path)
     try:
@@ -174,7 +174,7 @@ def pieces_of_dataset(path: Path, name: str) -> Iterator[tuple[dict[str, Any], D
 
 
 def _load_matlab() -> None:
-    """Load all that reading a MATLAB file needs, by reading one."""
+    """Load every module that reading a MATLAB file needs, by reading one."""
     from scipy.io import loadmat, savemat, whosmat
 
     content = BytesIO()
@@ -184,7 +184,7 @@ def _load_matlab() -> None:
 
 
 def _look(kind: str) -> Callable[[int, str, int], bytes]:
-    """Return what looks at a file of this kind in the sandbox, with all that it needs loaded."""
+    """Return the sandbox's function for a file of this kind, with all of its modules loaded."""
     if kind == "matlab":
         from rubnoise.storage.matlab_reader import read_matlab
 
@@ -200,7 +200,7 @@ def _from_sandbox(descriptor: int, kind: str, name: str, first: int) -> bytes:
     look = _look(kind)
     if threading.active_count() == 1:
         return sandboxed(descriptor, lambda file: look(file, name, first), patience=_PATIENCE)
-    # A program with threads should not copy itself: a new one of one thread does it.
+    # A program with threads should not fork: a new one with one thread does it.
     from subprocess import run  # which only a program with threads needs
 
     folders = os.pathsep.join(filter(None, sys.path))
@@ -210,14 +210,14 @@ def _from_sandbox(descriptor: int, kind: str, name: str, first: int) -> bytes:
 
 
 def serve_dataset() -> None:
-    """Be that program: read the dataset that the arguments name, from a row on, of the file on standard input."""
+    """Run as that program: read the dataset that the arguments name, from a row on, of the file on standard input."""
     kind, name, first = sys.argv[1:]
     look = _look(kind)
     sys.stdout.buffer.write(sandboxed(0, lambda file: look(file, name, int(first)), patience=_PATIENCE))
 
 
 def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
-    """Return a line of JSON and a piece of a dataset as doubles, then that of its dimension scale; or why not."""
+    """Return a line of JSON, a piece of a dataset as doubles and of its dimension scale, or the reason of a refusal."""
     import h5py
 
     from rubnoise.storage.pages import PagedFile
@@ -253,7 +253,7 @@ def _no(reason: str) -> bytes:
 
 
 def _is_unfinished(file: Any) -> bool:
-    """Whether it is the part file of a run of ours."""
+    """Whether a file is the part file of a run of ours."""
     origin = file.get("provenance")
     return _attribute(file, "format") == FORMAT and origin is not None and _attribute(origin, "finished") == ""
 

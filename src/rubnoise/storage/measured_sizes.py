@@ -1,4 +1,4 @@
-"""Measured diameters in files of other programs: a column of text, or a dataset of HDF5, which need no even steps."""
+"""Measured diameters in files of other programs: a column of text, or a dataset of HDF5. They need no even steps."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +21,7 @@ LARGEST: Final = 1e12
 
 
 def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
-    """Return the diameters of a column in um, if no unit is um; raises Refused, by line, for what is no diameter.
+    """Return the diameters of a column, whose unit is um if it names none; raises Refused, with the line, for others.
 
     A column is a name or a number from 1 on, of HDF5 the path of a dataset; a table of one column needs none.
     """
@@ -57,7 +57,7 @@ def _of_dataset(path: Path, name: str | None) -> Iterator[Doubles]:
 
 
 def _size_of(unit: str, what: str) -> float:
-    """Return how many um a unit is; 1 without one."""
+    """Return the size of a unit in um; 1 if there is none."""
     if not unit:
         return 1.0
     try:
@@ -70,7 +70,7 @@ def _size_of(unit: str, what: str) -> float:
 
 
 def _diameters(values: Doubles, size: float, what: str, places: list[str]) -> Doubles:
-    """Return values in um; raises Refused with the first that is no diameter."""
+    """Return values in um; raises Refused with the first one that is not a diameter."""
     check_values(values, what, places.__getitem__)
     wrong = ~((values * size >= SMALLEST) & (values * size <= LARGEST))
     if wrong.any():

@@ -1,4 +1,4 @@
-"""Tables of text: the one reader of them, for `infer`, for Trace and for pictures; it goes through a file in pieces."""
+"""The reader of text tables, for `infer`, for Trace and for pictures; it reads a file in pieces."""
 
 import csv
 import re
@@ -24,10 +24,10 @@ _SEEN: Final = 50  # rows at either end of a piece whose digits are counted
 
 
 class TextTable:
-    """A table of text: the names and units of its columns, and its rows, which are read once and in pieces."""
+    """A text table: the names and units of its columns, and its rows, which are read once and in pieces."""
 
     def __init__(self, path: Path) -> None:
-        """Read names and layout; raises Refused if there is no table."""
+        """Read the names and the form; raises Refused if there is no table."""
         self.path = path
         self._pieces = lines_of(path)
         self._begun: list[Line] = []
@@ -53,7 +53,7 @@ class TextTable:
         return f"{self.path}: line {self.layout.head_line}" if self.layout.head_line else f"{self.path}"
 
     def pieces(self) -> Iterator["Piece"]:
-        """Yield the rows; raises Refused, with line and column, for a row that is none, and for fewer than two."""
+        """Yield the rows; raises Refused, with line and column, for a row not of numbers, and for a single row."""
         count = 0
         for lines in chain([self._begun], self._pieces):
             self._begun = []
@@ -76,14 +76,14 @@ class Piece:
         self._path = table.path
 
     def column(self, number: int) -> Doubles:
-        """Return the values of a column; raises Refused, with the line, for one that is no finite number."""
+        """Return the values of a column; raises Refused, with the line, for a value that is not a finite number."""
         values = np.ascontiguousarray(self.values[:, number])
         what = f"{self._path}: {self._layout.heads[number].name}"
         check_values(values, what, lambda row: f"line {self.numbers[row]}")
         return values
 
     def resolution(self, column: int) -> float:
-        """Return the last decimal with which a column is written, by rows at both ends of the piece."""
+        """Return the last decimal with which a column is written, from rows at both ends of the piece."""
         seen = [*self._rows[:_SEEN], *self._rows[-_SEEN:]]
         texts = [self._layout.cells(text)[column].replace(",", ".") for _, text in seen]
         digits = [found for text in texts if (found := _DIGITS.fullmatch(text))]
@@ -111,7 +111,7 @@ def _parsed_rows(table: TextTable, rows: Sequence[Line]) -> Doubles:
 
 
 def read_text(path: Path, wanted: str | None, rate: float | None = None) -> Measured:
-    """Return a column of a table of text; only the column itself is kept.
+    """Return a column of a text table; memory holds only the column itself.
 
     With a ``rate`` in Hz a column of times has to agree with it, to the digits that are written.
     """
@@ -149,7 +149,7 @@ def read_text(path: Path, wanted: str | None, rate: float | None = None) -> Meas
 
 
 def _check_place_units(heads: Sequence[Head], where: str) -> None:
-    """Raise Refused for a column that is called a time or a distance and has no unit, or an unknown one."""
+    """Raise Refused for a column of times or distances without a unit, or with an unknown one."""
     for head in heads:
         if head.name.lower() in _PLACES:
             check_unit(head.unit, f"{where}: {head.written}")
@@ -168,10 +168,10 @@ _QUOTED: Final = 100_000  # characters of names that are read as CSV quotes them
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TextLayout:
-    """What parts the cells of a table, whether a comma stands before decimals, and its columns.
+    """The form of a table: the separator of its cells, whether decimals follow a comma, and its columns.
 
-    ``first`` is the line where its rows begin; ``head_line`` is that of the names, 0 if there are none and columns
-    are named by their number.
+    ``first`` is the line where its rows begin; ``head_line`` is the line of the names, 0 if there are none and
+    columns are named by their number.
     """
 
     separator: str
@@ -181,18 +181,18 @@ class TextLayout:
     first: int
 
     def cells(self, text: str) -> list[str]:
-        """Return the cells of a row, without an empty one behind them."""
+        """Return the cells of a row, without an empty one at its end."""
         found = text.split(self.separator)
         spare = len(found) > 1 and (not self.heads or len(found) == len(self.heads) + 1)
         return found[:-1] if spare and not found[-1].strip() else found
 
     def number(self, cell: str) -> float | None:
-        """Return the number that a cell is, if it is one."""
+        """Return the number in a cell; None if it is not a number."""
         text = cell.strip().replace(",", ".") if self.comma else cell.strip()
         return float(text) if _NUMBER.fullmatch(text) and not (self.comma and text[-1] == ".") else None
 
     def check_row(self, path: Path, line: Line) -> None:
-        """Raise Refused, with line and column, for what is no row of numbers."""
+        """Raise Refused, with line and column, if a row is not of numbers."""
         cells = self.cells(line[1])
         for head, cell in zip(self.heads, cells, strict=False):
             if self.number(cell) is None:
@@ -205,7 +205,7 @@ class TextLayout:
 
 
 def layout_of(path: Path, begun: Sequence[Line]) -> TextLayout:
-    """Return how a table is laid out, by its first lines; raises Refused if no rows of numbers are found."""
+    """Return the form of a table from its first lines; raises Refused if they have no rows of numbers."""
     lines = begun[:LOOKED_AT]
     ways = [
         TextLayout(separator=mark, comma=comma, heads=(), head_line=0, first=0)
@@ -222,7 +222,7 @@ def layout_of(path: Path, begun: Sequence[Line]) -> TextLayout:
 
 @dataclass(frozen=True, slots=True)
 class _Tried:
-    """A way to part the cells: whether there are as many names as cells then, how many rows of numbers, how wide."""
+    """A trial of one separator. ``worth``: whether names and cells agree in number, rows of numbers, cells of a row."""
 
     layout: TextLayout
     worth: tuple[bool, int, int]
@@ -236,7 +236,7 @@ def _tried(way: TextLayout, lines: Sequence[Line]) -> _Tried | None:
         return None
     width = max(widths, key=lambda each: (widths[each], each))
     row_at = [count == len(row) == width for row, count in zip(cells, numbers, strict=True)]
-    # A preamble may have a number for a line: rows come one after another.
+    # A line of a preamble may be a number: rows must follow one another.
     begin = next((at for at in range(len(lines)) if row_at[at] and all(row_at[at : at + 2])), row_at.index(True))
     named = [at for at in range(len(lines)) if numbers[at] < len(cells[at]) and _has_unit(cells, at, numbers)]
     if width == 1:
@@ -293,7 +293,7 @@ def _unquoted(cells: list[str]) -> list[str]:
 
 
 def _of_labview(heads: list[Head], above: list[list[str]]) -> list[Head]:
-    """Return heads with the units that the preamble of LabVIEW gives: X_Dimension and Y_Unit_Label."""
+    """Return heads with the units from the preamble of LabVIEW: X_Dimension and Y_Unit_Label."""
     said = {row[0]: row[1:] for row in above if len(row) > 1}
     if heads[0].name != "X_Value" or "X_Dimension" not in said:
         return heads

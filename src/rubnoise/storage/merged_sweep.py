@@ -1,6 +1,6 @@
-"""The index of a sweep with values in place of references, and the junctions of all of its runs.
+"""Write the index of a sweep with values in place of references, and the junctions of all of its runs.
 
-What is read are files of ours in a folder of ours, which the index names; each is opened by the door for run files.
+It reads the results that the index names; each is opened as any run file is.
 """
 
 from collections.abc import Iterable, Iterator
@@ -35,17 +35,17 @@ class _Filling:
         self._hashes: dict[str, xxhash.xxh3_128] = {}
 
     def write(self, dataset: h5py.Dataset, values: NDArray[Any], first: int, row: int | None = None) -> None:
-        """Write values from a place on; ``row``: in that row, if a dataset has several."""
+        """Write values from a place on; in row ``row`` if the dataset has several rows."""
         piece = slice(first, first + values.size)
         dataset[piece if row is None else (row, piece)] = values
         self._hashes.setdefault(dataset.name, xxhash.xxh3_128()).update(values.data)
 
     def note(self, dataset: h5py.Dataset) -> None:
-        """Take a dataset of another file for one that was filled with the same."""
+        """Record the hash of a dataset of another file, with which `check` compares the one of this name."""
         self._hashes[dataset.name] = _hash(dataset)
 
     def check(self, path: Path) -> None:
-        """Read all of it back, and every attribute, which HDF5 compares with its checksums; raises NotAsWritten."""
+        """Read all back, attributes too, whose checksums HDF5 compares; raises NotAsWritten if anything differs."""
         try:
             with h5py.File(path, "r") as file:
                 file.visititems(_read_attributes)
@@ -81,7 +81,7 @@ def _hash(dataset: h5py.Dataset) -> xxhash.xxh3_128:
 
 
 def write_merged(path: Path, index: Path) -> None:
-    """Fill an empty file that needs no other: tables and traces as in the index, and /junctions with the run of each.
+    """Fill an empty file without references: tables and traces as in the index, and /junctions with their runs.
 
     Memory does not grow with the length of runs. Raises RunFileRefused if a result cannot be read or is damaged,
     OSError if the disk fails, NotAsWritten if what was written is not read back.
@@ -108,7 +108,7 @@ def write_merged(path: Path, index: Path) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Result:
-    """A result that an index names: where it lies, its junctions, and the columns that it has of each."""
+    """A result that an index names: its path, its number of junctions, and their columns."""
 
     path: Path
     junctions: int
@@ -116,7 +116,7 @@ class _Result:
 
 
 def _results(index: Path) -> dict[int, _Result]:
-    """Return the results that an index names, by row; raises RunFileRefused for one that is that of another run."""
+    """Return the results that an index names, by row; raises RunFileRefused if a file is the result of another run."""
     with open_index(index) as opened:
         named, done = opened.read(RUNS, "file"), opened.read(RUNS, "state") == "done"
         run_ids = opened.read(RUNS, "run_id")
@@ -154,7 +154,7 @@ def _write_stack(
 
 
 def _write_junctions(file: h5py.File, results: dict[int, _Result], filling: _Filling) -> None:
-    """Write the junctions of all runs, one run after another, with the row of the run and the number within it."""
+    """Write the junctions of all runs, one run after another, with the row of the run and their number in it."""
     total = sum(result.junctions for result in results.values())
     owner = file.create_group(JUNCTIONS.name, track_order=True)
     names = frozenset[str]().union(*(result.columns for result in results.values()))
@@ -171,7 +171,7 @@ def _write_junctions(file: h5py.File, results: dict[int, _Result], filling: _Fil
 
 
 def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
-    """Yield a column with the first row of each chunk; raises RunFileRefused at the end of one that is damaged."""
+    """Yield a column in chunks with their first rows; raises RunFileRefused at its end if it is damaged."""
     digest = xxhash.xxh3_128()
     for chunk in chunks(run, group):
         digest.update(chunk[name].data)
@@ -181,14 +181,14 @@ def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[
 
 
 def _junctions(run: RunFile, row: int, column: Dataset) -> Iterator[tuple[int, NDArray[Any]]]:
-    """Return a column of the junctions of a run, which may be the number of the run, or one that it does not have."""
+    """Return a column of a run's junctions; it may be the number of the run, or one that the run does not have."""
     if column.name in run.columns[JUNCTIONS.name]:
         return _panels(run, JUNCTIONS.name, column.name)
     return _same(row if column is RUN else _missing(column), column, run.rows("junctions"))
 
 
 def _same(value: object, about: Dataset, count: int) -> Iterator[tuple[int, NDArray[Any]]]:
-    """Yield a column that has one value in all of its rows, as `_panels` does."""
+    """Yield a column with the same value in all rows, as `_panels` does."""
     for part in slices(0, count):
         yield part.start, np.full(part.stop - part.start, value, dtype=about.dtype)
 

@@ -1,6 +1,6 @@
-"""Where a result may be written, and how a file gets its final name: whole or not at all.
+"""Decide whether a result may be written, and give a file its final name when it is complete.
 
-What is refused is refused before anything is created.
+Everything that is refused is refused before any file is created.
 """
 
 import os
@@ -23,7 +23,7 @@ NO_LOCKS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputPaths:
-    """The names that belong to one result, all in its folder."""
+    """The paths that belong to one result, all in its folder."""
 
     final: Path
     part: Path
@@ -34,7 +34,7 @@ class OutputPaths:
 
     @classmethod
     def of(cls, path: str | os.PathLike[str]) -> Self:
-        """Return the names that go with a path; later changes of the working directory do not move them."""
+        """Return the paths that belong to a result; a later change of the working directory does not change them."""
         final = Path(path).absolute()
         return cls(
             final=final,
@@ -51,7 +51,7 @@ class OutputPaths:
         return self.final, self.part, self.journal, self.growing, self.making, self.lock
 
     def remove_beside(self) -> None:
-        """Remove what lies beside a part as long as it is not whole; without a journal growing rows are of no use."""
+        """Remove the files beside an unfinished part: its journal, and its growing rows, which need the journal."""
         disk.remove(self.growing)
         disk.remove(self.journal)
 
@@ -61,7 +61,7 @@ def check_output(
 ) -> OutputPaths:
     """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
 
-    If a result or a part is in the way, the lock file that a killed run has left beside it goes.
+    If a result or a part is in the way, the lock file that a killed run has left beside it is removed.
 
     Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
     ``force``, a file that exists already, be it whole or, unless ``unfinished``, the part of a run that did not finish.
@@ -76,7 +76,7 @@ def check_output(
         # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
         for name in paths.names:
             mode = _mode(name)
-            # A link neither: renaming over it would leave its target as it was.
+            # Nor may it be a link: renaming over it would leave its target unchanged.
             if mode is not None and not stat.S_ISREG(mode):
                 raise OutputRefused(f"{name}: exists and is not a regular file")
         if not os.access(paths.final.parent, os.W_OK | os.X_OK):
@@ -95,7 +95,7 @@ def check_output(
 
 @contextmanager
 def sole_writer(paths: OutputPaths) -> Iterator[None]:
-    """Hold the lock of a result; raises OutputRefused while another process writes it."""
+    """Hold the lock of a result; raises OutputRefused if another process is writing it."""
     with ExitStack() as held:
         try:
             held.enter_context(lock.holding(paths.lock))
@@ -113,7 +113,7 @@ def check_locks(path: str | os.PathLike[str]) -> None:
 
 
 def is_being_written(paths: OutputPaths) -> bool:
-    """Whether a process holds the lock of a result; no file is made, and no process is kept from writing."""
+    """Whether a process holds the lock of a result; asking makes no file and blocks no other process."""
     return lock.is_held(paths.lock)
 
 
@@ -121,9 +121,9 @@ _SMALLER = "a shorter sliding.distance or a longer output.tick makes it smaller"
 
 
 def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
-    """Take the space of a whole file from the disk now; raises OutputRefused if there is not enough.
+    """Allocate the disk space of a whole file now; raises OutputRefused if there is not enough.
 
-    ``later``: bytes that must be free beside it, but are not taken yet.
+    ``later``: further bytes that must be free, but are not allocated yet.
     """
     missing = size + later - os.fstat(descriptor).st_blocks * 512
     free = shutil.disk_usage(descriptor).free
@@ -138,10 +138,10 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
 
 
 def give_final_name(paths: OutputPaths, checked: int, *, force: bool, durable: bool = True) -> None:
-    """Rename the whole part file to its final name and, if it shall be ``durable``, see the folder onto the disk.
+    """Rename a complete part file to its final name; if ``durable``, flush its folder to disk.
 
-    ``checked`` is the open file that was found whole: another one that bears the name of the part by now is left as it
-    is, and not published (OutputSwappedError). Without ``force`` a file that appeared meanwhile under the final name is
+    ``checked`` is the open file that was found complete: if another file has the name of the part by now, it stays
+    and is not published (OutputSwappedError). Without ``force`` a file that appeared meanwhile under the final name is
     left alone, too (OutputAppearedError), and the part stays.
     """
     if not is_file(paths.part, os.fstat(checked)):
@@ -165,7 +165,7 @@ def _rename_to_absent(paths: OutputPaths) -> None:
             raise OutputAppearedError(
                 f"{paths.final} appeared during the run and is left as it is; the whole result is {paths.part}"
             ) from problem
-        # File systems without hard links offer no rename that spares an existing file either.
+        # File systems without hard links have no rename that keeps an existing file, either.
         disk.rename(paths.part, paths.final)
     else:
         with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
@@ -173,7 +173,7 @@ def _rename_to_absent(paths: OutputPaths) -> None:
 
 
 def is_file(path: Path, file: os.stat_result) -> bool:
-    """Whether a name is that of a certain file."""
+    """Whether a path leads to a certain file."""
     with suppress(FileNotFoundError):
         return os.path.samestat(path.lstat(), file)
     return False
@@ -188,11 +188,11 @@ class OutputAppearedError(RubnoiseError):
 
 
 class OutputSwappedError(RubnoiseError):
-    """Another process has put another file in the place of the part during the run."""
+    """Another process has replaced the part file during the run."""
 
 
 def _mode(path: Path) -> int | None:
-    """Return the type and permissions of whatever bears this name, or None."""
+    """Return the type and permissions of what is at a path, or None if it does not exist."""
     try:
         return path.lstat().st_mode
     except FileNotFoundError:
@@ -220,10 +220,10 @@ def _reason(problem: Exception) -> str:
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
-    """Yield the name under which to write a file; once that is done it gets its own name, on the disk.
+    """Yield a temporary path to write a file; when the block ends, the file is flushed to disk and renamed.
 
     Raises OutputRefused, before anything is created, if nothing may or can be written, RubnoiseError if the disk
-    fails. Whatever is raised meanwhile leaves nothing behind.
+    fails. If the block raises, the file is removed.
     """
     with whole_files([path], force=force) as (part,), naming_file(path):
         yield part
@@ -231,9 +231,9 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
 
 @contextmanager
 def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iterator[list[Path]]:
-    """Yield names as `whole_file` does; the files get their own once all are on the disk, or none of them does.
+    """Yield paths as `whole_file` does; when all files are on disk they are renamed, all or none of them.
 
-    What a disk that fails meanwhile raises is for the caller to name (see `naming_file`).
+    The caller names the file in an error of the disk (see `naming_file`).
     """
     outputs = [check_output(path, force=force) for path in paths]
     with ExitStack() as held:
@@ -257,7 +257,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iter
 
 @contextmanager
 def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
-    """Do as `whole_file` if there are no locks; the file is closed before it gets its name, as Windows asks."""
+    """Do as `whole_file` on a system without locks; the file is closed before it is renamed, as Windows needs."""
     with naming_file(paths.final):
         try:
             with _new(paths.part):
@@ -281,7 +281,7 @@ def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
 
 @contextmanager
 def _new(part: Path) -> Iterator[int]:
-    """Make a new file that others may write by its name; it is removed unless it gets another name."""
+    """Make a new file that other code may write by its path; it is removed unless it is renamed."""
     disk.remove(part)
     descriptor = disk.create(part)
     try:
@@ -297,7 +297,7 @@ def _new(part: Path) -> Iterator[int]:
 
 @contextmanager
 def naming_file(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Say of a disk that fails which file it is about."""
+    """Turn an error of the disk into a RubnoiseError that names the file."""
     try:
         yield
     except OSError as problem:

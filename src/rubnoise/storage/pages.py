@@ -1,7 +1,7 @@
-"""Files that HDF5 may treat as its own, while only plain writes of ours ever reach the disk.
+"""Files for HDF5 to write into, of which only our own plain writes reach the disk.
 
-HDF5 cannot be trusted with a disk that fills up (it ends the process instead of raising), nor does it say when it
-writes. Behind these two files it sees memory, or a disk that never fails; what went wrong is raised by us, afterwards.
+HDF5 ends the process instead of raising if a disk is full, and does not say when it writes. Through these two files
+it writes into memory, or to a disk that never seems to fail; we raise the first error afterwards.
 """
 
 import io
@@ -22,7 +22,7 @@ _NOTHING: Final = bytes(PAGE)
 
 
 class _Positioned(io.RawIOBase):
-    """Seek and tell over a known size; the rest of a file object is the business of the subclass."""
+    """Seek and tell over a known size; subclasses add the rest of a file object."""
 
     def __init__(self, size: int) -> None:
         self._position = 0
@@ -58,7 +58,7 @@ class _Positioned(io.RawIOBase):
 class PagedFile(_Positioned):
     """A file whose changes stay in memory until ``commit``: pages never touched are read from the descriptor beneath.
 
-    Without a descriptor the file is new. Memory is that of the pages written, so columns that are allocated but not
+    Without a descriptor the file is new. Memory holds the pages written, so columns that are allocated but not
     filled cost nothing.
     """
 
@@ -69,11 +69,11 @@ class PagedFile(_Positioned):
 
     @property
     def size(self) -> int:
-        """Bytes of the whole file, written or not."""
+        """Size of the whole file in bytes, written or not."""
         return self._size
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
-        """Fill the buffer from the pages held and, if there are none, from the file beneath."""
+        """Fill the buffer from the pages in memory, and elsewhere from the file beneath."""
         target = memoryview(buffer).cast("B")
         for page, start, piece in _pieces(self._position, target):
             held = self._pages.get(page)
@@ -94,7 +94,7 @@ class PagedFile(_Positioned):
 
     @classmethod
     def of(cls, pieces: Iterable[tuple[int, bytes]], size: int) -> Self:
-        """Return a file of a size with pieces at their offsets, and zeros elsewhere."""
+        """Return a file of the given size with pieces at their offsets, and zeros elsewhere."""
         file = cls()
         for offset, data in pieces:
             file.seek(offset)
@@ -103,7 +103,7 @@ class PagedFile(_Positioned):
         return file
 
     def pieces(self, places: Iterable[range]) -> Iterator[tuple[int, bytes]]:
-        """Yield what the file holds at some places, each with its offset."""
+        """Yield the bytes of the file at some places, each with its offset."""
         for place in places:
             self.seek(place.start)
             yield place.start, self.read(len(place)) or b""
@@ -122,7 +122,7 @@ class PagedFile(_Positioned):
 
 
 class Unfailing(_Positioned):
-    """A file on disk that never fails in front of HDF5: the first error is kept, to be raised later."""
+    """A file on disk that hides errors from HDF5: the first error is kept, to be raised later."""
 
     def __init__(self, descriptor: int) -> None:
         super().__init__(0)
@@ -143,7 +143,7 @@ class Unfailing(_Positioned):
         return len(target)
 
     def write(self, data: "ReadableBuffer", /) -> int:
-        """Write to the disk, or nowhere once it has failed."""
+        """Write to the disk, or drop the bytes after an error."""
         source = memoryview(data).cast("B")
         if self._failure is None:
             try:
@@ -153,7 +153,7 @@ class Unfailing(_Positioned):
         return self._advance(len(source))
 
     def raise_first_error(self) -> None:
-        """Raise what went wrong, or give the file its final size."""
+        """Raise the first error, or give the file its final size."""
         if self._failure is not None:
             raise self._failure
         disk.resize(self._descriptor, self._size)
@@ -161,7 +161,7 @@ class Unfailing(_Positioned):
 
 @contextmanager
 def unfailing(path: Path) -> Iterator[Unfailing]:
-    """Yield an empty file that is there, to be written through HDF5; raises OSError afterwards if the disk fails."""
+    """Yield an existing empty file, to be written through HDF5; raises OSError afterwards if the disk failed."""
     descriptor = disk.reopen(path)
     try:
         file = Unfailing(descriptor)
@@ -174,7 +174,7 @@ def unfailing(path: Path) -> Iterator[Unfailing]:
 
 
 def _pieces(position: int, data: memoryview) -> Iterable[tuple[int, int, memoryview]]:
-    """Cut a buffer at page borders: page number, start inside the page, bytes."""
+    """Cut a buffer at page borders; yield page number, start inside the page, bytes."""
     page, start = divmod(position, PAGE)
     if start + len(data) <= PAGE:
         return ((page, start, data),)  # as nearly always

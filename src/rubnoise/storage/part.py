@@ -1,7 +1,7 @@
-"""The unfinished file: made with its final structure, filled column by column while HDF5 is not open, then compressed.
+"""The unfinished file of a run: made with its final structure, filled column by column without HDF5, then compressed.
 
-Rows of each column go through a `ColumnFile` (see columns), which hashes them and puts them in their place. A gzip file
-is made from the raw part at publication, chunk by chunk.
+Rows of each column go through a `ColumnFile` (see columns), which hashes them and writes them at their place. A gzip
+file is made from the raw part at publication, chunk by chunk.
 """
 
 import os
@@ -35,10 +35,10 @@ SLACK_BYTES = 64 * 1024
 
 
 def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool = True, durable: bool = True) -> "Part":
-    """Make a part file under a passing name, with its space reserved, and rename it when its structure is on the disk.
+    """Make a part file under a temporary name, with its space reserved, and rename it when its structure is on disk.
 
-    A file for growing rows is made before. Without ``durable`` it is renamed before the disk has it.
-    If it will be compressed, the copy may turn out as large as the part: so much more has to be free.
+    A file for growing rows is made before. Without ``durable`` it is renamed without fsync.
+    If it will be compressed, the copy may be as large as the part, so twice the space must be free.
     Raises OSError, and OutputRefused if the disk has no room; nothing is left behind then.
     """
     structure = PagedFile()
@@ -64,9 +64,9 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
 
 
 def open_part(paths: OutputPaths, run: RunFile) -> "Part":
-    """Open a part file whose structure has been read, and found to be one of ours: ``run`` is it, open for reading.
+    """Open a part file for writing; its structure has been read and checked, and ``run`` is open for reading.
 
-    Raises RunFileRefused if nothing can be written to a column, and if the file is not what was read.
+    Raises RunFileRefused if a column cannot be written, and if the file is not the one that was read.
     """
     with ExitStack() as opening, refusing(paths.part):
         descriptor = disk.reopen(paths.part)
@@ -89,7 +89,7 @@ def _growing_groups(columns: Iterable[Name], features: frozenset[Feature], exten
 
 
 def _structure(path: Path, descriptor: int, run: RunFile) -> PagedFile:
-    """Return all of an open part that is no row."""
+    """Return everything of an open part except its rows."""
     if not is_file(path, os.fstat(run.descriptor)) or not is_file(path, os.fstat(descriptor)):
         raise RunFileRefused("another file has taken its place just now")
     for (group, name), place in run.places.items():
@@ -105,7 +105,7 @@ def _structure(path: Path, descriptor: int, run: RunFile) -> PagedFile:
 
 @contextmanager
 def new_file(path: Path, *, stays_open: bool = False) -> Iterator[int]:
-    """Open a new file for reading and writing; it is removed again when the block fails before it got another name."""
+    """Open a new file for reading and writing; it is removed if the block raises before the file is renamed."""
     disk.remove(path)
     descriptor = disk.create(path)
     try:
@@ -119,11 +119,11 @@ def new_file(path: Path, *, stays_open: bool = False) -> Iterator[int]:
 
 
 class Part:
-    """A part file opened for rows, with its columns where its structure has them.
+    """A part file opened to write rows into its columns.
 
-    ``descriptor`` becomes its own, and is closed when the context ends; ``structure`` is what the file has outside of
-    its rows, in memory, where no other program can change it, and ``words`` what it says there. ``growing`` holds the
-    rows that lie beside it, where there are any. Without ``hashed`` its columns get no hashes.
+    ``descriptor`` is closed when the context ends; ``structure`` is everything in the file except its rows, in memory,
+    so that no other program can change it, and ``words`` are its attributes. ``growing`` holds the growing rows, if
+    there are any. Without ``hashed`` its columns get no hashes.
     """
 
     def __init__(
@@ -171,7 +171,7 @@ class Part:
             files[name].write(first_row, values)
 
     def columns(self) -> Iterator[tuple[Name, ColumnFile]]:
-        """Yield every column with the names of its group and itself."""
+        """Yield every column with the name of its group and its own."""
         for group, files in self._columns.items():
             for name, column in files.items():
                 yield (group, name), column
@@ -186,21 +186,21 @@ class Part:
         return [name for name, _ in self._filled()]
 
     def marks(self, rows: Mapping[str, int]) -> list[Mark]:
-        """Return a mark of every column with the first rows of its group; all rows are with the system then."""
+        """Write all waiting rows, and return a mark of every column after the first rows of its group."""
         return [column.mark(rows[group]) for (group, _), column in self._filled()]
 
     def sync(self) -> None:
-        """See all rows that are with the system onto the disk."""
+        """Flush all written rows to disk (fsync)."""
         disk.sync_rows(self.descriptor)
         self.sync_growing()
 
     def sync_growing(self) -> None:
-        """See those rows onto the disk that lie beside the part."""
+        """Flush the growing rows to disk."""
         if self._growing is not None:
             self._growing.sync()
 
     def go_on_from(self, commits: Sequence[Commit]) -> Commit | None:
-        """Return the last commit whose rows are all in the file, and go on behind them; None for none and the start."""
+        """Return the last commit whose rows are all in the file, and continue after it (from the start if None)."""
         fitting = [column.matching([commit.marks[name] for commit in commits]) for name, column in self._filled()]
         last = commits[min(fitting) - 1] if min(fitting) else None
         for name, column in self._filled():
@@ -208,7 +208,7 @@ class Part:
         return last
 
     def replay(self, sink: Sink, watched: Mapping[str, Mapping[str, object]]) -> None:
-        """Hand the rows so far of the watched columns, by group and name, to a sink once more."""
+        """Write the rows so far of the watched columns, by group and name, to a sink again."""
         for group, names in watched.items():
             files = {name: file for name, file in self._columns.get(group, {}).items() if name in names}
             readers = [file.chunks(CHUNK_ROWS, file.rows_written) for file in files.values()]
@@ -218,7 +218,7 @@ class Part:
                 first += len(chunks[0])
 
     def completion(self, summary: Mapping[str, Scalar], finished: str) -> Ending:
-        """Return the file with hashes, summary and the time of the end filled in, of which nothing is written yet.
+        """Return the ending of the file, with hashes, summary and end time; nothing is written yet.
 
         Raises RubnoiseError if rows are missing.
         """
@@ -233,18 +233,18 @@ class Part:
         return Ending(tuple(self._structure.pieces(between(places.values(), size))), size, tuple(grown.items()))
 
     def grown_rows(self) -> dict[str, int]:
-        """Return how many rows there are in each of the groups whose rows lie beside the part."""
+        """Return the number of rows in each growing group."""
         groups = () if self._growing is None else self._growing.groups
         return {group: rows for group, rows in self.rows().items() if group in groups}
 
     def carry_out(self, ending: Ending) -> None:
-        """Write how the file ends; all of its rows lie in it then."""
+        """Write the ending into the file, which then has all of its rows."""
         ending.carry_out(self.descriptor, self._growing)
         for (group, name), place in ending.grown:
             self._columns[group][name] = self._columns[group][name].moved(self.descriptor, place)
 
     def check(self, ending: Ending) -> None:
-        """Read the whole file once; raises NotAsWritten unless it has an ending, and every row that was written."""
+        """Read the whole file once; raises NotAsWritten unless it has its ending and every row that was written."""
         if not ending.is_in(self.descriptor):
             raise disk.NotAsWritten("its structure")
         for (group, name), column in self.columns():
@@ -272,7 +272,7 @@ def compressed(
     finished: str,
     between: Callable[[], None],
 ) -> Iterator[int]:
-    """Write a compressed copy of a whole part under a passing name and yield it, open, read back and on the disk.
+    """Write a compressed copy of a complete part under a temporary name; yield it open, read back and flushed.
 
     Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, NotAsWritten
     if the disk has another file, and RubnoiseError if rows are missing; the part is left as it was.
@@ -304,7 +304,7 @@ def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
 
 
 def _check_hashes(path: Path, written: Written) -> None:
-    """Read a compressed file once; raises NotAsWritten unless it says and holds what was written."""
+    """Read a compressed file once; raises NotAsWritten unless its attributes and rows are those written."""
     try:
         with open_run(path) as run:
             check_structure(run)
@@ -315,7 +315,7 @@ def _check_hashes(path: Path, written: Written) -> None:
 
 
 def _says(run: RunFile, found: Mapping[str, Any]) -> bool:
-    """Whether a file says what was found in another one, in chunks or not."""
+    """Whether a file has the attributes that were found in another one, compressed or not."""
     told = {
         "features": sorted(run.features),
         "attributes": {"value": run.attributes},

@@ -1,4 +1,4 @@
-"""Where a result comes from: software, machine, seed, command and times; nothing that names a person."""
+"""The origin of a result: software, machine, seed, command and times; nothing that names a person."""
 
 import os
 import platform
@@ -19,7 +19,7 @@ PACKAGES = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provenance:
-    """The origin of one run, complete but for the moment it ended.
+    """The origin of one run, without the time of its end.
 
     calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name;
     intervention: the function that may have ended lives, empty if the model alone did.
@@ -44,7 +44,7 @@ def gather(
     command: Sequence[str],
     intervention: str = "",
 ) -> Provenance:
-    """Return the provenance of a run that begins now in this process.
+    """Return the provenance of a run that starts now in this process.
 
     ``command`` is the command line without the path of the program, e.g. ["rubnoise", "run", "fig5.toml"].
     """

@@ -1,7 +1,7 @@
-"""What a result file or an index consists of, read with HDF5 as plain data; no row is read here.
+"""Read the structure of a result file or an index with HDF5, as plain data; no row is read here.
 
 HDF5 may crash, loop or take any memory on a file that was made to harm, so this runs in the sandbox, unless this
-process has just made the file itself. Everything is asked for by name, and checked before it is looked into.
+process has just made the file itself. Everything is read by name, and checked before it is opened.
 """
 
 import json
@@ -37,12 +37,12 @@ PROVENANCE_NUMBERS: Final = ("seed", "stream_version", "calibrated_diameter")
 
 
 def read_root(file: h5py.File) -> dict[str, Scalar]:
-    """Return the attributes of the root by name; raises RunFileRefused if one is missing or no plain value."""
+    """Return the attributes of the root by name; raises RunFileRefused if one is missing or not a plain value."""
     return {name: read_attribute(file, name) for name in ROOT_ATTRIBUTES}
 
 
 def read_summary(file: h5py.File) -> dict[str, Scalar]:
-    """Return the figures of /summary by name; raises RunFileRefused for one that is no plain value."""
+    """Return the figures of /summary by name; raises RunFileRefused if one is not a plain value."""
     group = sound_group(file, "summary")
     count = h5py.h5a.get_num_attrs(group.id)
     if count > ATTRIBUTES_LIMIT:
@@ -51,7 +51,7 @@ def read_summary(file: h5py.File) -> dict[str, Scalar]:
 
 
 def read_provenance(file: h5py.File) -> dict[str, Scalar]:
-    """Return the attributes of /provenance by name; raises RunFileRefused if one is missing or no plain value."""
+    """Return the attributes of /provenance by name; raises RunFileRefused if one is missing or not a plain value."""
     group = sound_group(file, "provenance")
     names = [*PROVENANCE_TEXTS, *[INTERVENTION] * h5py.h5a.exists(group.id, INTERVENTION.encode())]
     texts: dict[str, Scalar] = {name: read_text(group, name) for name in names}
@@ -65,7 +65,7 @@ def read_seal(file: h5py.File) -> str | None:
 
 
 def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
-    """Return the xxh3_128 of what a file says of itself, in hexadecimal: that of a JSON text of the three.
+    """Return the seal of a file in hexadecimal: the xxh3_128 of a JSON text of its attributes, summary and provenance.
 
     Names are sorted, characters beyond ASCII are escaped, and numbers have the digits that bring back their bits.
     """
@@ -93,7 +93,7 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
 
 
 def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> h5py.Dataset:
-    """Return the dataset of a column, its type, shape and storage as the schema has them.
+    """Return the dataset of a column if its type, shape and storage are those of the schema.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
     shuffle and deflate, more rows than the file's bytes can hold.
@@ -174,12 +174,12 @@ def _is_gzip(dataset: h5py.Dataset, file_size: int) -> bool:
 
 
 def read_structure(descriptor: int) -> bytes:
-    """Return, as JSON, where the columns of an open file lie and what its attributes say, or why it is refused."""
+    """Return the places of an open file's columns and its attributes as JSON, or the reason why it is refused."""
     return structure_read_by(descriptor, lambda file: found_in(file, os.fstat(descriptor).st_size))
 
 
 def structure_read_by(descriptor: int, find: Callable[[h5py.File], dict[str, Any]]) -> bytes:
-    """Return, as JSON, what is found in an open file, or why it is refused."""
+    """Return what ``find`` returns for an open file, as JSON, or the reason why the file is refused."""
     try:
         with h5py.File(PagedFile(descriptor), "r") as file:
             found = find(file)
@@ -189,8 +189,8 @@ def structure_read_by(descriptor: int, find: Callable[[h5py.File], dict[str, Any
 
 
 def found_in(file: h5py.File, size: int) -> dict[str, Any]:
-    """Return what there is in a file of so many bytes; raises RunFileRefused and whatever HDF5 raises."""
-    # Loaded already by who looks: the sandbox can open no file.
+    """Return the structure of a file of the given size; raises RunFileRefused, and any error of HDF5."""
+    # Loaded before by the process that starts the sandbox, which can open no file.
     from rubnoise.storage.index import FORMAT as INDEX
     from rubnoise.storage.index import index_structure
 
@@ -224,7 +224,7 @@ def _version(file: h5py.File) -> int:
 
 
 def _features(file: h5py.File) -> frozenset[Feature]:
-    """Return what the run has beyond the bare contact, seen by the columns that only exist with it."""
+    """Return the features of the run, found by the columns that exist only with them."""
     junctions = sound_group(file, "junctions")
     present: dict[Feature, bool] = {
         "strength": has_hard_link(junctions, "shear_strength"),
@@ -284,7 +284,7 @@ def _chunks(dataset: h5py.Dataset, size: int) -> Iterator[tuple[int, int, int]]:
 
 
 def _or_refusal(read: Callable[[], object]) -> dict[str, object]:
-    """Return what could be read, or why not: a damaged attribute does not hide the rows."""
+    """Return what was read or the reason why not, since one damaged attribute must not hide the rows."""
     try:
         return {"value": read()}
     except (RunFileRefused, OSError, RuntimeError, KeyError, ValueError, TypeError) as problem:

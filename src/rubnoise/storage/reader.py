@@ -1,8 +1,8 @@
-"""The reader of result files: opens a file or refuses it in one sentence, and reads columns on demand.
+"""The reader of result files: it opens a file or refuses it with one sentence, and reads columns on demand.
 
 A file may come from anywhere. Its structure is read in the sandbox (see read_structure), its rows with plain
-reads from places that were checked: in this process HDF5 never sees it. Both go through one descriptor, so that
-no other file can take its place in between.
+reads from places that were checked: in this process HDF5 never opens it. Both use one descriptor, so the file cannot
+be replaced in between.
 """
 
 import json
@@ -45,7 +45,7 @@ Watch = Callable[[str, int, int], None]
 
 
 class TooNew(RunFileRefused):
-    """A run file in a format version that this rubnoise does not know yet."""
+    """A run file in a newer format version than this rubnoise knows."""
 
 
 class InUse(RunFileRefused):
@@ -53,13 +53,13 @@ class InUse(RunFileRefused):
 
 
 class Unseen(RunFileRefused):
-    """A file of which nothing is known, because the process that read it was killed or took too long."""
+    """A file whose content is unknown, because the process that read it was killed or took too long."""
 
 
 class OpenFile(ABC):
     """An open file of ours, whose structure has been read. Use it as a context manager, or close it.
 
-    Copies, also in other processes, open the file for themselves.
+    Copies, also in other processes, open the file again.
     """
 
     called: ClassVar = "file"
@@ -91,20 +91,20 @@ class OpenFile(ABC):
     @property
     @abstractmethod
     def seal(self) -> str | None:
-        """The hash that the file keeps of what it says of itself; None if it has none."""
+        """The stored hash of the file's attributes; None if it has none."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         with self._reading():
             return reopened, (type(self), self._place, self.seal)
 
     def inventory(self) -> "Inventory":
-        """Return everything that there is in the file, ours or not; raises RunFileRefused if it cannot be read."""
+        """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
         with self._reading():
             return looked_at(self.descriptor, "inventory")["objects"]
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
-        """Begin whatever is wrong with the file with its path; raises ValueError once it is closed."""
+        """Put the path in front of the message of a refusal; raises ValueError if the file is closed."""
         if self.closed:
             raise ValueError(f"{self.path}: the {self.called} is closed")
         with refusing(self.path):
@@ -123,7 +123,7 @@ class RunFile(OpenFile):
     called = "run file"
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of a file, and what was found in it."""
+        """Take over the descriptor of an open file, and the structure that was read from it."""
         if "index" in found:
             raise RunFileRefused("is the index of a sweep, not the result of a run")
         self._found = found
@@ -141,19 +141,19 @@ class RunFile(OpenFile):
 
     @property
     def places(self) -> dict[Name, ByteRange]:
-        """Where the columns lie; those that are compressed have no place of their own."""
+        """The places of the columns; compressed columns have no place of their own."""
         return places_of(self._found)
 
     @property
     def is_compressed(self) -> bool:
-        """Whether rows lie in chunks, which have no place of their own."""
+        """Whether the columns are stored in compressed chunks."""
         return any(column.chunk_rows for columns in self._columns.values() for column in columns.values())
 
     @cached_property
     def structure(self) -> str:
-        """A hash of all that was no row when it was first asked for; empty for a compressed file.
+        """A hash of everything except the rows, taken when first asked for; empty for a compressed file.
 
-        Raises RunFileRefused if that is more than a run has.
+        Raises RunFileRefused if it is larger than that of any run.
         """
         if self.is_compressed:
             return ""
@@ -196,17 +196,17 @@ class RunFile(OpenFile):
 
     @property
     def is_unfinished(self) -> bool:
-        """Whether the file says that its run did not finish: what is not computed yet reads as zeros."""
+        """Whether the file says that its run did not finish; rows that are not computed yet read as zeros."""
         origin = self._found["provenance"]
         return "value" in origin and origin["value"].get("finished") == ""
 
     @property
     def seal(self) -> str | None:
-        """The hash that the file keeps of its attributes; None if it has none."""
+        """The stored hash of the file's attributes; None if it has none."""
         return self._value(self._found["seal"])
 
     def damaged(self) -> tuple[str, ...]:
-        """Return the columns that are unreadable or do not have the hash written beside them; reads the whole file."""
+        """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
         return tuple(
             f"/{group}/{name}"
             for group, columns in self._columns.items()
@@ -215,11 +215,11 @@ class RunFile(OpenFile):
         )
 
     def digest(self, group: str, name: str) -> str:
-        """Return the hash that is written beside a column; raises RunFileRefused if it cannot be read."""
+        """Return the stored hash of a column; raises RunFileRefused if it cannot be read."""
         return str(self._value(self._found["columns"][group][name]["digest"]))
 
     def _value(self, answer: Mapping[str, Any]) -> Any:
-        """Return what was found at one place, as a copy; raises RunFileRefused if it could not be read."""
+        """Return a copy of what was read at one place; raises RunFileRefused if it could not be read."""
         with self._reading():
             if "refused" in answer:
                 raise RunFileRefused(answer["refused"])
@@ -241,15 +241,15 @@ class RunFile(OpenFile):
 def open_run(path: str | os.PathLike[str], own: "Written | None" = None) -> RunFile:
     """Open a run file for reading, also one from elsewhere.
 
-    ``own`` is the file that this process has just written: it needs no caution. Raises RunFileRefused, with the reason
-    in one sentence, for a path that is missing or no regular file, a file that is not HDF5, not a run, cut short or
-    damaged; TooNew for one of a later format.
+    ``own`` is the file that this process has just written: it is not read in the sandbox. Raises RunFileRefused, with
+    the reason in one sentence, for a path that is missing or not a regular file, a file that is not HDF5, not a run,
+    cut short or damaged; TooNew for a later format.
     """
     return opened(RunFile, path, own)
 
 
 def opened(kind: type[Opened], path: str | os.PathLike[str], own: "Written | None" = None) -> Opened:
-    """Open a file of ours of a kind; refused as by `open_run`."""
+    """Open a file of ours of one kind; raises as `open_run` does."""
     descriptor, found = examined(path, own)
     try:
         with refusing(path):
@@ -260,7 +260,7 @@ def opened(kind: type[Opened], path: str | os.PathLike[str], own: "Written | Non
 
 
 def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
-    """Open a file that was open elsewhere; raises RunFileRefused if another one, by its seal, is there by now."""
+    """Open again a file that was open elsewhere; raises RunFileRefused if its seal shows that it was replaced."""
     file = opened(kind, path)
     if file.seal == seal:
         return file
@@ -269,7 +269,7 @@ def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
 
 
 def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
-    """Return a descriptor of a file, locked for reading, and what was found in it; refused as by `open_run`."""
+    """Return a descriptor of a file, locked for reading, and its structure; raises as `open_run` does."""
     with refusing(path):
         descriptor = open_regular(path)
         try:
@@ -283,7 +283,7 @@ def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tupl
 
 @contextmanager
 def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Begin whatever is wrong with a file with its path."""
+    """Put the path of the file in front of the message of a refusal."""
     try:
         yield
     except RunFileRefused as refusal:
@@ -293,7 +293,7 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
-    """Look before a child process is made: most wrong files show in their first bytes."""
+    """Check the first bytes, which show most wrong files, before a child process is made."""
     try:
         found = disk.read(descriptor, len(SIGNATURE), 0)
     except BlockingIOError as problem:
@@ -310,13 +310,13 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
 
 
 def _share(descriptor: int) -> None:
-    """Take the lock that HDF5 takes for reading, for as long as the file is open."""
+    """Take the lock that HDF5 takes for reading, as long as the file is open."""
     if not lock.share(descriptor):
         raise InUse("is being written by another program")
 
 
 def _found(descriptor: int, own: "Written | None") -> dict[str, Any]:
-    """Return what a child process found in the file (see read_structure); raises RunFileRefused if it is damaged."""
+    """Return the structure that a child process found in the file; raises RunFileRefused if the file is damaged."""
     known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
     if known is not None and known.found is not None:
         return dict(known.found)
@@ -331,7 +331,7 @@ def _found(descriptor: int, own: "Written | None") -> dict[str, Any]:
 
 
 def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
-    """Return what a look at an open file finds; raises RunFileRefused if the file is not sound."""
+    """Return what the sandbox finds in an open file; raises RunFileRefused if the file is not valid."""
     try:
         found: dict[str, Any] = json.loads(_answer(descriptor, look, own=own))
     except (ValueError, RecursionError) as problem:

@@ -1,6 +1,6 @@
-"""An unfinished run: what its part file and journal say of it, and how it is resumed.
+"""An unfinished run: its progress according to part file and journal, and how it is resumed.
 
-Rows are compared with the hashes of the last good commit; what does not fit is computed again.
+Rows are compared with the hashes of the last good commit; rows that differ are computed again.
 """
 
 import os
@@ -32,7 +32,7 @@ SUFFIX: Final = ".part"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unfinished:
-    """What is known of a run that did not finish, without reading its rows.
+    """The progress of an unfinished run, found without reading its rows.
 
     junctions, ticks: rows at the last commit; grown: those of each group whose number only the end of the run shows;
     committed: its time in UTC, empty before the first; being_written: whether a process writes it now.
@@ -48,12 +48,12 @@ class Unfinished:
 
     @property
     def share(self) -> float:
-        """How much of the run's ticks is done, from 0 to 1."""
+        """The share of the run's ticks that is done, from 0 to 1."""
         return self.ticks / max(self.description.extent.ticks, 1)
 
 
 def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
-    """Return the names that go with a part file; raises RunFileRefused for one that is named otherwise or missing."""
+    """Return the paths that belong to a part file; raises RunFileRefused if it is missing or not named like one."""
     path = Path(part)
     if path.suffix != SUFFIX or not path.stem:
         raise RunFileRefused(f"{part}: is not an unfinished run: their names end in {SUFFIX}")
@@ -68,7 +68,7 @@ def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
 
 
 def look(part: str | os.PathLike[str]) -> Unfinished:
-    """Return how far a run is that did not finish; one that is being written is looked at without harm.
+    """Return the progress of an unfinished run, also while it is being written.
 
     Raises RunFileRefused as open_run does.
     """
@@ -91,13 +91,13 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
 
 
 class CommittedRun:
-    """The rows that a run which did not finish has committed, read as those of a result.
+    """The committed rows of an unfinished run, read like those of a result.
 
-    Groups that grow beside the part are left out. A `rubnoise.record.reader.Reader`.
+    Growing groups are left out. A `rubnoise.record.reader.Reader`.
     """
 
     def __init__(self, run: RunFile, found: Unfinished) -> None:
-        """Stand for the first rows of an open part file."""
+        """Take the first rows of an open part file."""
         self._run = run
         self._rows = {"junctions": found.junctions, "trace": found.ticks, "slider": found.ticks, "load": found.ticks}
         self._left_out = frozenset(found.grown) | (set(run.columns) - {*self._rows, *LIFE_TABLES})
@@ -107,7 +107,7 @@ class CommittedRun:
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
-        """Names of the columns of each group that is there."""
+        """Names of the columns of each group."""
         return {group: names for group, names in self._run.columns.items() if group not in self._left_out}
 
     def rows(self, group: str) -> int:
@@ -122,9 +122,9 @@ class CommittedRun:
 
 @contextmanager
 def committed_run(part: Path) -> Iterator[CommittedRun]:
-    """Open a part file for what it has committed.
+    """Open a part file to read its committed rows.
 
-    Raises RunFileRefused as look does, if that is nothing, and for a part whose junctions grow beside it.
+    Raises RunFileRefused as `look` does, if nothing is committed, and if /junctions is a growing group.
     """
     found = look(part)
     if not found.ticks:
@@ -144,7 +144,7 @@ def _history_or_refusal(journal: Path) -> History:
 
 
 def progress(path: str | os.PathLike[str]) -> str:
-    """Return how far an unfinished run is and how it goes on, as far as its files say."""
+    """Return a text with the progress of an unfinished run and how to resume it."""
     try:
         found = look(path)
     except RunFileRefused:
@@ -154,7 +154,7 @@ def progress(path: str | os.PathLike[str]) -> str:
 
 
 def refusal(path: str | os.PathLike[str]) -> Refused:
-    """Return what to raise if a whole result is wanted and the run did not finish."""
+    """Return the error to raise if a complete result is needed and the run did not finish."""
     hint = f"; {resume_hint(str(path))}" if Path(path).suffix == SUFFIX else ""
     return RunFileRefused(f"{path}: unfinished{hint}")
 
@@ -163,7 +163,7 @@ def refusal(path: str | os.PathLike[str]) -> Refused:
 class TakenUp:
     """A part file opened behind its last good commit.
 
-    ``state`` is None if there is none and the run begins at its start; ``journal_bytes`` of the journal are good.
+    ``state`` is None if the run begins at its start; ``journal_bytes`` is the size of the journal's valid part.
     """
 
     part: Part
@@ -173,9 +173,9 @@ class TakenUp:
 
     @classmethod
     def of(cls, paths: OutputPaths, opening: ExitStack) -> Self:
-        """Open a part, which closes with ``opening``; what lies behind the last good commit counts as not written.
+        """Open a part, which ``opening`` closes; rows after the last good commit count as not written.
 
-        Raises RunFileRefused for a part that cannot be read, OutputRefused if the disk has no room for all of it.
+        Raises RunFileRefused if it cannot be read, OutputRefused if the disk has not the space for the whole file.
         """
         with mended(paths) as run:
             description = description_of(run)
@@ -194,11 +194,11 @@ class TakenUp:
 
 
 def publish_complete(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool) -> bool:
-    """Finish what needs no more rows; return whether there was nothing else to do. The lock must be held.
+    """Publish a part that needs no more rows; return whether that has completed the run. The caller holds the lock.
 
-    That is a part that got its final name already, beside which it and its journal were left over, and one that is
-    whole and only lacks the name, which it gets when ``check``, too, finds nothing wrong. Raises RunFileRefused for a
-    part that cannot be read or whose structure is damaged, OutputRefused if a file of another run bears the name.
+    Such a part either has its final name already, and only left-over files are removed, or it is complete and is
+    renamed if ``check``, too, finds nothing wrong. Raises RunFileRefused for a
+    part that cannot be read or whose structure is damaged, OutputRefused if a file of another run has the name.
     """
     with mended(paths) as run:
         description = description_of(run)
@@ -225,7 +225,7 @@ def _publish(paths: OutputPaths, run: RunFile, *, force: bool) -> None:
 
 
 def examined(paths: OutputPaths) -> RunDescription:
-    """Return what run a part file is of.
+    """Return the description of the run of a part file.
 
     Raises RunFileRefused if it cannot be read, OutputRefused while another process writes it.
     """
@@ -235,9 +235,9 @@ def examined(paths: OutputPaths) -> RunDescription:
 
 @contextmanager
 def mended(paths: OutputPaths) -> Iterator[RunFile]:
-    """Open a part file, its last changes carried out if a kill came between them.
+    """Open a part file; changes that a kill interrupted are completed first.
 
-    Raises RunFileRefused for one that cannot be read, or whose structure is not that of a part.
+    Raises RunFileRefused if it cannot be read, or its structure is not that of a part.
     """
     history = History.read(paths.journal)
     if history.ending is not None:
@@ -248,7 +248,7 @@ def mended(paths: OutputPaths) -> Iterator[RunFile]:
 
 
 def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
-    """Carry out the last changes, unless the part is seen to be of another run than the journal."""
+    """Complete interrupted changes, unless part and journal are of different runs."""
     try:
         with open_run(paths.part) as found:
             of_another = identity(description_of(found)) != run
@@ -268,7 +268,7 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
 
 
 def _is_result_of(paths: OutputPaths, description: RunDescription) -> bool:
-    """Whether the final name is that of the part, or of a whole result of the same run."""
+    """Whether the final path leads to the part itself, or to a complete result of the same run."""
     if paths.final.samefile(paths.part):
         return True
     try:

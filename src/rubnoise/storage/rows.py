@@ -18,10 +18,10 @@ DEFLATE_SKIPPED: Final = 2
 
 @dataclass(slots=True, kw_only=True)
 class StoredColumn:
-    """Where the rows of a column lie: in one piece at ``offset``, or in ``chunks`` of ``chunk_rows``.
+    """The place of a column's rows: in one piece at ``offset``, or in ``chunks`` of ``chunk_rows`` rows.
 
-    Chunks are shuffled and deflated; each is its offset, its bytes and the filters that it skipped. The one read last
-    is kept.
+    Chunks are shuffled and deflated; each has its offset, its size in bytes and the filters that it skipped. The chunk
+    read last is kept in memory.
     """
 
     dtype: np.dtype[Any]
@@ -32,7 +32,7 @@ class StoredColumn:
     _last: tuple[int, NDArray[Any]] | None = field(default=None, repr=False)
 
     def read(self, descriptor: int, start: int, stop: int) -> NDArray[Any]:
-        """Return rows ``start`` to ``stop``; raises RunFileRefused if they are not in the file (any more)."""
+        """Return rows ``start`` to ``stop``; raises RunFileRefused if the file does not have them (any more)."""
         values: NDArray[Any] = np.empty(stop - start, dtype=self.dtype)
         if not self.chunks:
             _fill(values.view(np.uint8), descriptor, self.offset + start * self.dtype.itemsize)
@@ -64,7 +64,7 @@ class StoredColumn:
 
 
 def _in_rows(planes: Bytes) -> Bytes:
-    """Return the bytes of values side by side; plane by plane takes half as long as numpy's copy of the transpose."""
+    """Return the bytes of each value side by side (unshuffle), plane by plane: half the time of numpy's transpose."""
     rows: Bytes = np.empty(planes.shape[::-1], dtype=np.uint8)
     for place, plane in enumerate(planes):
         rows[:, place] = plane
@@ -72,7 +72,7 @@ def _in_rows(planes: Bytes) -> Bytes:
 
 
 def _inflated(stored: Bytes, size: int) -> Bytes:
-    """Inflate a chunk, as far as one byte beyond the size it should have."""
+    """Inflate a chunk, to one byte more than the size it should have at most."""
     inflating = zlib.decompressobj()
     try:
         content = inflating.decompress(stored.data, size + 1)

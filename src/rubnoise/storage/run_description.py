@@ -1,4 +1,4 @@
-"""The description of a run, read back from the attributes of its file, and the structure compared with it."""
+"""Read the description of a run back from the attributes of its file, and compare the file's structure with it."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -20,7 +20,7 @@ SHOWN = 40
 
 
 def description_of(run: RunFile) -> RunDescription:
-    """Return the description from which a run file was made; raises RunFileRefused if it does not say."""
+    """Return the description from which a run file was made; raises RunFileRefused if the file does not have it."""
     title, origin = str(run.attributes["title"]), run.provenance
     with refusing(run.path):
         return description(title, origin, run.extent, run.features)
@@ -29,7 +29,7 @@ def description_of(run: RunFile) -> RunDescription:
 def description(
     title: str, origin: Mapping[str, Scalar], extent: Extent, features: frozenset[Feature]
 ) -> RunDescription:
-    """Return the description that attributes of a file hold; raises RunFileRefused if one is none of ours."""
+    """Return the description in the attributes of a file; raises RunFileRefused if one is not as we write it."""
     scenario = _json_table(origin, "scenario_resolved")
     pulse_of(scenario)
     return RunDescription(
@@ -61,7 +61,7 @@ def _compression(scenario: Mapping[str, Any]) -> Literal["none", "gzip"]:
 
 
 def _json_table(origin: Mapping[str, Scalar], name: str) -> dict[str, Any]:
-    """Return what a text says by name, in JSON."""
+    """Return the table in a JSON text."""
     try:
         parsed = json.loads(str(origin[name]))
     except (ValueError, RecursionError) as problem:
@@ -95,11 +95,11 @@ ELSEWHERE: Final = frozenset({"/ attribute source", f"/provenance attribute {HAS
 
 
 def check_structure(run: RunFile) -> None:
-    """Raise RunFileRefused if anything of a part's structure is missing, too many or other than the program makes it.
+    """Raise RunFileRefused if anything in a part's structure is missing, additional, or not as the program makes it.
 
-    A part found on the disk may be damaged, or made by anybody, in what no row and no hash covers: units, names,
-    meanings, links between columns, a group too many.
-    Its ``structure`` is that of before the inspection, so that any later change of it shows.
+    A part may be damaged, or made by anybody, where no row and no hash shows it: units, names, meanings, links between
+    columns, an additional group.
+    Its ``structure`` is read before the inspection, so that any later change is seen.
     """
     _ = run.structure
     ending = None
@@ -113,7 +113,7 @@ def check_structure(run: RunFile) -> None:
 
 
 def _differences(there: Inventory, right: Inventory) -> Iterator[str]:
-    """Yield where a file is not what is made of its own description, rows left out of account."""
+    """Yield the differences between a file and the one that its description makes, rows left out."""
     found, expected = dict(_places(there)), dict(_places(right))
     for place in sorted({*found, *expected}):
         if place not in found:
@@ -125,7 +125,7 @@ def _differences(there: Inventory, right: Inventory) -> Iterator[str]:
 
 
 def _places(objects: Inventory) -> Iterator[tuple[str, str]]:
-    """Yield how each object is stored, and each of its attributes; as JSON, in which nan is nan, and -0 is not 0."""
+    """Yield the storage and the attributes of each object as JSON, in which nan equals nan, and -0 differs from 0."""
     for path, about in objects.items():
         yield path, json.dumps({name: value for name, value in about.items() if name != "attributes"})
         for name, attribute in about["attributes"].items():

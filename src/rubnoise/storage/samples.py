@@ -1,4 +1,4 @@
-"""One column of samples at even steps, as every reader of measured traces returns it, and the checks they share."""
+"""A column of samples at even steps, which every reader of measured traces returns, and the checks that they share."""
 
 import re
 from bisect import bisect_right
@@ -27,16 +27,16 @@ _ROUNDED: Final = 0.01
 
 
 class Lines:
-    """Which line of a file each row of a column is from: kept where the two part, not for each row."""
+    """The line of a file for each row of a column: kept only for rows at which the difference of both changes."""
 
     def __init__(self) -> None:
-        """Begin with no rows."""
+        """Start without rows."""
         self.count = 0
         self._first: list[int] = []
         self._ahead: list[int] = []
 
     def add(self, numbers: list[int]) -> None:
-        """Take the line numbers of the next rows."""
+        """Add the line numbers of the next rows."""
         ahead = np.array(numbers) - np.arange(self.count, self.count + len(numbers))
         before = self._ahead[-1] if self._ahead else None
         changed = np.flatnonzero(np.diff(ahead)) + 1
@@ -67,7 +67,7 @@ class Measured:
     lines: "Lines | None" = field(default=None, repr=False)
 
     def place(self, sample: int) -> str:
-        """Return where a sample stands in its file."""
+        """Return the file and line of a sample."""
         return f"sample {sample + 1:,}" if self.lines is None else f"line {self.lines.of(sample)}"
 
 
@@ -88,9 +88,9 @@ def along_of(name: str, unit: str) -> str:
 def chosen_column(
     path: str | Path, names: list[str], wanted: str | None, place: int | None, *, keyword: str = "column"
 ) -> int:
-    """Return the number of the wanted column, or of the only one beside the place; raises NoColumn if it is open.
+    """Return the number of the wanted column, or of the only one beside time or distance; raises NoColumn otherwise.
 
-    ``wanted`` is a name, or if no column has that name a number from 1 on.
+    ``wanted`` is a name, or a number from 1 on if no column has that name.
     """
     if wanted is not None:
         if names.count(wanted) == 1:
@@ -106,19 +106,19 @@ def chosen_column(
 
 
 def _listed(names: list[str]) -> str:
-    """Return names, each cut short, and how many more there are."""
+    """Return some names, each cut short, and the number of further ones."""
     more = f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else ""
     return ", ".join(name[:_SHOWN] for name in names[:_LISTED]) + more
 
 
 class EvenSteps:
-    """Places of samples, taken in pieces and refused with their line if they are not even.
+    """Times or distances of samples, taken in pieces; those not at even steps are refused with their line.
 
-    With a ``rate`` in Hz, which times have to agree with, they may be written with too few digits to tell them apart.
+    With a ``rate`` in Hz, with which they must agree, times may be written with too few digits to differ.
     """
 
     def __init__(self, name: str, unit: str, path: str, rate: float | None = None, *, word: str = "line") -> None:
-        """Name the column, its unit, its file, and what numbers stand for: lines or rows."""
+        """Take the column's name, its unit, its file, and what the numbers mean: lines or rows."""
         self._name, self._unit, self._path, self._word = name, unit, path, word
         self._size = _size_of(unit)
         if rate is not None and along_of(name, unit) != "time":
@@ -129,7 +129,7 @@ class EvenSteps:
         self._count = 0
 
     def add(self, places: Doubles, numbers: Sequence[int], resolution: float = 0.0) -> None:
-        """Take the next places, the line of each, and their last decimal; the usual step is that of the first piece."""
+        """Add the next places, the line of each, and their last decimal; the usual step is that of the first piece."""
         check_values(places, f"{self._path}: {self._name}", lambda row: f"{self._word} {numbers[row]}")
         steps = np.diff(places, prepend=self._last if self._count else places[0])
         own = steps[1:] if self._count == 0 else steps
@@ -161,16 +161,16 @@ class EvenSteps:
         self._tolerance = self._allowed(steps, resolution)
 
     def _allowed(self, steps: Doubles, resolution: float) -> float:
-        """Return how far a step may be from the usual one: 1 %, and a digit of the places, by which they are rounded.
+        """Return how far a step may be from the usual one: 1 %, and one digit of the places, since they are rounded.
 
-        If a step is a digit, and nearly all are equal, a longer one is a row that is missing and no rounding.
+        If the step is one digit, and nearly all steps are equal, a longer one is a missing row and not rounding.
         """
         uneven = UNEVEN * self._usual
         rounded = np.count_nonzero(np.abs(steps - self._usual) > uneven) > max(_FEW, _ROUNDED * steps.size)
         return uneven if resolution > 0.5 * self._usual and not rounded else uneven + 1.01 * resolution
 
     def step(self) -> float:
-        """Return the mean step in s or um (or in the unit of the places); a rate that was given is right within 1 %."""
+        """Return the mean step in s or um (or in the unit of the places); it agrees with a given rate within 1 %."""
         if self._count < 2:
             raise Refused(f"{self._path}: {self._name} has {self._count} rows; a trace has two or more")
         mean = (self._last - self._first) / (self._count - 1)
@@ -188,7 +188,7 @@ class EvenSteps:
 
 
 def _size_of(unit: str) -> float:
-    """Return how many s or um a unit is; 1 for what is no unit of ours."""
+    """Return the size of a unit in s or um; 1 for an unknown unit."""
     try:
         return float(parse_unit(unit).size)
     except QuantityError:
@@ -196,7 +196,7 @@ def _size_of(unit: str) -> float:
 
 
 def even_step(places: Doubles, name: str, unit: str, path: str, *, first: int = 1) -> float:
-    """Return the step in s or um; raises Refused, by row from ``first`` on, if places are not even."""
+    """Return the step in s or um; raises Refused, with rows counted from ``first``, if places are not at even steps."""
     steps = EvenSteps(name, unit, path, word="row")
     if places.size > 1:
         steps.add(places, range(first, first + places.size))
@@ -204,9 +204,9 @@ def even_step(places: Doubles, name: str, unit: str, path: str, *, first: int = 
 
 
 def check_values(values: Doubles, what: str, place: Callable[[int], str] | None = None) -> None:
-    """Raise Refused with the first value that is no number, or whose square is none.
+    """Raise Refused with the first value that is not finite, or too large to be squared.
 
-    ``place`` names a value, by default as the how many-th it is.
+    ``place`` returns the words for a value, by default its number.
     """
     wrong = ~(np.abs(values) <= LARGEST_VALUE)
     if wrong.any():

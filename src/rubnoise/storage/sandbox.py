@@ -1,12 +1,12 @@
-"""The sandbox: HDF5 looks at a file in a child process, which may take little memory and time, and open nothing at all.
+"""The sandbox: HDF5 reads a file in a child process with little memory and time, which can open no other file.
 
 The child is a copy of this process, so that nothing is loaded again: it costs milliseconds. The descriptor of the file
 is all that it needs; as it can open no other, no link, external storage or plug-in of HDF5 leads it anywhere.
 
-A program that runs threads (a notebook, say) should not make copies of itself. A process of one thread, started with
-the first file that such a program opens and gone with it, gets the descriptor of each file and makes the copies.
+A program with threads (such as a notebook) should not fork. A worker process of one thread, started with the first
+file that such a program opens and ended with it, gets the descriptor of each file and makes the copies.
 
-Windows makes no copies of a process. There a new one looks at each file, within the same time.
+Windows cannot fork. There a new process reads each file, within the same time.
 """
 
 import faulthandler
@@ -46,10 +46,10 @@ Look = Callable[[int], bytes]
 
 
 def sandboxed(descriptor: int, look: Look, *, patience: float = WALL_SECONDS) -> bytes:
-    """Return what ``look`` makes of an open file in a child process.
+    """Return what ``look`` returns for an open file in a child process.
 
-    The answer is a JSON object; if the child crashes or takes too much, one that says so under ``refused``, and
-    under ``unseen`` that this need not be the file's fault.
+    The answer is a JSON object; if the child crashes or takes too much, it has the reason under ``refused``, and
+    ``unseen`` says that this need not be the file's fault.
     """
     receiving, sending = os.pipe()
     child = _copy_of_this_process()
@@ -63,7 +63,7 @@ def sandboxed(descriptor: int, look: Look, *, patience: float = WALL_SECONDS) ->
 
 
 def _copy_of_this_process() -> int:
-    """Fork; the child calls nothing that could wait for a lock of another thread (h5py sees to its own)."""
+    """Fork; the child calls nothing that could wait for a lock of another thread (h5py takes care of its own)."""
     with warnings.catch_warnings():
         # Since Python 3.12 threads of numerical libraries, which stop for a fork, count as a danger.
         warnings.simplefilter("ignore", DeprecationWarning)
@@ -71,7 +71,7 @@ def _copy_of_this_process() -> int:
 
 
 def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
-    """Be the child: look, write the answer down the pipe and leave at once, whatever happens."""
+    """Run as the child: look, write the answer to the pipe and exit at once, whatever happens."""
     code = 1
     try:
         descriptor, sending = _beyond_streams(descriptor), _beyond_streams(sending)
@@ -85,14 +85,14 @@ def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
 
 
 def _beyond_streams(descriptor: int) -> int:
-    """Return a descriptor whose number is that of no standard stream; without these a file may get one of theirs."""
+    """Return a copy of a descriptor whose number no standard stream has; files get these if streams are closed."""
     import fcntl
 
     return descriptor if descriptor > 2 else fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, 3)
 
 
 def _let_go_but(*kept: int) -> None:
-    """Close every descriptor but these and the standard ones: locks of a parent that is killed must go with it."""
+    """Close every descriptor but these and the standard ones, so that locks of a killed parent end with it."""
     for entry in list(Path("/dev/fd").iterdir()):
         if (descriptor := int(entry.name)) > 2 and descriptor not in kept:
             with suppress(OSError):  # the list itself was read by one that is closed already
@@ -100,7 +100,7 @@ def _let_go_but(*kept: int) -> None:
 
 
 def _be_quiet() -> None:
-    """Keep crashes and finalizers of the child to itself, and leave the keys pressed to the parent."""
+    """Hide crashes and finalizers of the child, and leave Ctrl-C to the parent."""
     gc.disable()
     faulthandler.disable()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -110,7 +110,7 @@ def _be_quiet() -> None:
 
 
 def _be_small() -> None:
-    """Give up the right to more memory, time, descriptors and bytes on disk than a look at a sound file takes."""
+    """Limit memory, time, descriptors and bytes on disk to what reading a valid file takes."""
     import resource
 
     _limit(resource.RLIMIT_CPU, CPU_SECONDS, spare=1)  # at the hard limit it would be killed without a reason
@@ -146,7 +146,7 @@ def _outcome(child: int, receiving: int, deadline: float) -> bytes:
 
 
 def _received(receiving: int, deadline: float) -> bytes | None:
-    """Return everything that comes down the pipe; None if that is too much or takes too long."""
+    """Return everything from the pipe; None if that is too much or takes too long."""
     parts: list[bytes] = []
     size = 0
     while size <= ANSWER_BYTES:
@@ -176,7 +176,7 @@ LookName = Literal["structure", "inventory"]
 
 
 def look_of(name: LookName) -> Look:
-    """Return the look of a name."""
+    """Return the function ``look`` with a given name."""
     from rubnoise.storage import inventory, read_structure  # which rest on HDF5
 
     return read_structure.read_structure if name == "structure" else inventory.inventory
@@ -192,16 +192,16 @@ WORDS: "Final[dict[LookName, bytes]]" = {"structure": b"?", "inventory": b"*"}
 
 
 class SandboxWorker:
-    """The process that looks at files for this one, and the way to ask it."""
+    """The worker process that reads files for this one, and the channel to it."""
 
     def __init__(self) -> None:
-        """Wait for the first file; nothing is started yet."""
+        """Start nothing before the first file."""
         self._asking = threading.Lock()
         self._channel: socket.socket | None = None
         self._owner = 0
 
     def ask(self, descriptor: int, look: "LookName" = "structure") -> bytes:
-        """Return what a look at an open file finds (see looks); raises OSError if no process answers."""
+        """Return what the worker finds in an open file; raises OSError if it does not answer."""
         with self._asking:
             if self._owner != os.getpid():  # after a fork the channel is that of the parent
                 self._renew()
@@ -230,7 +230,7 @@ SANDBOX_WORKER: Final = SandboxWorker()
 
 
 def serve_looks() -> None:
-    """Serve as that process: answer until the program that asks is gone."""
+    """Run as the worker: answer until the program that asks has ended."""
     looks = {word: look_of(name) for name, word in WORDS.items()}
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits
@@ -244,9 +244,9 @@ def serve_looks() -> None:
 
 
 def _started() -> "tuple[socket.socket, Popen[bytes]]":
-    """Start the process; it has our modules' folders, and the other end of the channel in place of standard input.
+    """Start the worker with our modules' folders, and the other end of the channel as its standard input.
 
-    No other descriptor: a lock that this program holds, on a file that it has open in HDF5, would outlive its file.
+    It gets no other descriptor: the lock of a file that this program has open in HDF5 would outlive the program.
     """
     from subprocess import Popen  # which only a program with threads needs
 
@@ -259,7 +259,7 @@ def _started() -> "tuple[socket.socket, Popen[bytes]]":
 
 
 def _hang_up(channel: socket.socket, process: "Popen[bytes]") -> None:
-    """Close the channel, which ends the process, and wait a moment for it."""
+    """Close the channel, which ends the worker, and wait a moment for it."""
     from subprocess import TimeoutExpired
 
     channel.close()
@@ -281,9 +281,9 @@ LOOK_ALONE: Final = "import sys; from rubnoise.storage.sandbox import look_alone
 
 
 def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = WALL_SECONDS) -> bytes:
-    """Return what a look at an open file finds in a new process, answered as by `sandboxed`.
+    """Return what a new process finds in an open file, in the form of `sandboxed`.
 
-    For systems without fork: the process has the file as its standard input, and no limit but that of time.
+    For systems without fork: the process has the file as its standard input, and only its time is limited.
     """
     from subprocess import PIPE, TimeoutExpired, run
 
@@ -308,7 +308,7 @@ def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = W
 
 
 def look_alone(name: LookName) -> None:
-    """Be that process: look at standard input, and write the answer to standard output, which HDF5 may not have."""
+    """Run as that process: read standard input, and write the answer to standard output, which HDF5 cannot use."""
     faulthandler.disable()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     answer = os.dup(1)

@@ -42,7 +42,7 @@ class Dataset:
     instead: tuple[tuple[Feature, str, tuple[tuple[int, str], ...]], ...] = ()
 
     def as_in(self, features: Collection[Feature]) -> "Dataset":
-        """Return the column as it stands in a file with some features."""
+        """Return the column as a file with these features describes it."""
         for feature, long_name, values in self.instead:
             if feature in features:
                 return replace(self, long_name=long_name, values=values, instead=())
@@ -50,7 +50,7 @@ class Dataset:
 
     @property
     def coded(self) -> tuple[str, tuple[tuple[int, str], ...]]:
-        """The attribute of the CF conventions that lists its flags or values, and what each of them means."""
+        """The attributes of the CF conventions that list its flags or values, and their meanings."""
         return ("flag_values", self.values) if self.values else ("flag_masks", self.flags)
 
 
@@ -76,7 +76,7 @@ class Group:
     instead: tuple[tuple[Feature, str, str], ...] = ()
 
     def as_in(self, features: Collection[Feature]) -> "Group":
-        """Return it with its columns as a file with some features describes them."""
+        """Return the group with its columns as a file with these features describes them."""
         said = next((words for feature, *words in self.instead if feature in features), (self.long_name, self.plotted))
         columns = tuple(column.as_in(features) for column in self.columns)
         return replace(self, long_name=said[0], plotted=said[1], columns=columns)
@@ -328,5 +328,5 @@ GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, BLOCKS, LIF
 
 
 def motion_of(junctions: Container[str]) -> tuple[Feature]:
-    """Return the feature whose words the columns of a run have, from the names of its columns of /junctions."""
+    """Return the feature (of a slider's motion) that names the columns of a run, from its columns of /junctions."""
     return ("free",) if "encounter" in junctions else ("two-way",)

@@ -1,4 +1,4 @@
-"""The result file as HDF5 sees it: groups, datasets of final size, scales and attributes, without rows."""
+"""Write a result file with HDF5, without its rows: groups, datasets of final size, scales and attributes."""
 
 import json
 import os
@@ -38,9 +38,9 @@ ATTRIBUTES_IN_HEADER = 1 << 15
 
 
 def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> dict[Name, ByteRange]:
-    """Build the whole structure in an empty file and return where its columns lie.
+    """Write the whole structure into an empty file, and return the places of its columns.
 
-    Columns are contiguous, or chunks when ``compressed``, which have no place of their own.
+    Columns are contiguous; if ``compressed`` they are chunks, which have no place of their own.
     """
     root = root_attributes(description)
     for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
@@ -58,7 +58,7 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 
 
 def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, ByteRange]:
-    """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
+    """Replace growing groups by groups with space for all of their rows, and return the places of their columns."""
     places: dict[Name, ByteRange] = {}
     for name, count in rows.items():
         group = next(group for group in GROUPS if group.name == name).as_in(motion_of(file["junctions"]))
@@ -71,24 +71,24 @@ def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, ByteRange]:
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """What a file says of itself, as it reads: at its root, and of its origin; that may be before its run has ended."""
+    """The attributes of a file's root and of /provenance as they are read back, also before its run has ended."""
 
     root: Mapping[str, Scalar]
     provenance: Mapping[str, Scalar]
 
     @classmethod
     def of(cls, description: RunDescription) -> Self:
-        """Return those of a run that has not ended."""
+        """Return the attributes of a run that has not ended."""
         provenance = _as_stored(provenance_attributes(description))
         del provenance[HASH]  # it stands apart, since it is taken of all the others
         return cls(_as_stored(root_attributes(description)), provenance)
 
     def at_the_end(self, finished: str) -> "Words":
-        """Return those of the run when it has ended."""
+        """Return the attributes of the run after its end."""
         return replace(self, provenance={**self.provenance, "finished": finished})
 
     def seal(self, summary: Mapping[str, Scalar]) -> str:
-        """Return the hash of all that the file says."""
+        """Return the hash of all attributes."""
         return seal_of(self.root, _as_stored(summary), self.provenance)
 
 
@@ -99,9 +99,9 @@ def complete(
     summary: Mapping[str, Scalar],
     finished: str,
 ) -> None:
-    """Fill in what is known only when the last row is written: hashes, summary, the time of the end and the seal.
+    """Write everything that is known only after the last row: hashes, summary, end time and seal.
 
-    ``words`` are those of the file, so that nothing is read from it.
+    ``words`` are the file's attributes, so that nothing is read from it.
     """
     owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
     for (group, column), digest in digests.items():
@@ -124,7 +124,7 @@ def _place(dataset: h5py.h5d.DatasetID, column: Dataset, rows: int) -> ByteRange
 
 
 def root_attributes(description: RunDescription) -> dict[str, Scalar]:
-    """Return what the root of a file says about it."""
+    """Return the attributes of the root of a file."""
     formula = JUNCTION_AREA_FORMULAS[pulse_of(description.scenario_resolved).name]
     return {
         "Conventions": CONVENTIONS,
@@ -161,7 +161,7 @@ def _compose_group(
 
 
 def _create_group(file: h5py.File, name: str) -> h5py.h5g.GroupID:
-    """Create a group that remembers the order of its columns, so that viewers list them as the schema does."""
+    """Create a group that keeps the order of its columns, so that viewers list them as the schema does."""
     creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
     creation.set_obj_track_times(False)
     creation.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
@@ -169,10 +169,10 @@ def _create_group(file: h5py.File, name: str) -> h5py.h5g.GroupID:
 
 
 def _create_notes(file: h5py.File, name: str) -> h5py.h5g.GroupID:
-    """Create a group of attributes that remembers their order, and keeps all of them in its header.
+    """Create a group for attributes that keeps their order, and stores all of them in its header.
 
-    HDF5 has checksums of headers, and none of a text of more than a page kept elsewhere, as it does by default.
-    Only what makes a header longer than 64 kB is kept elsewhere all the same.
+    HDF5 has checksums for headers, and none for long texts stored elsewhere, which is its default. Only attributes that
+    would make a header longer than 64 kB are still stored elsewhere.
     """
     creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
     creation.set_obj_track_times(False)
@@ -200,10 +200,10 @@ def _chunked(rows: int) -> h5py.h5p.PropDCID:
 
 
 def _describe_group(owner: h5py.h5g.GroupID, about: Group, scale: str) -> None:
-    """Say what the group is, and in NeXus terms what to plot against what.
+    """Write the group's description, and the NeXus attributes that tell viewers which columns to plot.
 
-    One column only: viewers draw auxiliary signals on the axis of the first, where a force of 5e4 uN hides an area of
-    200 um^2.
+    They name one column only: viewers draw further signals on the axis of the first, where a force of 5e4 uN hides an
+    area of 200 um^2.
     """
     _put(owner, "long_name", about.long_name)
     _put(owner, "NX_class", "NXdata")
@@ -224,7 +224,7 @@ def _describe_column(dataset: h5py.h5d.DatasetID, column: Dataset) -> None:
 
 
 def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
-    """Return what a file says of its origin before the run has finished."""
+    """Return the attributes of /provenance before the run has finished."""
     origin: Provenance = description.provenance
     return {
         "scenario_toml": description.scenario_toml,
@@ -244,17 +244,17 @@ def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
 
 
 def text_bytes(text: str) -> bytes:
-    """Return a text as it is stored: whatever is no character becomes an escape of one."""
+    """Return a text as it is stored: invalid characters (lone surrogates) become escapes."""
     return text.encode("utf-8", "backslashreplace")
 
 
 def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...]) -> None:
-    """Write a new attribute; by HDF5's own calls, as h5py's take longer than a short run."""
+    """Write a new attribute by HDF5's own calls, since h5py's take longer than a short run."""
     _create(owner, name.encode(), *_stored(value))
 
 
 def _clear(notes: h5py.h5g.GroupID) -> None:
-    """Remove the figures that an earlier end has left in a summary."""
+    """Remove the figures of an earlier ending from a summary."""
     names: list[bytes] = []
     h5py.h5a.iterate(notes, names.append)
     for name in names:
@@ -275,7 +275,7 @@ def _create(owner: h5py.h5g.GroupID, key: bytes, value: NDArray[Any], kind: h5py
 
 
 def _stored(value: Scalar | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
-    """Return a value as it is stored in an attribute, and the type that it has there."""
+    """Return a value as it is stored in an attribute, and its type there."""
     if isinstance(value, str | tuple):
         return _text(value)
     dtype = "<i8" if isinstance(value, int) else "<f8"
@@ -284,7 +284,7 @@ def _stored(value: Scalar | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.Typ
 
 @lru_cache(maxsize=256)
 def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
-    """Return one text or a list of texts; at least two bytes long, as h5netcdf hands single bytes over undecoded."""
+    """Return one text or a list of texts, at least two bytes long, since h5netcdf does not decode single bytes."""
     raw = [text_bytes(item) for item in ([text] if isinstance(text, str) else text)]
     size = max(2, *map(len, raw))
     return np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}"), _text_kind(size)
@@ -310,7 +310,7 @@ NamedColumn = tuple[tuple[str, str], ColumnFile]
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A file as it was when this process had written it, and what is in it if that is known (see read_structure)."""
+    """A file as this process has written it, and its structure if that is known (see read_structure)."""
 
     file: os.stat_result
     found: Mapping[str, Any] | None = None
@@ -325,7 +325,7 @@ class Written:
         summary: Mapping[str, Scalar],
         finished: str,
     ) -> Self:
-        """Return a whole file of plain columns."""
+        """Return a complete file of uncompressed columns."""
         words = words.at_the_end(finished)
         found = {
             "features": sorted(features),
@@ -338,7 +338,7 @@ class Written:
         return cls(file, found)
 
     def is_still(self, now: os.stat_result) -> bool:
-        """Whether a file is this one, untouched."""
+        """Whether a file is this one, unchanged."""
         before = self.file
         return os.path.samestat(before, now) and (before.st_size, before.st_mtime_ns) == (now.st_size, now.st_mtime_ns)
 

@@ -15,9 +15,9 @@ from rubnoise.storage.run_description import description_of
 
 
 def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
-    """See whole files onto the disk, then their names, and return those with which it went wrong.
+    """Flush complete files to disk, then their folders; return the files that failed with their errors.
 
-    Raises OSError if a folder fails, which says nothing of any file.
+    Raises OSError if a folder fails, since then no single file is to blame.
     """
     wrong: dict[Path, OSError] = {}
     for folder, of_folder in _by_folder(paths).items():
@@ -31,11 +31,11 @@ def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
 
 
 def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -> None:
-    """Remove what a kill or a power cut has left of a run that was not synced, if it cannot be recovered.
+    """Remove the files that a kill or a power cut has left of a run that was not flushed, if they cannot be recovered.
 
-    ``kind`` is what the file under its final name is, if there is one; a truncated one is removed. A part is removed if
-    the complete result is there, and if it has no commit: before one all of it was on the disk. Files that another
-    process writes stay as they are.
+    ``kind`` is the state of the file under its final name, if there is one; a truncated file is removed. A part is
+    removed if the complete result exists, or if it has no commit, since only a commit flushes it. Files that another
+    process is writing stay.
     """
     paths = OutputPaths.of(path)
     beside = (paths.part, paths.journal, paths.growing, paths.making, paths.lock)
@@ -51,7 +51,7 @@ def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -
 
 
 def is_of_truncated(refusal: RunFileRefused) -> bool:
-    """Whether a file was refused like one that a power cut has truncated, and not because it could not be read."""
+    """Whether a file was refused for its content, as one truncated by a power cut, and not because reading failed."""
     return not isinstance(refusal, InUse | TooNew | Unseen) and not isinstance(refusal.__cause__, OSError)
 
 

@@ -38,7 +38,7 @@ class Head:
 
 
 def head_of(cell: str) -> Head:
-    """Return name and unit of a column. What stands in brackets is its unit; after `/`, `in` and `_` a known one is."""
+    """Return name and unit of a column. A text in brackets is its unit; after `/`, `in` and `_` a known unit is."""
     text = cell.strip()
     if len(text) > LONGEST_NAME:
         return Head(text, "", text)
@@ -56,7 +56,7 @@ def head_of(cell: str) -> Head:
 
 
 def spelled(unit: str) -> str:
-    """Return a unit as the table of units has it: newton for Newton, nothing for `-`."""
+    """Return a unit as the table of units spells it: newton for Newton, an empty text for `-`."""
     if unit in NONE:
         return ""
     return (
@@ -67,12 +67,12 @@ def spelled(unit: str) -> str:
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit that is known here."""
+    """Whether a text is a known unit."""
     return _is_known(spelled(text))
 
 
 def check_unit(unit: str, what: str) -> None:
-    """Raise Refused for a unit that is unknown, by its name."""
+    """Raise Refused, which names the unit, if it is unknown."""
     if unit in NONE or unit in OTHERS:
         return
     try:

@@ -1,4 +1,4 @@
-"""Lines of a file of text with their numbers, read in pieces: no line and no byte of it can fill the memory."""
+"""Lines of a text file with their numbers, read in pieces, so that no file can fill the memory."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,7 +20,7 @@ _BOM: Final = b"\xef\xbb\xbf"
 def lines_of(path: Path) -> Iterator[list[Line]]:
     """Yield the lines of a text in UTF-8, a piece at a time, without comments (#) and empty lines.
 
-    Lines end in LF, CR LF or CR. Raises Refused, with the line, for what is no text.
+    Lines end in LF, CR LF or CR. Raises Refused, with the line, if the file is not a text.
     """
     number = 0
     with open_stream(path) as stream:
@@ -67,7 +67,7 @@ def _pieces(stream: BinaryIO, path: Path) -> Iterator[bytes]:
 
 
 def _decoded(piece: bytes, path: Path, before: int, *, cut: bool = False) -> str:
-    """Return a piece as text; raises Refused with the line of a byte that is none."""
+    """Return a piece as text; raises Refused with the line of the first byte that is not UTF-8."""
     if (zero := piece.find(b"\0")) >= 0:
         line = before + 1 + piece.count(b"\n", 0, zero)
         raise Refused(f"{path}: line {line}: holds a zero byte, so it is no text in UTF-8; save it as CSV in UTF-8")

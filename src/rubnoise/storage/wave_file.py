@@ -1,4 +1,4 @@
-"""Sound in a WAV file: one channel of 24 bits, with its physical scale in words."""
+"""Write sound to a WAV file: one channel of 24 bits, with its physical scale in words."""
 
 import struct
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,7 +22,7 @@ _PCM: Final = 1
 
 
 def check_length(samples: int) -> None:
-    """Raise Refused for more samples than the 32 bits of a WAV file's own length can hold."""
+    """Raise Refused for more samples than the 32-bit length in a WAV file can count."""
     if samples > MOST:
         raise Refused(f"{samples:,} samples are more than the {MOST:,} that a WAV file holds; --seconds takes some")
 
@@ -30,8 +30,8 @@ def check_length(samples: int) -> None:
 def write_wave(path: Path, pieces: Iterable[Doubles], *, samples: int, rate: int, texts: Mapping[str, str]) -> None:
     """Write samples from -1 to 1 as whole numbers of 24 bits, rounded; full scale is 2^23.
 
-    ``samples`` of them come in pieces; ``texts`` are those of the chunk LIST INFO by their names of four letters (INAM
-    the title, ICMT a comment, ISFT the software). Raises Refused for more than fit, OSError if the disk
+    There are ``samples`` of them, in pieces; ``texts`` are those of the chunk LIST INFO by their names of four letters
+    (INAM the title, ICMT a comment, ISFT the software). Raises Refused for more than fit, OSError if the disk
     fails. Source: Multimedia Programming Interface and Data Specifications 1.0 (IBM and Microsoft, 1991).
     """
     check_length(samples)

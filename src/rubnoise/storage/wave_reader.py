@@ -1,4 +1,4 @@
-"""Sound of others: one channel of a WAV file, whose header is believed only if it agrees with itself."""
+"""Read one channel of a WAV file of another program; its header is used only if it is consistent."""
 
 import os
 import struct
@@ -31,7 +31,7 @@ _KINDS: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Form:
-    """What a header says: the code of its samples and their bytes, channels, and samples a second."""
+    """The content of a header: the code and size in bytes of its samples, its channels, and samples per second."""
 
     code: int
     width: int
@@ -42,7 +42,7 @@ class _Form:
 def read_wave(path: Path, wanted: str | None) -> tuple[str, Doubles, int]:
     """Return the name of the wanted channel, its samples (whole numbers as parts of full scale) and its rate in Hz.
 
-    Raises Refused for a header that is cut, or that does not agree with itself, and for a file without samples.
+    Raises Refused if the header is cut or inconsistent, and for a file without samples.
     """
     with open_stream(path) as stream:
         form, size = _head(stream, path)
@@ -61,7 +61,7 @@ def read_wave(path: Path, wanted: str | None) -> tuple[str, Doubles, int]:
 
 
 def _head(stream: BinaryIO, path: Path) -> tuple[_Form, int]:
-    """Return the form of the samples and their bytes; the stream then stands before the first."""
+    """Return the form of the samples and their size in bytes; the stream is then at the first sample."""
     riff, _, wave = struct.unpack("<4sI4s", stream.read(12).ljust(12, b"\0"))
     if (riff, wave) != (b"RIFF", b"WAVE"):
         raise Refused(f"{path}: is no WAV file: it does not begin as one")

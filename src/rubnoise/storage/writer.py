@@ -29,24 +29,24 @@ from rubnoise.storage.schema import Scalar
 from rubnoise.storage.structure import Written
 
 COMMIT_SECONDS: Final = 1.0
-"""Between two commits at least: what a power cut may cost, and why a short run makes none."""
+"""Least time in s between two commits: a power cut may cost so much, and a short run makes no commit."""
 
 
 class RunWriter:
     """Writes one run to ``path``: enter it, write every row, publish.
 
-    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name. On
-    ``commit`` it writes the state to ``NAME.h5.part.journal``, at most once a second and with all rows on the disk
-    before. Left without having published, it keeps both if there was a commit, or if a signal stopped a run
-    that had finished a block; else it removes the part. An older file at the path is as it was. Memory does not depend
-    on the length of the run.
+    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name.
+    ``commit`` writes the state to ``NAME.h5.part.journal``, at most once a second, after all rows are on disk. If
+    the context ends without ``publish``, both files stay if there was a commit, or if a signal stopped a run that had
+    finished a block; otherwise the part is removed. An older file at the path stays. Memory does not depend on the
+    length of the run.
 
-    Without a description it resumes the part that is there: ``description`` and ``state`` say with what and from
-    where, None being the start, and ``replay`` hands out the rows that are there. Without ``safe`` there are neither
-    journal nor hashes, which is only good for measuring what they cost. Without ``durable`` a run that ends before its
-    first commit does not wait for the disk: a kill loses nothing then, a power cut may until another call has flushed
-    the file to disk (see sync_many). Entering raises OutputRefused (see check_output; also for a full disk or a
-    second writer), and RunFileRefused for a part that cannot be read.
+    Without a description it resumes the existing part: ``description`` and ``state`` are then those found, None being
+    the start, and ``replay`` writes its rows to a sink. Without ``safe`` there are neither journal nor hashes, which
+    serves only to measure their cost. Without ``durable`` a run that ends before its first commit does not wait for the
+    disk: a kill loses nothing then, a power cut may until another call has flushed the file to disk (see sync_many).
+    Entering raises OutputRefused (see check_output; also for a full disk or a second writer), and RunFileRefused for a
+    part that cannot be read.
     """
 
     def __init__(
@@ -97,14 +97,14 @@ class RunWriter:
             self._part.write(group, first_row, columns)
 
     def commit(self, state: State) -> None:
-        """Note that all rows before a state have been written; once a second flush it all to disk (fsync)."""
+        """Record that all rows before a state have been written; once a second flush everything to disk (fsync)."""
         self.state, self._rows = state, self._part.rows()
         if self._safe and monotonic() - self._committed_at >= COMMIT_SECONDS:
             with self._naming_file():
                 self._commit(state)
 
     def replay(self, sink: Sink) -> None:
-        """Hand the rows that were there before, as far as a summary needs them, to a sink."""
+        """Write the rows of before the resumption that a summary needs to a sink."""
         self._part.replay(sink, TALLIED)
 
     def publish(self, summary: Mapping[str, Scalar], *, between: Callable[[], None] = lambda: None) -> None:
@@ -123,7 +123,7 @@ class RunWriter:
                 self.written = self._written(os.fstat(checked), summary, finished)
 
     def _begin(self, description: RunDescription, opening: ExitStack) -> None:
-        """Make a new part; a journal of before goes first, for good, so that it never lies beside this part."""
+        """Make a new part; an old journal is removed first and flushed, so that it never lies beside this part."""
         disk.remove(self._paths.growing)
         if self._paths.journal.exists():
             disk.remove(self._paths.journal)
@@ -157,12 +157,12 @@ class RunWriter:
     def _completed(
         self, summary: Mapping[str, Scalar], finished: str, between: Callable[[], None], *, durable: bool
     ) -> Iterator[int]:
-        """Yield the whole part, open, when it has been read back and found to be what was written."""
+        """Yield the complete part, open, after it has been read back and compared with what was written."""
         if self.description.compression == "gzip":
             with compressed(self._part, self._paths.making, self.description, summary, finished, between) as descriptor:
                 self._own = os.fstat(descriptor)
                 disk.rename(self._paths.making, self._paths.part)
-                # Before the journal goes: without it the raw part, were it still there, would begin at its start.
+                # Before the journal is removed: without it, a raw part that still exists would begin at its start.
                 disk.sync_folder(self._paths.part.parent)
                 yield descriptor
             return
@@ -184,7 +184,7 @@ class RunWriter:
         return Written.of(file, features, part.words, part.columns(), summary, finished)
 
     def _name(self, checked: int, *, durable: bool) -> None:
-        # The part is whole and needs nothing beside it any more; what went last would be left over by a kill.
+        # The part is complete and needs no file beside it any more; a kill may leave the one that is removed last.
         self._journal.close()
         self._paths.remove_beside()
         try:
@@ -194,10 +194,10 @@ class RunWriter:
             raise
 
     def _stop(self, stopped: RunStopped) -> None:
-        """Keep what there is up to the last block, and say so.
+        """Keep all rows up to the last block, and report that.
 
-        Nothing waits for the disk: what the system has been handed outlives the process, and what a power cut takes of
-        it shows in the hashes. A disk that fails here leaves what was kept before.
+        There is no fsync: rows handed to the system outlive the process, and hashes show rows lost in a power cut. If
+        the disk fails here, the last commit stays.
         """
         with suppress(OSError):
             if self._safe and self.state is not None:
@@ -206,7 +206,7 @@ class RunWriter:
             stopped.kept = f"{self._path}{SUFFIX}"
 
     def _discard(self) -> None:
-        """Remove what is left, but no file of others that bears the name of the part."""
+        """Remove the remaining files, but not a file of another process that has the name of the part."""
         if not self._keep_part:
             self._paths.remove_beside()
             if is_file(self._paths.part, self._own):
@@ -214,7 +214,7 @@ class RunWriter:
 
     @contextmanager
     def _naming_file(self) -> Iterator[None]:
-        """Say of a disk that fails which file it is about, and what can be done."""
+        """Turn an error of the disk into one that names the file and a remedy."""
         try:
             yield
         except OSError as problem:
