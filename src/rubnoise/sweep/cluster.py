@@ -1,4 +1,4 @@
-"""Workers of a Dask cluster, wherever they are, as long as they see the same folder."""
+"""Workers of a Dask cluster, on any machines that share the folder of the sweep."""
 
 import json
 import os
@@ -29,8 +29,8 @@ def security_of(
 ) -> Any:
     """Return a ``distributed.Security`` that accepts only peers with a certificate of this authority.
 
-    All are files in PEM format; the key may stand in the file of the certificate. Raises ExtraMissing, and Refused for
-    files that are missing or do not belong together.
+    All are files in PEM format; the key may be in the file of the certificate. Raises ExtraMissing, and Refused if
+    files are missing or do not belong together.
     """
     files = {"tls_ca_file": authority, "tls_client_cert": certificate} | ({"tls_client_key": key} if key else {})
     for option, file in zip(("--tls-ca-file", "--tls-cert", "--tls-key"), files.values(), strict=False):
@@ -59,7 +59,7 @@ def _library() -> Any:
 
 
 def _address(scheduler: str, *, encrypted: bool) -> str:
-    """Return where a scheduler listens, from its address or from the file in which it wrote that."""
+    """Return the address of a scheduler, from the address itself or from the scheduler's file."""
     address = scheduler
     if Path(scheduler).is_file():
         try:
@@ -72,7 +72,7 @@ def _address(scheduler: str, *, encrypted: bool) -> str:
 
 
 def _checked(address: str, scheduler: str) -> str:
-    """Return an address as Dask has it; raises Refused for what is none, at which Dask's client would never end."""
+    """Return an address in Dask's form; raises Refused if it is not valid, since Dask's client would never end."""
     known = import_module("distributed.comm.addressing")
     try:
         _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
@@ -84,19 +84,19 @@ def _checked(address: str, scheduler: str) -> str:
 
 
 class Cluster:
-    """The workers of a scheduler, found by its address or by the file in which it wrote that.
+    """The workers of a scheduler, found by its address or by the file with its address.
 
-    Workers may come and go meanwhile. One thread for each worker process is what suits the work.
+    Workers may join and leave during a sweep. One thread for each worker process suits the work.
     """
 
     ahead = 1
     most = 1_000_000
 
     def __init__(self, scheduler: str, security: Any = None) -> None:
-        """Find the scheduler; raises ExtraMissing without the library, Refused if none answers, or others' workers.
+        """Find the scheduler; raises ExtraMissing without the library, Refused if none answers or workers do not suit.
 
-        ``security``: a ``distributed.Security``, by which all that is said goes over TLS; without it what Dask's own
-        configuration says.
+        ``security``: a ``distributed.Security``, with which all messages use TLS; without it Dask's own configuration
+        decides.
         """
         dask = _library()
         where = _address(scheduler, encrypted=security is not None)
@@ -126,7 +126,7 @@ class Cluster:
         self._client.close()
 
     def _check_versions(self) -> None:
-        """Raise Refused for a worker of other versions than this process's; later workers return their work undone."""
+        """Raise Refused if a worker has other versions than this process; later workers return work undone."""
         ours = versions()
         for worker, theirs in self._client.run(versions, on_error="return").items():
             if theirs != ours:
@@ -137,7 +137,7 @@ class Cluster:
 
     @property
     def lanes(self) -> int:
-        """The number of threads of all workers there are now; one if there are none yet."""
+        """The number of threads of all present workers, at least one."""
         now = time.monotonic()
         if now - self._counted >= _COUNTED_EVERY:
             try:
@@ -147,6 +147,6 @@ class Cluster:
         return self._lanes
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
-        """Have a function of a module called by any worker."""
+        """Call a function of a module on any worker."""
         future: Future[Any] = self._executor.submit(function, *arguments)
         return future

@@ -1,4 +1,4 @@
-"""A sweep from what is there already to its last run: the story of `rubnoise sweep`."""
+"""Carry out a sweep, from the runs that exist already to the last one: the course of `rubnoise sweep`."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -17,16 +17,16 @@ from rubnoise.sweep.stopping_rule import AdaptiveReplicates, Unmet
 
 
 class SweepStopped(RunStopped):
-    """A sweep that a signal asked to stop."""
+    """A sweep was stopped by a signal."""
 
     def __str__(self) -> str:
-        """Say that it can be resumed."""
+        """Return the message that the sweep can be resumed."""
         return "stopped by a signal; finished runs are kept, and the same command resumes the sweep"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepProgress:
-    """How far a sweep is: runs that there will be, those done, failed, and done before it was begun this time."""
+    """The progress of a sweep: how many runs it has, how many are done or failed, and how many were done before."""
 
     runs: int
     done: int
@@ -35,21 +35,21 @@ class SweepProgress:
 
 
 class FindUnrecorded(Protocol):
-    """Finds what a run has left that no journal lists."""
+    """Finds the result of a run that no journal lists."""
 
     def __call__(self, point: Point, *, begun: bool) -> RunRow | None:
-        """Return its row, or None; ``begun``: what is torn is that of this folder, and may go."""
+        """Return its row, or None; ``begun``: a truncated file was made by this sweep, and may be removed."""
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepMeans:
-    """How the runs of a sweep are made.
+    """The functions that make the runs of a sweep.
 
-    ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that no
-    journal lists, if work leaves anything, ``affordable`` raises if the runs to be made need more than there is,
-    ``watch`` is called with the progress of the sweep, several times a second, and may raise RunStopped. Unless it is
-    ``synced``, work leaves its files to the sweep to be flushed to disk.
+    ``work`` makes one run, ``workers`` starts workers once there is work, ``recover`` finds the result of a run that no
+    journal lists, if runs leave results, ``affordable`` raises if the missing runs need more space than there is,
+    ``watch`` is called with the progress several times a second, and may raise RunStopped. Unless ``synced``, the
+    sweep flushes the files of ``work`` to disk.
     """
 
     work: Callable[[Point], RunRow]
@@ -62,7 +62,7 @@ class SweepMeans:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepOutcome:
-    """What became of a sweep: its runs, what is known of them, and the points that ended short of their precision."""
+    """The outcome of a sweep: its runs, their status, and the points that did not reach their precision."""
 
     points: Sequence[Point]
     known: RecordedRuns
@@ -72,11 +72,11 @@ class SweepOutcome:
 def conduct(
     folder: SweepFolder, sweep: Sweep, means: SweepMeans, *, shard: Shard | None = None, command: str = ""
 ) -> SweepOutcome:
-    """Carry out what is still to be done of a sweep in its folder, and return what is known of its runs then.
+    """Make the missing runs of a sweep in its folder, and return the status of all runs.
 
-    What is done is never done again: a run that the journals know, or whose result lies in its place; a run that failed
-    is tried anew. Of a shard only its own runs are made. Raises OutputRefused for a folder of something else or in use,
-    SweepStopped after a signal, WorkLost if a cluster is gone.
+    A run is not made again if a journal lists it as done or its result exists; a run that failed is tried again. A
+    shard makes only its own runs. Raises OutputRefused for a folder of something else or in use, SweepStopped
+    after a signal, WorkLost if a cluster is gone.
     """
     with folder.writing(shard):
         sweep = folder.claim(sweep)
@@ -95,14 +95,14 @@ def conduct(
 
 
 def _part(adaptive: AdaptiveReplicates, sweep: Sweep, shard: Shard | None) -> AdaptiveReplicates:
-    """Return what a shard goes through of a sweep with a precision: whole points, since it decides on them."""
+    """Return the part of a shard in a sweep with a precision: whole points, since the shard decides on them."""
     if shard is None or sweep.precision is None:
         return adaptive
     return AdaptiveReplicates(replace(sweep, cases=shard.of_cases(sweep.cases)))
 
 
 class _Conductor:
-    """Goes from round to round until no more runs are wanted."""
+    """Makes runs, round by round, until no more runs are needed."""
 
     def __init__(
         self,
@@ -121,7 +121,7 @@ class _Conductor:
         self._now = SweepProgress(runs=0, done=0, failed=0, before=0)
 
     def carry_out(self) -> None:
-        """Record what is there, then make what is missing, as long as anything is."""
+        """Record the runs that exist, then make the missing ones until none is left."""
         self._record_found()
         if not (points := self._wanted()):
             return
@@ -133,7 +133,7 @@ class _Conductor:
                 points = self._wanted()
 
     def _record_found(self) -> None:
-        """Write down what is there of runs that no journal lists."""
+        """Record results that exist and that no journal lists."""
         self._now = self._progress()
         try:
             for point in self._wanted():
@@ -145,7 +145,7 @@ class _Conductor:
 
     @property
     def imprecise(self) -> list[Unmet]:
-        """The points that have all the replicates they may have, and too few for their precision."""
+        """The points that have their largest number of replicates and not their precision."""
         return self.adaptive.unmet(self._log.status.ended)
 
     def _wanted(self) -> tuple[Point, ...]:
@@ -153,7 +153,7 @@ class _Conductor:
         return points if self._shard is None else self._shard.of_points(points, self.adaptive.points)
 
     def _progress(self) -> SweepProgress:
-        """Count the runs of this shard as they are planned by now."""
+        """Count the runs of this shard as planned so far."""
         points = self.adaptive.points
         own = points if self._shard is None else self._shard.of_points(points, points)
         status = self._log.status
@@ -161,7 +161,7 @@ class _Conductor:
         return SweepProgress(runs=len(own), done=done, failed=failed, before=self._before)
 
     def _make(self, points: tuple[Point, ...], workers: Workers) -> None:
-        """Carry out the points of a round."""
+        """Make the runs of a round."""
         self._now = self._progress()
         self._means.watch(self._now)
         if not self._means.synced:

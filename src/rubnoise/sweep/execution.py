@@ -1,4 +1,4 @@
-"""The points of a sweep executed, by workers or one after another: the one loop over scenarios."""
+"""Execute the points of a sweep, by workers or one after another: the one loop over scenarios."""
 
 import pickle
 import time
@@ -22,32 +22,32 @@ from rubnoise.storage.schema import FORMAT_VERSION
 from rubnoise.streams import STREAM_VERSION
 
 SECONDS: Final = 1.0
-"""Work that one message brings: the message itself then costs nothing, and little is lost with a worker."""
+"""Seconds of work in a message: the cost of the message itself is then small, and so is the loss if a worker dies."""
 
 SHARES: Final = 2
-"""Into how many messages for each lane what is left is cut, so that all lanes end at about the same time."""
+"""Messages for each lane into which the remaining work is divided, so that all lanes end at about the same time."""
 
 LONGEST: Final = 256
-"""Points of a message, however short they are."""
+"""Most points of a message, however short they are."""
 
 
 @dataclass(slots=True)
 class MessageSize:
-    """How long points have taken, and how many of them make a message.
+    """The time that points have taken, from which follows how many make a message.
 
-    Points of the first message are tried one by one, since it is not known yet how long one takes.
+    The first messages have one point each, since the time of a point is not known yet.
     """
 
     points: int = 0
     seconds: float = 0.0
 
     def took(self, points: int, seconds: float) -> None:
-        """Take note of the points of a message; later ones count for more, as points of a sweep differ."""
+        """Add the time of a message's points; later ones count more, since points of a sweep differ."""
         self.points = self.points // 2 + points
         self.seconds = 0.5 * self.seconds + seconds
 
     def size(self, left: int, lanes: int) -> int:
-        """Return how many of the points that are left make the next message; at least one."""
+        """Return how many of the remaining points make the next message; at least one."""
         if not self.points:
             return 1
         fitting = SECONDS * self.points / max(self.seconds, 1e-6)
@@ -60,28 +60,28 @@ BETWEEN: Final = 0.1
 
 
 class Workers(Protocol):
-    """Where points are carried out: in this process, in a pool of processes, on a cluster.
+    """The executor of points: this process, a pool of processes, or a cluster.
 
-    A future that raises stands for work that is lost: its worker is dead, or gave up.
+    A future that raises means that the work is lost: its worker is dead, or gave up.
     """
 
     @property
     def lanes(self) -> int:
-        """How many messages are worked at once."""
+        """Number of messages in work at once."""
         ...
 
     @property
     def ahead(self) -> int:
-        """How many messages may wait for each lane."""
+        """Number of messages that may wait for each lane."""
         ...
 
     @property
     def most(self) -> int:
-        """How many points a message may hold."""
+        """Largest number of points of a message."""
         ...
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
-        """Have a function of a module called."""
+        """Call a function of a module."""
         ...
 
 
@@ -89,12 +89,12 @@ SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the swe
 
 
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
-    """The process that handed out the work has ended, or hands it to workers that are of no use."""
+    """The scheduler of the work has ended, or its workers cannot be used."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome(Generic[Result]):
-    """How a point went: its result, or what went wrong."""
+    """The outcome of a point: its result, or the error."""
 
     point: Point
     result: Result | None = None
@@ -105,12 +105,12 @@ Versions = Mapping[str, object]
 
 
 def versions() -> Versions:
-    """Return what has to be the same wherever runs of one sweep are made."""
+    """Return the versions that must be equal in all processes that make runs of one sweep."""
     return {"rubnoise": package_version("rubnoise"), "stream": STREAM_VERSION, "format": FORMAT_VERSION}
 
 
 def in_words(found: object) -> str:
-    """Return versions as a text; of a worker that says none, that it does not."""
+    """Return versions as a text, also for a worker that sends none."""
     return (
         ", ".join(f"{name} {each}" for name, each in found.items())
         if isinstance(found, Mapping)
@@ -120,14 +120,14 @@ def in_words(found: object) -> str:
 
 @dataclass(frozen=True)
 class Attempt(Generic[Result]):
-    """What came of the points of a message, in their order, how long it took, and which versions made it."""
+    """The outcomes of the points of a message, in order, the time that it took, and the versions that made it."""
 
     results: list[Result | Exception]
     seconds: float
     made_by: Versions | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle it; of an exception that other processes could not make again, its text."""
+        """Pickle the attempt; an exception that other processes cannot build again becomes its text."""
         return Attempt, (
             [_portable(each) if isinstance(each, Exception) else each for each in self.results],
             self.seconds,
@@ -144,9 +144,9 @@ def _portable(problem: Exception) -> Exception:
 
 
 def attempted(work: Callable[[Point], Result], points: Sequence[Point], asked: Versions) -> Attempt[Result]:
-    """Carry out points one after another; one that goes wrong does not keep the others from being tried.
+    """Carry out points one after another; after a failed one the others are still tried.
 
-    None is begun if other versions than those of this process are ``asked`` for.
+    None is started if ``asked`` has other versions than those of this process.
     """
     began, made_by = time.monotonic(), versions()
     if made_by != asked:
@@ -163,7 +163,7 @@ def attempted(work: Callable[[Point], Result], points: Sequence[Point], asked: V
 
 
 class Execution(Generic[Result]):
-    """The way through the points of a sweep, as far as it is followed."""
+    """The execution of the points of a sweep, which can end early."""
 
     def __init__(
         self,
@@ -174,7 +174,7 @@ class Execution(Generic[Result]):
         recover: Callable[[Point], Result | None] = lambda _point: None,
         watch: Callable[[], None] = lambda: None,
     ) -> None:
-        """Stand before the first point.
+        """Start before the first point.
 
         ``recover`` finds the result of a point whose worker died after it was done; ``watch`` is called at least every
         BETWEEN seconds, and may raise.
@@ -191,10 +191,10 @@ class Execution(Generic[Result]):
         self._out: dict[Future[Attempt[Result]], Sequence[Point]] = {}
 
     def outcomes(self) -> Iterator[Outcome[Result]]:
-        """Yield every point with its outcome as soon as it is there; left early, what waits is not begun.
+        """Yield every point with its outcome as soon as it is known; if the caller leaves, waiting points do not start.
 
-        A point whose worker dies is tried once more, alone. Raises WorkLost if no work can be handed out any more,
-        or a worker has other versions than this process.
+        A point whose worker dies is tried once more, alone. Raises WorkLost if no worker can take work any more, or one
+        has other versions than this process.
         """
         try:
             self._hand_out()
@@ -252,7 +252,7 @@ class Execution(Generic[Result]):
 
 
 class Here:
-    """Work done in this process, when it is asked for and not before; problems are raised where they arise."""
+    """This process as executor: a call is made at once when it is submitted, and its errors are raised there."""
 
     lanes = 1
     ahead = 0
@@ -270,9 +270,9 @@ Kept = TypeVar("Kept", bound=Sink)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement(Generic[Kept, Result]):
-    """What a run is measured by: ``sink`` keeps its rows as they come, ``read`` says in the end what they were.
+    """A measurement of a run: ``sink`` takes its rows as they come, ``read`` returns the result at the end.
 
-    The result is all that is left of a run. Give functions of a module, which other processes can import.
+    Nothing else is kept of a run. Both must be functions of a module, which other processes can import.
     """
 
     sink: Callable[[Extent], Kept]
@@ -280,7 +280,7 @@ class Measurement(Generic[Kept, Result]):
 
 
 def run_points(points: Iterable[Point], measure: Measurement[Kept, Result]) -> Iterator[tuple[Point, Result]]:
-    """Run points in their order, and yield each with its result as soon as it is there."""
+    """Run points in their order, and yield each with its result as soon as it is known."""
     for outcome in Execution(points, partial(measured, measure=measure), Here()).outcomes():
         if outcome.problem is not None:
             raise outcome.problem
@@ -288,7 +288,7 @@ def run_points(points: Iterable[Point], measure: Measurement[Kept, Result]) -> I
 
 
 def measured(point: Point, measure: Measurement[Kept, Result]) -> Result:
-    """Run one point and return its result, which is the same wherever and whenever it is run."""
+    """Run one point and return its result, which does not depend on the process or the time."""
     model = point.scenario.model()
     sink = measure.sink(extent(model, point.seed))
     simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine))

@@ -1,4 +1,4 @@
-"""The folder of a sweep: which file is what, which sweep it belongs to, and which process may write there."""
+"""The folder of a sweep: the names of its files, the sweep that it belongs to, and the locks of its writers."""
 
 import json
 import os
@@ -26,13 +26,13 @@ FORMAT: Final = "rubnoise-sweep"
 FORMAT_VERSION: Final = 1
 
 _FREE: Final = ("title", "run.engine")
-"""What may change: it has no part in the names of runs."""
+"""Keys that may change, since the names of runs do not depend on them."""
 
 
 def identity(sweep: Sweep) -> dict[str, Any]:
-    """Return what identifies a sweep (JSON-able): its points by name, and the whole scenario of the first.
+    """Return the identity of a sweep as plain data: its points by name, and the whole scenario of the first.
 
-    Of swept files of diameters it has the values of each.
+    It has the values of every swept file of diameters.
     """
     files = {str(path): case.scenario for case in sweep.cases if (path := _file_of(case.values))}
     sizes = [{_SIZES: scenario.resolved()[_SIZES]} for scenario in files.values()]
@@ -62,9 +62,9 @@ def manifest_text(manifest: Mapping[str, Any]) -> str:
 
 
 def cases_of(kept: Mapping[str, Any]) -> tuple[Case | None, ...]:
-    """Return the points of a sweep from its stored description, each by its name; None for one that has another name.
+    """Return the points of a sweep from its stored description, by name; None for a point whose name does not fit.
 
-    A tick that the file did not give follows from the other keys at each point, so the first one's is not for all.
+    A tick that the file did not give follows from the other keys at each point, so it is not taken from the first one.
     """
     read = stored_sizes(*kept.get("sizes", []))
     return tuple(_case(kept["first"], point["values"], point["name"], read) for point in kept["points"])
@@ -87,7 +87,7 @@ def _case(first: Mapping[str, Any], values: Mapping[str, Any], name: str, read: 
 
 
 def difference(kept: Mapping[str, Any], sweep: Sweep) -> str | None:
-    """Return how a sweep differs from the one kept, or None if it continues that one.
+    """Return the difference between a sweep and the stored one, or None if it continues that one.
 
     It may have more points and other replicates: seeds do not depend on either.
     """
@@ -130,7 +130,7 @@ _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shard:
-    """One of several parts of a sweep, numbered from 1, which processes without a word between them work through."""
+    """One of several parts of a sweep, numbered from 1, for processes that do not communicate."""
 
     number: int
     count: int
@@ -144,12 +144,12 @@ class Shard:
         return cls(number=int(found[1]), count=int(found[2]))
 
     def of_points(self, points: Sequence[Point], whole: Sequence[Point]) -> tuple[Point, ...]:
-        """Return those points that are of this shard of a whole: by the names of runs, whatever their order."""
+        """Return the points of this shard: by the names of their runs, whatever their order."""
         mine = self._share(point.run_id for point in whole)
         return tuple(point for point in points if point.run_id in mine)
 
     def of_cases(self, cases: Sequence[Case]) -> tuple[Case, ...]:
-        """Return the points of this shard, each with all of its replicates; it may be without any."""
+        """Return the points of this shard, each with all of its replicates; there may be none."""
         mine = self._share(run_id(case.scenario) for case in cases)
         return tuple(case for case in cases if run_id(case.scenario) in mine)
 
@@ -159,7 +159,7 @@ class Shard:
 
 @dataclass(frozen=True, slots=True)
 class SweepFolder:
-    """The folder of a sweep, which has its names and locks from here."""
+    """The folder of a sweep, with its file names and locks."""
 
     root: Path
 
@@ -170,19 +170,19 @@ class SweepFolder:
 
     @property
     def merged(self) -> Path:
-        """Everything in one file."""
+        """The file with everything, made by `merge`."""
         return self.root / "merged.h5"
 
     def run(self, run_id: str) -> Path:
-        """Return where the result of a run lies."""
+        """Return the path of the result of a run."""
         return self.root / self.relative(run_id)
 
     def relative(self, run_id: str) -> str:
-        """Return the same, as seen from the folder."""
+        """Return the path of the result relative to the folder."""
         return f"runs/{run_id}.h5"
 
     def stamp(self, run_id: str) -> Stamp | None:
-        """Return by what the file of a run is known again without reading it; None if there is none."""
+        """Return a stamp that recognises the file of a run without reading it; None if there is no file."""
         try:
             about = self.run(run_id).stat()
         except OSError:
@@ -190,12 +190,12 @@ class SweepFolder:
         return about.st_size, about.st_mtime_ns
 
     def holds(self, entry: JournalEntry) -> bool:
-        """Whether what an entry says is done is there: no file is kept of it, or the file that was written then."""
+        """Whether a run that is done needs no further look: it keeps no file, or its file is the one written then."""
         row = entry.row
         return row is not None and (not row.file or entry.stamp == self.stamp(row.run_id) is not None)
 
     def journal(self, shard: Shard | None) -> Path:
-        """Return the journal of a shard, or of who does it all."""
+        """Return the journal of a shard, or of the whole sweep."""
         part = "" if shard is None else f"-{shard.number}-of-{shard.count}"
         return self.root / "journal" / f"runs{part}.jsonl"
 
@@ -204,7 +204,7 @@ class SweepFolder:
         return sorted((self.root / "journal").glob("runs*.jsonl"))
 
     def entries(self) -> Iterator[JournalEntry]:
-        """Yield all that is known of runs; of two entries of one run that counts which says that it is done."""
+        """Yield the entries of all journals; of two entries for one run, the one that says done counts."""
         for path in self.journals():
             try:
                 yield from entries(path)
@@ -212,11 +212,11 @@ class SweepFolder:
                 raise OutputRefused(f"{path}: {(problem.strerror or str(problem)).lower()}") from problem
 
     def is_at_work(self) -> bool:
-        """Whether a process carries out the sweep, or a shard of it, just now; nothing is created."""
+        """Whether a process is carrying out the sweep, or a shard of it; asking creates nothing."""
         return any(map(lock.is_held, [self.root / ".sweep.lock", *self.root.glob(".shard-*.lock")]))
 
     def claim(self, sweep: Sweep) -> Sweep:
-        """Make the folder that of a sweep, or see that it is, and return the sweep as the folder has it.
+        """Make this the folder of a sweep, or check that it is, and return the sweep as stored in the folder.
 
         Raises OutputRefused with the difference.
         """
@@ -237,7 +237,7 @@ class SweepFolder:
 
     @property
     def manifest(self) -> Path:
-        """What says which sweep the folder is of."""
+        """The file that describes the sweep of the folder."""
         return self.root / "sweep.json"
 
     def _identity(self) -> dict[str, Any] | None:
@@ -264,8 +264,8 @@ class SweepFolder:
             raise OutputRefused(f"{self.manifest}: does not say of which sweep the folder is") from problem
 
     def check(self) -> None:
-        """Raise OutputRefused if the folder cannot be one of a sweep: it is none, or holds other things."""
-        # What may not be looked at counts as absent here: the folder above it is the one that is closed.
+        """Raise OutputRefused if the path is not a sweep folder: it is no folder, or holds other files."""
+        # A path that may not be looked at counts as missing here: it is the folder above that is closed.
         above = next(place for place in (self.root, *self.root.absolute().parents) if os.path.lexists(place))
         if not above.is_dir():
             raise OutputRefused(f"{above}: is no folder")
@@ -274,21 +274,21 @@ class SweepFolder:
         if above == self.root and not os.access(above, os.R_OK):
             raise OutputRefused(f"{above}: the folder is not readable")
         if above == self.root and not self.manifest.exists():
-            # What a sweep leaves that is stopped before it has said what it is.
-            # Another shard may say so just now.
+            # A sweep that is stopped before it has written its description leaves these.
+            # Another shard may be writing the description at this moment.
             own = {"runs", "journal", self.manifest.name, f"{self.manifest.name}.part"}
             if any(entry.name not in own and not entry.name.endswith(".lock") for entry in self.root.iterdir()):
                 raise OutputRefused(f"{self.root}: is not a sweep folder, and not empty; name another folder")
 
     @contextmanager
     def alone_at(self, what: str) -> Iterator[None]:
-        """Lock one file of the folder, after the process that holds it now."""
+        """Lock one file of the folder; wait for a process that holds it."""
         with _locked(self.root / f".{what}.lock", patience=None):
             yield
 
     @contextmanager
     def writing(self, shard: Shard | None) -> Iterator[None]:
-        """Hold the folder: alone, or together with other shards; raises OutputRefused while others do.
+        """Hold the folder: alone, or shared with other shards; raises OutputRefused if others hold it.
 
         Makes the folder if there is none.
         """
@@ -306,7 +306,7 @@ class SweepFolder:
 
 @contextmanager
 def _locked(path: Path, *, shared: bool = False, patience: float | None = lock.PATIENCE_SECONDS) -> Iterator[None]:
-    """Hold a lock of the folder; raises lock.Held, and OutputRefused if there can be none."""
+    """Hold a lock of the folder; raises lock.Held, and OutputRefused if it cannot be made."""
     with ExitStack() as held:
         try:
             held.enter_context(lock.holding(path, shared=shared, patience=patience))

@@ -1,4 +1,4 @@
-"""The index of a sweep: its columns, made from the sweep's file and its journals, refreshed while runs are made."""
+"""Make the index of a sweep from its file and its journals, and refresh it while runs are made."""
 
 import json
 import time
@@ -30,7 +30,7 @@ from rubnoise.units import RATIO, Quantity
 
 
 def text(name: str, meaning: str, texts: Sequence[str]) -> Filled:
-    """Return texts as bytes of one length; at least two, as h5netcdf hands single bytes over undecoded."""
+    """Return texts as bytes of one length, at least two, since h5netcdf does not decode single bytes."""
     raw = [each.encode("utf-8", "backslashreplace") for each in texts]
     about = Dataset(name=name, units="", long_name=meaning, symbol="", dtype=f"|S{max(2, *map(len, [b'', *raw]))}")
     return Filled(about=about, values=np.array(raw, about.dtype))
@@ -43,7 +43,7 @@ def whole(name: str, meaning: str, numbers: Sequence[int]) -> Filled:
 
 
 def figure(name: str, values: NDArray[np.float64]) -> Filled:
-    """Return a figure of /summary, in the unit of the figure with whose name its own begins."""
+    """Return a column for a figure of /summary; its unit is that of the figure whose name its own begins with."""
     return Filled(
         about=Dataset(name=name, units=_unit(name), long_name=name.replace("_", " "), symbol=""), values=values
     )
@@ -55,7 +55,7 @@ def _unit(name: str) -> str:
 
 
 def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
-    """Return the values of a key as numbers in its working unit, or as texts if they are no numbers of one kind."""
+    """Return the values of a key as numbers in its working unit, or as texts if they are not numbers of one kind."""
     section, name = key.split(".")
     values = [getattr(getattr(scenario, section), name) for scenario in scenarios]
     meaning = SECTIONS[section].model_fields[name].description or name
@@ -70,7 +70,7 @@ LONGEST_REASON = 500
 
 
 def renew_index(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], command: str) -> RecordedRuns:
-    """Write the index of a sweep in place of an older one; raises OutputRefused while another process does."""
+    """Write the index of a sweep over an older one; raises OutputRefused if another process is writing it."""
     with whole_file(folder.index, force=True) as path:
         known = RecordedRuns.of(folder, points)
         write_index(path, index_of(folder, sweep, points, known, command))
@@ -78,7 +78,7 @@ def renew_index(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], comm
 
 
 def index_of(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], known: RecordedRuns, command: str) -> Index:
-    """Return the index of what is known of a sweep."""
+    """Return the index of a sweep from its present status."""
     of_values: dict[tuple[Any, ...], int] = {}
     numbers = [of_values.setdefault(tuple(point.values.values()), len(of_values)) for point in points]
     firsts = dict(zip(reversed(numbers), reversed(points), strict=True))
@@ -108,7 +108,7 @@ def _points(sweep: Sweep, points: Sequence[Point]) -> Iterator[Filled]:
 
 
 def _plan(sweep: Sweep, points: Sequence[Point], of_points: Sequence[Point], numbers: list[int]) -> Iterator[Filled]:
-    """Yield what is synced before anything runs: names, points, swept values, seeds."""
+    """Yield the columns that are known before any run: names, points, swept values, seeds."""
     yield text("run_id", "name of the run", [point.run_id for point in points])
     yield whole("point", "number of the point", numbers)
     yield whole("replicate", "number of the replicate", [point.replicate for point in points])
@@ -127,7 +127,7 @@ def _progress(known: RecordedRuns) -> Iterator[Filled]:
 
 
 def _stacks(points: Sequence[Point], known: RecordedRuns) -> Iterator[Stack]:
-    """Yield the runs that are done and alike in ticks and columns, in the order of the first of each."""
+    """Yield stacks of finished runs with equal ticks and columns, in the order of the first run of each."""
     alike: dict[tuple[Any, ...], list[int]] = {}
     for row, (point, file, state) in enumerate(zip(points, known.files, known.states, strict=True)):
         if file and state == DONE:
@@ -140,18 +140,18 @@ def _stacks(points: Sequence[Point], known: RecordedRuns) -> Iterator[Stack]:
 
 
 def _rows(folder: SweepFolder, known: RecordedRuns) -> Iterator[tuple[int, RunRow]]:
-    """Yield the rows of the journals one by one, each with its place; none if no run has arrays."""
+    """Yield the rows of the journals one by one, each with its place; nothing if no run has arrays."""
     for entry in folder.entries() if known.arrays else ():
         if entry.row is not None and entry.run_id in known.places:
             yield known.places[entry.run_id], entry.row
 
 
 Shapes = dict[str, tuple[str, tuple[int, ...]]]
-"""The shapes of arrays by name, and what they are of."""
+"""The shapes of arrays by name, and their dimensions."""
 
 
 def _alike(of: str, arrays: Arrays, shapes: Shapes, folder: SweepFolder) -> Arrays:
-    """Yield arrays as they come; raises OutputRefused for one that is not like those of its name before it."""
+    """Yield arrays as they come; raises OutputRefused if one differs in shape or type from earlier ones of its name."""
     for row, found in arrays:
         for name, values in found.items():
             if shapes.setdefault(name, (of, values.shape)) != (of, values.shape):
@@ -163,19 +163,19 @@ def _alike(of: str, arrays: Arrays, shapes: Shapes, folder: SweepFolder) -> Arra
 
 
 EVERY: Final = 5.0
-"""Seconds between two indices, at least."""
+"""Least seconds between two indices."""
 
 SHARE: Final = 0.02
-"""The most of a sweep's time that goes into its index, but for the last one."""
+"""Largest share of a sweep's time for its index, the last one not counted."""
 
 
 class IndexRefresh:
-    """The index of a whole sweep, rewritten from time to time; a shard writes it at its end alone."""
+    """The index of a whole sweep, rewritten from time to time; a shard writes it only at its end."""
 
     def __init__(
         self, folder: SweepFolder, sweep: Sweep, adaptive: AdaptiveReplicates, command: str, *, alone: bool
     ) -> None:
-        """Stand before the first index."""
+        """Start before the first index."""
         self._folder = folder
         self._sweep = sweep
         self._command = command
@@ -191,7 +191,7 @@ class IndexRefresh:
             self._due = time.monotonic() + max(EVERY, (time.monotonic() - began) / SHARE)
 
     def now(self) -> tuple[Sequence[Point], RecordedRuns]:
-        """Write the index, and return its runs and what is known of them; another shard that writes it ends first."""
+        """Write the index, and return its runs with their status; wait for another shard that is writing it."""
         with self._folder.alone_at("index"):
             points = self._points()
             return points, renew_index(self._folder, self._sweep, points, self._command)
@@ -205,8 +205,8 @@ class IndexRefresh:
 def merge(folder: SweepFolder) -> Path:
     """Write the index of a folder and every result of it, by value, into merged.h5, and return its path.
 
-    An older one is replaced. Another process that merges or writes the index ends first. Raises RunFileRefused if
-    there is no index or a result cannot be read, RubnoiseError if the disk fails.
+    An older file is replaced. The call waits for another process that merges or writes the index. Raises RunFileRefused
+    if there is no index or a result cannot be read, RubnoiseError if the disk fails.
     """
     with folder.alone_at("index"), open_index(folder.index), whole_file(folder.merged, force=True) as path:
         write_merged(path, folder.index)

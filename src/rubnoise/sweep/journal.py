@@ -1,6 +1,6 @@
-"""The journal of a sweep: what became of each run, a line each, appended as it happens.
+"""The journal of a sweep: a line for the outcome of each run, appended as it happens.
 
-It is read back after any crash: a torn last line is no entry.
+It is read back after any crash: a last line that is cut short is not an entry.
 """
 
 import json
@@ -26,11 +26,11 @@ from rubnoise.storage import disk
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRow:
-    """One run that is done, as the index of its sweep has it.
+    """A run that is done, with its values in the index of the sweep.
 
-    ``file`` lies relative to the folder of the sweep, and is empty if no file is kept; ``figures`` are named as in
-    /summary of a run; ``arrays`` have one shape for each name in all runs of a sweep. ``of_point`` are such arrays that
-    are the same for all replicates of a point; they come with the first one.
+    ``file`` is relative to the folder of the sweep, empty if no file is kept; ``figures`` are named as in /summary of a
+    run; ``arrays`` of one name have one shape in all runs of a sweep. ``of_point`` are arrays that are equal for all
+    replicates of a point; the first one has them.
     """
 
     run_id: str
@@ -41,7 +41,7 @@ class RunRow:
 
 
 SYNC_EVERY: Final = 1.0
-"""Seconds of lines that a power cut may take, whose runs are found again by their files, and seconds of such files."""
+"""Seconds between two flushes, of lines and of results; a power cut may take the lines, and their files are found."""
 
 Stamp = tuple[int, int]
 """Size of a file in bytes, and the time of its last change in ns."""
@@ -49,7 +49,7 @@ Stamp = tuple[int, int]
 State = Literal["begun", "done", "failed"]
 
 Fault = Literal["cut short", "damaged"]
-"""What is wrong with a line that is no entry."""
+"""The reason why a line is not an entry."""
 
 LINE_BYTES: Final = 1 << 24
 """No line is longer: the curves of a run's summary take some hundred kB."""
@@ -57,10 +57,10 @@ LINE_BYTES: Final = 1 << 24
 _DIGITS: Final = 16
 
 TAKEN: Final = frozenset(("run", "run_id", "point", "replicate", "seed", "file", "state", "reason"))
-"""Names of columns of /runs, which no figure has."""
+"""Names of columns of /runs, which no figure may have."""
 
 _WHOLE: Final = 1 << 62
-"""Whole numbers of a figure lie below it."""
+"""Upper limit of the whole numbers in figures."""
 
 _ID: Final = re.compile(r"[0-9a-z]{1,64}")
 _FILE: Final = re.compile(r"(runs/[0-9a-z]{1,64}\.h5)?")
@@ -69,10 +69,10 @@ _NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,99}")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JournalEntry:
-    """What happened to one run: it is done, with what is left of it, or failed, with the reason; or is to be made.
+    """The state of one run: done, with its row; failed, with the reason; or begun.
 
-    One that was ``begun`` had no file in its place: what is found there, torn, is its own. ``stamp`` is that of the
-    file of one that is done, by which it is known again (see SweepFolder.stamp); None if none was taken.
+    A run that was ``begun`` had no file: a truncated file at its path is its own. ``stamp`` recognises the file of a
+    run that is done (see SweepFolder.stamp); None if none was taken.
     """
 
     run_id: str
@@ -83,10 +83,10 @@ class JournalEntry:
 
 
 class SweepJournal:
-    """Lines appended to a file, each behind its checksum; a line that was cut short is as if it had never been."""
+    """Lines appended to a file, each after its checksum; a line that was cut short does not count."""
 
     def __init__(self, path: Path) -> None:
-        """Open a journal to go on at its end."""
+        """Open a journal for appending."""
         if path.exists() and not path.is_file():
             raise OutputRefused(f"{path}: exists and is not a regular file")
         self._path = path
@@ -112,7 +112,7 @@ class SweepJournal:
             self.sync()
 
     def sync(self) -> None:
-        """See all of it onto the disk."""
+        """Flush the journal to disk."""
         os.fsync(self._descriptor)
         self._synced = time.monotonic()
 
@@ -124,12 +124,12 @@ class SweepJournal:
 
 
 def entries(path: Path) -> Iterator[JournalEntry]:
-    """Yield every sound entry of a journal, the oldest first; nothing if there is none."""
+    """Yield every valid entry of a journal, the oldest first; nothing if there is no journal."""
     return (entry for _, entry in numbered(path) if isinstance(entry, JournalEntry))
 
 
 def numbered(path: Path) -> Iterator[tuple[int, JournalEntry | Fault]]:
-    """Yield the entries of a journal with the numbers of their lines, and what is wrong with a line in place of one."""
+    """Yield the entries of a journal with their line numbers; for an invalid line, the reason in place of an entry."""
     try:
         with open_stream(path) as lines:
             for number, line in enumerate(iter(partial(lines.readline, LINE_BYTES), b""), 1):
@@ -147,9 +147,9 @@ def _is_sound(digest: bytes, text: bytes) -> bool:
 
 
 def _is_cut_short(digest: bytes, text: bytes) -> bool:
-    """Whether a line is the beginning of one, as a kill or a power cut leaves it, and not a whole one that was changed.
+    """Whether a line is the beginning of an entry, as after a kill or a power cut, and not a complete, changed one.
 
-    A whole one ends with the brace that closes it, or did before its last byte was changed.
+    A complete one ends with a closing brace, or did before its last byte was changed.
     """
     text = text.rstrip(b"\0")
     if not text:
@@ -183,7 +183,7 @@ def _packed(entry: JournalEntry) -> dict[str, Any]:
 
 
 def _entry(text: bytes) -> JournalEntry | None:
-    """Return the entry that a line holds; None for one that this program has not written, whatever its checksum."""
+    """Return the entry in a line; None if this program cannot have written it, whatever its checksum."""
     try:
         fields: Any = json.loads(text)
         return _unpacked(fields) if _is_right(fields) else None
@@ -192,7 +192,7 @@ def _entry(text: bytes) -> JournalEntry | None:
 
 
 def _is_right(fields: Any) -> bool:
-    """Whether the fields of an entry are of their kinds, and its names lead nowhere else."""
+    """Whether the fields of an entry have their types, and its names cannot lead out of the folder."""
     figures, arrays = fields.get("figures", {}), fields.get("arrays", {}) | fields.get("of_point", {})
     return (
         _ID.fullmatch(fields["run"]) is not None

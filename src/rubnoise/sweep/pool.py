@@ -1,4 +1,4 @@
-"""Worker processes on this machine: each serves calls until its parent hangs up, and may die without harm to others."""
+"""Worker processes on this machine: each serves calls until its parent closes the connection, and may die alone."""
 
 import gc
 import json
@@ -23,14 +23,14 @@ from rubnoise.errors import RubnoiseError, RunStopped
 
 @dataclass(slots=True)
 class Cancellation:
-    """Whether a worker process is to stop: by SIGTERM, or because its parent is gone."""
+    """Whether a worker process must stop: after SIGTERM, or because its parent has ended."""
 
     parent: int | None = None
     busy: bool = False
     stopped_by: int | None = None
 
     def follow_signals(self) -> None:
-        """Stop at SIGTERM, and leave SIGINT to the parent: the keyboard sends it to every process of a terminal."""
+        """Stop at SIGTERM, and leave SIGINT to the parent, since the keyboard sends it to all processes there."""
         self.parent = os.getppid()
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, self._stop)
@@ -43,21 +43,21 @@ class Cancellation:
             raise RunStopped(signal.SIGTERM)
 
     def _stop(self, number: int, _frame: FrameType | None) -> None:
-        """Leave at once between two runs; in one, HDF5 must not be interrupted wherever it is."""
+        """Exit at once between two runs; during a run only note the signal, since HDF5 must not be interrupted."""
         self.stopped_by = number
         if not self.busy:
             sys.exit(128 + number)
 
 
 CANCELLATION = Cancellation()
-"""That of this process; never set if runs are made in the calling process."""
+"""The cancellation of this process; never set if runs are made in the calling process."""
 
 
 def serve(descriptor: int) -> NoReturn:
-    """Answer every function and its arguments that come over a connection, in order, until there are no more; then end.
+    """Make the calls that come over a connection, in order, answer each, and end when there are no more.
 
-    An answer is a pair: whether the call went well, and its value, or else the exception. What the first call has
-    loaded stays for good, and garbage is looked for from then on, but not there.
+    An answer is a pair: whether the call succeeded, and its value or the exception. Objects that exist after the first
+    call are not searched for garbage later, since they stay.
     """
     CANCELLATION.follow_signals()
     warnings.filterwarnings("ignore", "compiled code cannot be kept")  # which each worker would say
@@ -90,7 +90,7 @@ def _called(function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
 
 
 def _send(line: "Connection[Any, Any]", answer: tuple[bool, Any]) -> None:
-    """Send an answer; one that cannot be pickled goes as its text."""
+    """Send an answer; an exception that cannot be pickled is sent as its text."""
     try:
         line.send(answer)
     except BrokenPipeError:
@@ -100,22 +100,22 @@ def _send(line: "Connection[Any, Any]", answer: tuple[bool, Any]) -> None:
 
 
 GRACE: Final = 10.0
-"""Seconds that a worker has to leave its run in an orderly way."""
+"""Seconds that a worker has to end its run in order."""
 
 THREADS: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA", "VECLIB_MAXIMUM")}
-"""One thread each: there are as many workers as processors."""
+"""One thread for each worker, since there are as many workers as processors."""
 
 _BEGIN: Final = (
     "import gc, json, sys; gc.disable(); sys.path[:] = json.loads(sys.argv[2]); "
     "from rubnoise.sweep.pool import serve; serve(int(sys.argv[1]))"
 )
-"""No garbage is looked for among a thousand modules while they are loaded."""
+"""Garbage collection is off while a thousand modules are loaded."""
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
 class WorkerDied(RubnoiseError):  # noqa: N818  (says what happened)
-    """A worker process that ended in the middle of its work."""
+    """A worker process ended during a call."""
 
     def __init__(self, code: int) -> None:
         """Keep the exit code; a negative one is the number of a signal."""
@@ -123,7 +123,7 @@ class WorkerDied(RubnoiseError):  # noqa: N818  (says what happened)
         self.code = code
 
     def __str__(self) -> str:
-        """Say what ended the process."""
+        """Return a text with the reason of the end."""
         if self.code >= 0:
             return f"its process ended with exit code {self.code}"
         try:
@@ -135,10 +135,10 @@ class WorkerDied(RubnoiseError):  # noqa: N818  (says what happened)
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """A process and the line to it.
+    """A process and the connection to it.
 
-    A fresh interpreter rather than one of the multiprocessing module: that one imports the main program once more,
-    which need not be ours, nor be written so that it may be imported.
+    It is a fresh interpreter and not a process of the multiprocessing module, which would import the main program
+    again; that may be a program of the user which cannot be imported.
     """
 
     process: "subprocess.Popen[bytes]"
@@ -146,7 +146,7 @@ class Worker:
 
     @classmethod
     def begin(cls) -> Self:
-        """Start a process in a group of its own, which the keyboard's signals do not reach."""
+        """Start a process in its own process group, which signals of the keyboard do not reach."""
         ours, theirs = Pipe()
         with theirs:
             process = subprocess.Popen(  # noqa: S603  (this interpreter, and arguments made here)
@@ -160,7 +160,7 @@ class Worker:
         return cls(process, ours)
 
     def call(self, call: Call) -> Any:
-        """Have a function called and return its value; raises what it raises, and WorkerDied."""
+        """Call a function in the worker and return its value; raises its exception, or WorkerDied."""
         try:
             self.line.send(call)
             well, value = self.line.recv()
@@ -171,7 +171,7 @@ class Worker:
         return value
 
     def end(self, *, seconds: float) -> None:
-        """Hang up, and wait for the process so long; then kill it."""
+        """Close the connection, wait some ``seconds`` for the process to end, then kill it."""
         self.line.close()
         try:
             self.process.wait(seconds)
@@ -181,13 +181,13 @@ class Worker:
 
 
 class Pool:
-    """So many worker processes, from now until the context is left; one that dies is replaced."""
+    """Worker processes, from now until the context ends; one that dies is replaced."""
 
     ahead = 1
     most = sys.maxsize
 
     def __init__(self, jobs: int) -> None:
-        """Start the workers, which get ready while others prepare the work."""
+        """Start the workers, which load their modules while the caller prepares the work."""
         self._calls: SimpleQueue[tuple[Future[Any], Call] | None] = SimpleQueue()
         self._stopped = False
         self._workers = [Worker.begin() for _ in range(jobs)]
@@ -215,17 +215,17 @@ class Pool:
 
     @property
     def processes(self) -> list[int]:
-        """Return the numbers of the workers' processes."""
+        """Return the process ids of the workers."""
         return [worker.process.pid for worker in self._workers]
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
-        """Have a function of a module called by the worker that is free first."""
+        """Call a function of a module in the first free worker."""
         future: Future[Any] = Future()
         self._calls.put((future, (function, arguments)))
         return future
 
     def _serve(self, lane: int) -> None:
-        """Hand calls to one worker until there are no more; in a thread of its own."""
+        """Pass calls to one worker until there are no more; runs in its own thread."""
         while (given := self._calls.get()) is not None:
             future, call = given
             if self._stopped or not future.set_running_or_notify_cancel():
@@ -242,7 +242,7 @@ class Pool:
             future.set_exception(problem)
 
     def _stop(self) -> None:
-        """Ask every worker to leave its run at the next range of ticks; kill those that do not."""
+        """Ask every worker to stop its run at the next tick range; kill those that do not."""
         self._stopped = True
         for worker in self._workers:
             worker.process.terminate()

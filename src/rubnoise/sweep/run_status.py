@@ -1,6 +1,6 @@
-"""Which runs of a sweep are done, failed or begun: read from its journals, found as files, and written down.
+"""The status of the runs of a sweep (done, failed or begun): read from its journals, found as files, and recorded.
 
-A run's line goes into the journal once the disk has its file. After a kill, results without a line are found.
+A run gets its line in the journal after its file is on disk. After a kill, results without a line are found.
 """
 
 import json
@@ -31,7 +31,7 @@ Figures = Mapping[str, float]
 
 @dataclass(slots=True)
 class RunStatus:
-    """Runs that are done, with the one figure that a precision asks for, those that failed, those that were begun."""
+    """Runs that are done, with the figure that a precision needs; runs that failed; runs that were begun."""
 
     quantity: str | None
     done: dict[str, Figures] = field(default_factory=dict)
@@ -40,10 +40,10 @@ class RunStatus:
 
     @classmethod
     def of(cls, folder: SweepFolder, precision: Precision | None) -> Self:
-        """Return what the journals say is done, as far as the files that were written then still lie in their places.
+        """Return the status from the journals; a run that is done counts if its file is still the one written then.
 
-        Another file in such a place is to be looked at first. Runs that failed before are not among them either: they
-        are to be tried again.
+        Another file in its place must be examined first. Runs that failed before do not count either, since they are
+        tried again.
         """
         status = cls(None if precision is None else precision.quantity)
         for entry in folder.entries():
@@ -54,19 +54,19 @@ class RunStatus:
         return status
 
     def add(self, row: RunRow) -> None:
-        """Take in a run that is done."""
+        """Add a run that is done."""
         known = self.quantity is not None and self.quantity in row.figures
         self.done[row.run_id] = {str(self.quantity): row.figures[str(self.quantity)]} if known else {}
         self.begun.discard(row.run_id)
 
     def fail(self, run_id: str) -> None:
-        """Take in a run that failed, if only after it had seemed to be done."""
+        """Add a run that failed, also one that was counted as done before."""
         self.done.pop(run_id, None)
         self.failed[run_id] = {}
 
     @property
     def ended(self) -> dict[str, Figures]:
-        """All of them."""
+        """Runs that are done or failed."""
         return self.failed | self.done
 
 
@@ -77,9 +77,9 @@ FAILED: Final = "failed"
 
 @dataclass(slots=True)
 class RecordedRuns:
-    """States, files, reasons and figures of the runs of a plan, one after another in its order.
+    """States, files, reasons and figures of the runs of a plan, in its order.
 
-    ``arrays``: whether the journals have any, which are not held here.
+    ``arrays``: whether the journals have arrays, which are not kept here.
     """
 
     places: Mapping[str, int]
@@ -93,9 +93,9 @@ class RecordedRuns:
     def of(
         cls, folder: SweepFolder, points: Sequence[Point], counts: Callable[[JournalEntry], bool] | None = None
     ) -> Self:
-        """Read the journals; of one run an entry that says done counts more than one that says failed.
+        """Read the journals; for one run, an entry "done" counts more than an entry "failed".
 
-        One that says done ``counts`` if its file is the one that was written then, unless asked otherwise.
+        An entry "done" ``counts`` if its file is the one that was written then, unless the caller decides otherwise.
         """
         count = len(points)
         known = cls({p.run_id: n for n, p in enumerate(points)}, [PLANNED] * count, [""] * count, [""] * count, {})
@@ -127,11 +127,11 @@ Kind = Literal["whole", "torn", "other"]
 
 
 def found_run(point: Point, *, root: Path, begun: bool = False) -> RunRow | None:
-    """Return the row of a run whose finished result lies where it belongs, or None.
+    """Return the row of a run whose finished result exists at its path, or None.
 
-    It is that of the point if its scenario, seed and stream version are; title and engine have no part in that. All
-    of it is read, and compared with its hashes: a power cut may have come before the disk had it. Of a run that was
-    ``begun`` here, what is torn, and parts of which nothing can be made, are removed.
+    It belongs to the point if scenario, seed and stream version are equal; title and engine do not count. The whole
+    file is read and compared with its hashes, since a power cut may have come before it was flushed. If the run was
+    ``begun`` here, a truncated file, and a part that cannot be recovered, are removed.
     """
     folder = SweepFolder(root)
     path = folder.run(point.run_id)
@@ -159,7 +159,7 @@ def _kind(point: Point, file: HashedReader, *, begun: bool) -> Kind:
         return "other"
     if INTERVENTION in origin:  # with lives ended from outside it is no sample of the scenario
         return "other"
-    # HDF5 has checksums of what is shorter than a page, and columns have hashes; a longer text has neither.
+    # HDF5 has checksums for data shorter than a page, and columns have hashes; a longer text has neither.
     lost = begun and origin["scenario_toml"] != point.scenario.text
     return "torn" if lost or not origin["finished"] or not file.summary or file.damaged() else "whole"
 
@@ -172,7 +172,7 @@ def _is_same(resolved: str, point: Point) -> bool:
 
 
 def _told(resolved: dict[str, Any]) -> dict[str, Any]:
-    """Return a scenario as far as it counts for the bits of its run."""
+    """Return the part of a scenario that determines the bits of its run."""
     run = {key: value for key, value in resolved["run"].items() if key != "engine"}
     return {key: value for key, value in resolved.items() if key != "title"} | {"run": run}
 
@@ -180,12 +180,12 @@ def _told(resolved: dict[str, Any]) -> dict[str, Any]:
 class StatusLog:
     """The journal of a sweep and the status of its runs, kept in step.
 
-    A kill between a run's end and its line in the journal costs nothing: its file is found, and compared with its
-    hashes. A power cut may leave files that are torn; those of runs that had been begun here are cleared away.
+    A kill between a run's end and its line in the journal costs nothing: the file is found and compared with its
+    hashes. A power cut may leave truncated files; those of runs that were begun here are removed.
     """
 
     def __init__(self, folder: SweepFolder, journal: SweepJournal, status: RunStatus) -> None:
-        """Continue with what is there."""
+        """Continue with the status in the folder."""
         self.status: Final = status
         self._folder = folder
         self._journal = journal
@@ -193,7 +193,7 @@ class StatusLog:
         self._synced_at = time.monotonic()
 
     def begin(self, points: Iterable[Point]) -> None:
-        """Write down, on the disk, that runs are to be made whose files the disk will have only later."""
+        """Record, with fsync, the runs to be made whose files are flushed later."""
         names = [point.run_id for point in points]
         fresh = [name for name in names if name not in self.status.begun and not self._folder.run(name).exists()]
         self.status.begun.update(fresh)
@@ -201,7 +201,7 @@ class StatusLog:
         self._journal.sync()
 
     def done(self, row: RunRow, *, synced: bool) -> None:
-        """Take in a run that is done; unless it is ``synced``, its line waits until the disk has its file."""
+        """Add a run that is done; unless it is ``synced``, its line waits until its file is flushed."""
         self.status.add(row)
         if synced:
             self._journal.add(self._entry(row))
@@ -209,18 +209,18 @@ class StatusLog:
             self._waiting.append(row)
 
     def failed(self, run_id: str, reason: str) -> None:
-        """Take in a run that could not be made."""
+        """Add a run that could not be made."""
         self.status.fail(run_id)
         self._journal.add(JournalEntry(run_id=run_id, state="failed", reason=reason))
 
     def sync_if_due(self) -> bool:
-        """Settle what waits, when the last time is long enough ago; return whether runs turned out to have failed."""
+        """Sync the waiting runs if the last sync is long enough ago; return whether any failed."""
         return time.monotonic() - self._synced_at >= SYNC_EVERY and self.sync()
 
     def sync(self) -> bool:
-        """See the files onto the disk that wait for it, then write down their runs; return whether any failed by it.
+        """Flush the waiting files to disk, then record their runs; return whether any failed.
 
-        A file with which that went wrong goes: read again it might look whole, and never be on the disk.
+        A file that could not be flushed is removed: it could look complete when read again, and never be on disk.
         """
         rows = {self._folder.root / row.file: row for row in self._waiting}
         wrong = sync_many(rows)

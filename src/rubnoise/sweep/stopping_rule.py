@@ -1,4 +1,4 @@
-"""Which runs a sweep with a precision still wants, from the figures of those that have ended."""
+"""Decide which runs a sweep with a precision still needs, from the figures of finished runs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_table import Precision
 
 Ended = Mapping[str, Mapping[str, float]]
-"""Figures of the runs that have ended, by run id; of one that failed there are none."""
+"""Figures of the runs that have ended, by run id; a failed run has none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unmet:
-    """A point that has as many replicates as it may have, and is not as precise as it should be."""
+    """A point that has its largest number of replicates and not its precision."""
 
     values: Mapping[str, Any]
     replicates: int
@@ -23,30 +23,30 @@ class Unmet:
 
 
 class AdaptiveReplicates:
-    """The rounds in which a sweep comes to its precision.
+    """The rounds in which a sweep reaches its precision.
 
-    Each point goes from batch to batch of its own replicates, always beginning with the first: what is asked for
-    depends on nothing but their figures, however often the sweep was interrupted.
+    Each point goes from batch to batch of its own replicates, always beginning with the first: its next runs depend
+    only on their figures, however often the sweep was interrupted.
     """
 
     def __init__(self, sweep: Sweep) -> None:
-        """Stand before the first round."""
+        """Start before the first round."""
         self.precision: Final = sweep.precision
         self._replicates = sweep.replicates
         self._known = [(case, list(points_of([case], sweep.replicates))) for case in sweep.cases]
 
     def __call__(self, ended: Ended) -> tuple[Point, ...]:
-        """Return the runs that are wanted and have not ended; none when every point is met or at its most."""
+        """Return the needed runs that have not ended; none if every point has its precision or its last replicate."""
         batches = (self._batch(case, known, ended) for case, known in self._known)
         return tuple(point for batch in batches for point in batch if point.run_id not in ended)
 
     @property
     def points(self) -> tuple[Point, ...]:
-        """Every run that has been wanted so far, those of a point one after another."""
+        """Every run that was needed so far, those of a point one after another."""
         return tuple(point for _, known in self._known for point in known)
 
     def unmet(self, ended: Ended) -> list[Unmet]:
-        """Return the points of which all wanted runs have ended, short of their precision."""
+        """Return the points whose needed runs have all ended without reaching their precision."""
         found = []
         for case, known in self._known:
             batch = self._batch(case, known, ended)
