@@ -1,4 +1,4 @@
-"""What a run measured, beside what it should have: one line each, with the standard error the theory gives it."""
+"""Measured figures of a run beside their expected values and standard errors from theory."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ FAMILY_WISE_ERROR = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """One measured figure of a run; expected and standard_error are None if the theory promises nothing.
+    """One measured figure of a run; ``expected`` and ``standard_error`` are None if theory gives none.
 
-    ``deviate`` is there for a figure whose law is known and far from normal, such as a small count: the value of a unit
-    normal that is as improbable as the figure (see `normal_deviate`).
+    ``deviate`` is given if the law of the figure is known and far from normal, as for a small count: the value of a
+    standard normal that is as improbable as the figure (see `normal_deviate`).
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -39,7 +39,7 @@ class Agreement:
         return (self.observed - self.expected) / self.standard_error
 
     def as_attributes(self) -> dict[str, float]:
-        """Return the figure under its name, and what is known beside it under its name and a suffix."""
+        """Return the figure under its name, and its expected value, error and deviate under its name with a suffix."""
         beside = {EXACT: self.expected, ERROR: self.standard_error}
         return {self.name: self.observed} | {
             self.name + end: value for end, value in beside.items() if value is not None
@@ -47,7 +47,7 @@ class Agreement:
 
 
 def from_attributes(attributes: Mapping[str, object]) -> list[Agreement]:
-    """Return the figures that a result file keeps in /summary, in its order."""
+    """Return the figures of a result file's /summary, in its order."""
     numbers = {name: float(value) for name, value in attributes.items() if isinstance(value, int | float)}
     return [
         Agreement(
@@ -62,7 +62,7 @@ def from_attributes(attributes: Mapping[str, object]) -> list[Agreement]:
 
 
 def as_json(figures: Iterable[Agreement]) -> dict[str, dict[str, float | None]]:
-    """Return figures by name as plain objects, z-score included."""
+    """Return figures by name as plain objects, with their z-scores."""
     return {
         figure.name: {
             "observed": figure.observed,
@@ -77,8 +77,8 @@ def as_json(figures: Iterable[Agreement]) -> dict[str, dict[str, float | None]]:
 def normal_deviate(below: float, above: float) -> float:
     """Return the z of a unit normal with the tail of a figure: P(values <= it) is ``below``, P(values >= it) ``above``.
 
-    Of the two tails the one below 1/2 counts, and neither gives 0, so that a count is never called less probable than
-    it is; tails below 1e-300 count as that much, |z| = 37.
+    The tail below 1/2 counts; if neither is below, z is 0, so a count is never called less probable than it is. Tails
+    below 1e-300 count as 1e-300, |z| = 37.
     """
     from scipy.special import ndtri
 
@@ -88,7 +88,7 @@ def normal_deviate(below: float, above: float) -> float:
 
 
 def family_wise_bound(count: int, error: float = FAMILY_WISE_ERROR) -> float:
-    """Return the bound on |z| that ``count`` normal scores all keep with a probability of at least 1 - error.
+    """Return the bound on |z| within which ``count`` normal scores all lie with a probability of at least 1 - error.
 
     P(|z| > bound) = error/count for each: Bonferroni's inequality, which holds however the scores depend on each other,
     as the figures of one run do. Source: Miller, Simultaneous Statistical Inference (1981), section 1.
@@ -99,5 +99,5 @@ def family_wise_bound(count: int, error: float = FAMILY_WISE_ERROR) -> float:
 
 
 def outside(figures: Iterable[Agreement], bound: float) -> list[Agreement]:
-    """Return the figures whose |z| exceeds a bound; those without a z promise nothing, and keep it."""
+    """Return the figures whose |z| exceeds a bound; figures without a z are never outside."""
     return [figure for figure in figures if figure.z is not None and not abs(figure.z) <= bound]

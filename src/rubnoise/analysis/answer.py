@@ -1,4 +1,4 @@
-"""A verdict about a run with the table that it rests on: what `compare` and `verify` answer."""
+"""The answer of `compare` and `verify`: a verdict about a run, with the table behind it."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeftOut:
-    """Something that a run could not be asked, or only in part, and why."""
+    """A question that could not be answered for a run, or only in part, and the reason."""
 
     name: str
     reason: str
 
 
 class Answer(ABC):
-    """A verdict about a run, ``passed``, with a table of what it rests on: ``rows``, ``to_pandas()``.
+    """A verdict about a run, ``passed``, with the table behind it: ``rows``, ``to_pandas()``.
 
-    In a condition it stands for its verdict: ``if run.compare(): ...``.
+    It is true if it passed: ``if run.compare(): ...``.
     """
 
     __slots__ = ()
@@ -33,21 +33,21 @@ class Answer(ABC):
     @property
     @abstractmethod
     def omitted(self) -> Sequence[LeftOut]:
-        """What the run could not be asked, in order."""
+        """The questions that could not be answered, in order."""
 
     @property
     def left_out(self) -> dict[str, str]:
-        """The reasons for what the run could not be asked, by name."""
+        """The reasons for the questions that could not be answered, by name."""
         return {each.name: each.reason for each in self.omitted}
 
     @property
     @abstractmethod
     def failing(self) -> tuple[str, ...]:
-        """Names of what is not as it should be."""
+        """Names of the rows that failed."""
 
     @property
     def passed(self) -> bool:
-        """Whether everything is as it should be."""
+        """Whether no row failed."""
         return not self.failing
 
     def __bool__(self) -> bool:
@@ -56,7 +56,7 @@ class Answer(ABC):
     @property
     @abstractmethod
     def rows(self) -> tuple[Mapping[str, Any], ...]:
-        """The rows of the table, each a dictionary of the same names; None if there is no value."""
+        """The rows of the table, each a dictionary with the same names; None is a missing value."""
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return the table as a pandas DataFrame; raises ExtraMissing without pandas."""
@@ -67,7 +67,7 @@ class Answer(ABC):
     @property
     @abstractmethod
     def _counts(self) -> str:
-        """How much was compared, in words."""
+        """The number of comparisons, in words."""
 
     @property
     def _verdict(self) -> str:

@@ -1,4 +1,4 @@
-"""The balance of a two-way run: its mean force and its energy, from where the motion ends and integrals over it.
+"""The balance of a two-way run: its mean force and its energy, from the end of the motion and integrals over it.
 
 With s = V t - (x - x_0), w = V - x' and F the friction force on the slider, m x'' + c x' + k x = F gives
 
@@ -6,9 +6,9 @@ With s = V t - (x - x_0), w = V - x' and F the friction force on the slider, m x
     V int F dt     = int G |ds| + c int x'^2 dt + [E]            E = m x'^2/2 + k x^2/2
     int G |ds|     = int G ds + 2 int_(w < 0) G |ds|
 
-G the force that the contact bears, [...] what a quantity gains over the run. In a stick F works, too: F V. The second
-line is the balance of energy; over V T it is the law of the mean force, which exceeds the mean of G over distance by
-what the dashpot takes, by what reversals take twice, and by what is stored.
+with G the force that the contact can bear and [...] the gain of a quantity over the run. During a stick F does work,
+too: F V. The second line is the balance of energy. Divided by V T it is the law of the mean force, which exceeds the
+mean of G over distance by the work of the dashpot, twice the work of reversals, and the stored energy.
 """
 
 from collections.abc import Mapping
@@ -26,17 +26,17 @@ from rubnoise.theory.drive import drive_of
 
 
 class FrictionIntegral:
-    """Gathers P(s) = int_0^s G ds in uN um at places s >= 0 in um, G = sum psi A, while rows of /junctions pass by."""
+    """Sums P(s) = int_0^s G ds in uN um at places s >= 0 in um, G = sum psi A, from chunks of /junctions."""
 
     def __init__(self, pulse: Pulse, places: Doubles) -> None:
-        """Begin with no row; ``places`` may come in any order, and more than once."""
+        """Start without rows; ``places`` may be in any order and may repeat."""
         self._pulse = pulse
         self._places, self._order = np.unique(places, return_inverse=True)
         self._found = np.zeros(self._places.size)
         self.largest = 0.0
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in rows of /junctions, whose lives are 2d long."""
+        """Add rows of /junctions, whose lives are 2d long."""
         birth, diameter = columns["birth_distance"], columns["diameter"]
         weight = columns["shear_strength"] * diameter**3
         before = self._so_far(np.maximum(-birth, 0.0) / diameter)
@@ -53,7 +53,7 @@ class FrictionIntegral:
         self.largest = max(self.largest, float(diameter.max(initial=0.0)))
 
     def at_places(self) -> Doubles:
-        """Return P at the places as they were given."""
+        """Return P at the places, in the order in which they were given."""
         found: Doubles = self._found[self._order]
         return found
 
@@ -65,7 +65,7 @@ class FrictionIntegral:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Balance:
-    """The row of /balance, in its units (um, s, uN), and what it is to be read with: slider, speed (um/s), start (um).
+    """The row of /balance in its units (um, s, uN), with the slider, the speed (um/s) and the start (um) that it needs.
 
     Every run begins at rest: x' = 0.
     """
@@ -105,7 +105,7 @@ class Balance:
 
     @property
     def velocity_std(self) -> float:
-        """Standard deviation of x' over time in um/s, its mean being what x has moved over the time."""
+        """Standard deviation of x' over time in um/s; its mean is the total displacement over the time."""
         mean = (self.displacement - self.start) / self.time
         return sqrt(max(self.velocity_squared_integral / self.time - mean * mean, 0.0))
 
@@ -123,7 +123,7 @@ class Balance:
 
     @property
     def dissipated(self) -> float:
-        """Work that the dashpot takes, c int x'^2 dt, in uN um."""
+        """Energy dissipated by the dashpot, c int x'^2 dt, in uN um."""
         return self.slider.damping * self.velocity_squared_integral
 
     @property
@@ -135,20 +135,20 @@ class Balance:
 
     @property
     def scale(self) -> float:
-        """Largest of the works in uN um, by which residuals are measured."""
+        """Largest of the works in uN um, the scale of residuals."""
         slider = self.slider
         held = 0.5 * slider.stiffness * max(self.displacement * self.displacement, self.start * self.start)
         return max(abs(self.given), self.friction_work, self.dissipated, held)
 
     @property
     def energy_residual(self) -> float:
-        """What is missing in the balance of energy, over the largest of its terms: 0 but for the steps' errors."""
+        """Residual of the energy balance over its largest term: 0 except for the errors of the steps."""
         missing = self.given - (self.friction_work + self.dissipated + self.stored)
         return missing / self.scale if self.scale > 0.0 else 0.0
 
     @property
     def friction_along(self) -> float:
-        """Signed int G ds in uN um over the whole path: over a reversal and the way back it cancels."""
+        """Signed int G ds in uN um over the whole path: a reversal and the way back cancel."""
         return self.friction_work - 2.0 * self.reverse_work
 
     @property
@@ -157,7 +157,7 @@ class Balance:
         return self.impulse / self.time
 
     def expected_excess(self) -> float:
-        """Return by how much (uN) <F> exceeds int G ds/(V T): (c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T)."""
+        """Return the excess in uN of <F> over int G ds/(V T): (c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T)."""
         return (self.dissipated + 2.0 * self.reverse_work + self.stored) / (self.speed * self.time)
 
     def excess_over(self, friction_along: float) -> float:

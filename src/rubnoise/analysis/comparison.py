@@ -1,4 +1,4 @@
-"""A run compared with the theory of its own scenario: from its stored rows alone, never from what it says of itself."""
+"""Compare a run with the theory of its scenario: only its stored rows count, and no figure that it has stored."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,10 +32,10 @@ COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "lat
 
 
 def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
-    """Return everything in which a run can be compared, with scores; ``bound`` replaces the family-wise bound on |z|.
+    """Return the comparison of a run with theory; ``bound`` replaces the family-wise bound on |z|.
 
-    The run is read twice, /trace and /junctions once each (and /slider), in chunks. Raises RecordTooShort, carrying the
-    mean area, for a run from which not even that can be judged, RunFileRefused for damaged rows.
+    The run is read twice, /trace and /junctions once each (and /slider), in chunks. Raises RecordTooShort, with the
+    mean area, for a run too short even for a score of that, RunFileRefused for damaged rows.
     """
     if model.free is not None:
         return free_comparison(model, model.free, rows, bound)
@@ -95,7 +95,7 @@ def _trace_part(model: Model, trace: TraceSums) -> Findings:
 
 
 def _part(heading: str, begins: Callable[[], float] = lambda: 0.0, **parts: Callable[[], list[Finding]]) -> Findings:
-    """Return what the parts find; of one that the theory refuses, its name and the reason are kept.
+    """Return the findings of the parts; of a part that theory refuses, its name and the reason.
 
     ``begins``: where in um the record of the figures begins. Raises RunFileRefused for damaged rows.
     """

@@ -1,6 +1,6 @@
-"""The autocovariance of a record: at once, at chosen lags of a stream, and at all lags of a stream up to a reach.
+"""The autocovariance of a record in memory, and of a stream at chosen lags or at all lags up to a reach.
 
-numpy's transforms are scipy's to the last bit and as fast, and scipy takes longer to be imported than all of numpy.
+numpy's transforms have the bits and the speed of scipy's, and importing scipy takes longer than all of numpy.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ def autocovariance(values: Doubles, reach: int) -> Doubles:
     """Return the autocovariance of a record at lags of 0 to ``reach`` ticks, in the square of its unit.
 
     R_j = (1/n) sum over i of (x_i - mean)(x_(i+j) - mean) of n values: dividing by n and not by n - j keeps the noise
-    of long lags down, and makes R_j smaller than it is expected by a part j/n, and by the variance of the mean.
+    of long lags small, and makes R_j smaller than its expectation by a part j/n, and by the variance of the mean.
     Source: Priestley, Spectral Analysis and Time Series, section 5.3.
     """
     size = _fast_length(values.size + reach)
@@ -23,7 +23,7 @@ def autocovariance(values: Doubles, reach: int) -> Doubles:
 
 
 def _fast_length(least: int) -> int:
-    """Return the first number from ``least`` on that has no prime factor above 5: its transform is fast."""
+    """Return the least number from ``least`` on without a prime factor above 5: its transform is fast."""
     found = 1 << (least - 1).bit_length()
     fives = 1
     while fives < found:
@@ -77,8 +77,8 @@ _SHORTEST = 4096
 class CovarianceSum:
     """Autocovariances at lags of 0 to ``reach`` ticks of a stream of values, which may come in pieces of any size.
 
-    ``centre`` is about the mean, so that nothing is lost to cancellation. It holds some reaches of values, however long
-    the stream is.
+    ``centre`` is about the mean, so that nothing is lost to cancellation. Memory holds a few times ``reach`` values,
+    however long the stream is.
     """
 
     def __init__(self, reach: int, centre: float) -> None:
@@ -107,7 +107,7 @@ class CovarianceSum:
             self._multiply()
 
     def _multiply(self) -> None:
-        """Add the products of what is held with itself and with what came before: an overlap-save correlation."""
+        """Add the products of values in memory with each other and with earlier ones: an overlap-save correlation."""
         row = np.concatenate([self._tail, *self._held])
         self._held, self._waiting = [], 0
         for first in range(self._reach, row.size, self._stretch):

@@ -1,4 +1,4 @@
-"""What of a sound an ear hears and a small loudspeaker plays, and how much faster it were better heard."""
+"""The parts of a sound that an ear hears and a small loudspeaker plays, and a speed-up at which it is heard better."""
 
 from dataclasses import dataclass
 from math import floor, log10, pi
@@ -35,7 +35,7 @@ class Hearing:
 
     @classmethod
     def of(cls, spectrum: Spectrum) -> Self:
-        """Return what is heard of a spectrum over w in rad/s; its power without that at w = 0, the mean."""
+        """Return the audible shares of a spectrum over w in rad/s, of its power without w = 0, the mean."""
         frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:]
         running = np.cumsum(power)
         shares = (
@@ -46,9 +46,9 @@ class Hearing:
         return cls(audible=next(shares), laptop=next(shares), middle=float(middle))
 
     def better(self, speed_up: float) -> float | None:
-        """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle to some 300 Hz; None if it is well.
+        """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle near 300 Hz; None if it is good.
 
-        It is well between 100 Hz and 5 kHz.
+        It is good between 100 Hz and 5 kHz.
         """
         if COMFORTABLE[0] <= self.middle <= COMFORTABLE[1]:
             return None

@@ -1,4 +1,4 @@
-"""The histogram of a record, or of a stream of values, as a density with errors: its ticks are not independent."""
+"""The histogram of a record, or of a stream of values, as a density with errors for ticks that are not independent."""
 
 from dataclasses import dataclass
 from math import inf
@@ -17,8 +17,8 @@ BINS = 60
 class Histogram:
     """A density over bins: ``edges`` in the unit of the quantity, density and standard error in one over it.
 
-    The density is the mean over its bin; what lies outside of the edges counts in none, so that it adds up to less than
-    1 if the edges do not hold all. ``outside`` is that part.
+    The density is the mean over its bin. Values outside of the edges are in no bin, so the density adds up to less than
+    1 if there are any; ``outside`` is their share.
     """
 
     edges: Doubles
@@ -36,11 +36,11 @@ class Histogram:
 
 
 def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Histogram:
-    """Return the density of a record of equal ticks (um) over bins: their edges, or how many over its range.
+    """Return the density of a record of equal ticks (um) over bins: their edges, or their number over its range.
 
-    The error of a bin is that of batch means: how much the share of the bin differs from one stretch of the record to
-    the next. Raises RecordTooShort, carrying the Histogram without errors, if the record has too few stretches, and
-    ValueError for edges that do not rise.
+    The error of a bin is that of batch means: the scatter of the bin's share over stretches of the record. Raises
+    RecordTooShort, with the Histogram without errors, if the record has too few stretches, and ValueError for edges
+    that do not increase.
     """
     bounds = _edges(values, edges)
     width = np.diff(bounds)
@@ -69,7 +69,7 @@ def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
 
 
 def _shares(parts: Doubles, bins: int) -> Doubles:
-    """Return the share of each bin in each stretch, a row a stretch."""
+    """Return the share of each bin in each stretch, one row for each stretch."""
     counts = [np.bincount(row[(row >= 0) & (row < bins)].astype(np.int64), minlength=bins) for row in parts]
     return np.stack(counts) / parts.shape[1]
 
@@ -77,9 +77,9 @@ def _shares(parts: Doubles, bins: int) -> Doubles:
 class HistogramSum:
     """The density of a stream of values over bins of one width, which may come in pieces of any size.
 
-    ``batch`` is how many values make a stretch that is nearly independent of the next: from the differences
-    between such stretches come the errors (see `rubnoise.analysis.histogram.histogram`). A value at an edge counts
-    above it, but for rounding; one at the last edge is outside.
+    ``batch`` is the number of values of a stretch that is nearly independent of the next: errors come from the scatter
+    of such stretches (see `rubnoise.analysis.histogram.histogram`). Except for rounding, a value at an edge counts in
+    the bin above it; one at the last edge is outside.
     """
 
     def __init__(self, edges: Doubles, batch: int) -> None:
@@ -91,7 +91,7 @@ class HistogramSum:
         self._taken = 0
 
     def add(self, values: Doubles) -> None:
-        """Take in the values that follow those before."""
+        """Add the next values."""
         bins = self._bins_of(values)
         first = 0
         while first < values.size:

@@ -1,4 +1,4 @@
-"""The Kolmogorov distance of a sample from its law, and how improbable it is."""
+"""The Kolmogorov distance of a sample from its law, and the probability of such a distance."""
 
 from math import sqrt
 
@@ -18,11 +18,11 @@ _MEAN, _STD = 0.868731, 0.260333
 
 
 def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0) -> Agreement:
-    """Return the largest distance between the distribution functions of ``count`` independent values and of their law.
+    """Return the figure of the largest distance between the distribution functions of independent values and their law.
 
-    Beside it stand its mean and standard deviation for a right law; the score is that of its tail probability, 0 for
-    the smaller ones of few values, of which only a bound is known. A law with an ``atom`` gives smaller distances than
-    a continuous one: the score of a large distance is safe, and a small one has the score 0.
+    It has the mean and standard deviation of the distance for a right law. Its score is that of its tail probability; 0
+    for small distances of few values, since only a bound is known there. A law with an ``atom`` gives smaller
+    distances than a continuous one: the score of a large distance is safe, and a small one has the score 0.
     Source: Feller (1948), doi:10.1214/aoms/1177730243.
     """
     tail = distance_tail(distance, count)
@@ -39,7 +39,7 @@ def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0)
 def distance_tail(distance: float, count: int) -> float:
     """Return P(D >= distance) for values of a continuous law: up to 1000 by the bound of both one-sided exact tails.
 
-    That bound is the probability itself if it is small; beyond 1000 values it is Kolmogorov's limit.
+    The bound is close to the probability if that is small. Beyond 1000 values Kolmogorov's limit is used.
     """
     from scipy.special import kolmogorov, smirnov
 
@@ -49,7 +49,7 @@ def distance_tail(distance: float, count: int) -> float:
 
 
 def sample_distance(values: Doubles, heights: Doubles, atom: float = 0.0) -> float:
-    """Return D of values >= 0 of which the law's distribution function is ``heights``; at 0 it jumps to ``atom``."""
+    """Return D of values >= 0 at which the law's distribution function is ``heights``; at 0 it jumps to ``atom``."""
     order = np.argsort(values)
     at_zero = int((values == 0.0).sum())
     risen = heights[order][at_zero:]
@@ -61,23 +61,23 @@ def sample_distance(values: Doubles, heights: Doubles, atom: float = 0.0) -> flo
 
 
 class UniformSample:
-    """Values that ought to be uniform on [0, 1], counted in 2^18 bins, so that any number of them takes 2 MB.
+    """Values that should be uniform on [0, 1], counted in 2^18 bins, so that any number of them takes 2 MB.
 
-    Their distance is taken at the edges of the bins alone: never more than D, and less by 2^-18 at most and by what a
-    bin holds.
+    Their distance is taken at the edges of the bins only: never more than D, and less by at most 2^-18 and the share of
+    a bin.
     """
 
     def __init__(self) -> None:
         self._counts = np.zeros(_BINS, dtype=np.int64)
 
     def add(self, values: Doubles) -> None:
-        """Take in more values."""
+        """Add values."""
         bins = np.minimum((np.clip(values, 0.0, 1.0) * _BINS).astype(np.int64), _BINS - 1)
         self._counts += np.bincount(bins, minlength=_BINS)
 
     @property
     def count(self) -> int:
-        """How many values there are."""
+        """Number of values."""
         return int(self._counts.sum())
 
     def distance(self) -> float:

@@ -1,4 +1,4 @@
-"""The landmarks of a run between two times, and the sticks, slips, flights and impacts that they tell of."""
+"""The landmarks of a run between two times, and the sticks, slips, flights and impacts that follow from them."""
 
 from bisect import bisect_left
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Landmarks:
 
     @classmethod
     def of(cls, rows: Rows, begin: float, end: float, most: int | None = None) -> Self:
-        """Return the landmarks between two times in s; of more than ``most`` the first, up to the time of the next."""
+        """Return the landmarks between two times in s; at most ``most``, up to the time of the next one."""
         first, last = first_landmark(rows, begin), first_landmark(rows, end)
         if most is not None and last - first > most:
             last = first + most
@@ -39,10 +39,10 @@ class Landmarks:
         return self.rows.column("landmarks", name, self.first, self.last)
 
     def lasting(self, begins: int, ends: int) -> tuple[Doubles, Doubles, Doubles]:
-        """Return what begins at one kind of landmark and lasts until the next one, in s.
+        """Return the intervals in s that begin at one kind of landmark and last until the next landmark.
 
-        Begin and end of each, cut off at the two times, and how long those last that lie between them as a whole.
-        ``ends`` is the kind that shows as the first landmark that something has begun before it.
+        These are begin and end of each, cut off at the two times, and the durations of those that lie wholly between
+        them. ``ends``: if the first landmark is of this kind, an interval had begun before it.
         """
         at = np.flatnonzero(self.kind == begins)
         whole = at[at + 1 < self.kind.size]
@@ -71,9 +71,9 @@ def first_landmark(rows: Rows, time: float) -> int:
 class Flights:
     """Flights and impacts between two times of a run.
 
-    begin, end: every flight in s, from contact lost to contact made, cut off at the two times; times: how long those
-    last that begin and end between them, in s; impacts, speeds: when contact is made, in s, and how fast the
-    overlap then grows, by sliding and by falling, in um/s.
+    begin, end: every flight in s, from contact lost to contact made, cut off at the two times; times: the durations in
+    s of flights that begin and end between them; impacts, speeds: the times in s when contact is made, and the speeds
+    in um/s at which the overlap then grows, by sliding and by falling.
     """
 
     begin: Doubles
@@ -105,8 +105,8 @@ class Flights:
 class StickSlip:
     """Sticks and slips between two times of a run.
 
-    stick_begin, stick_end: every stick in s, cut off at the two times; stick_times: how long those last that begin and
-    end between them, in s; slip_lengths: how far those slips go, in um, from a breakaway to the next stick or turn.
+    stick_begin, stick_end: every stick in s, cut off at the two times; stick_times: the durations in s of sticks that
+    begin and end between them; slip_lengths: the distances in um from a breakaway to the next stick or turn.
     """
 
     stick_begin: Doubles

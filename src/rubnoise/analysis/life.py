@@ -1,4 +1,4 @@
-"""One junction's life as its file has it: the facts of its row, its curve, and the contact at its peak."""
+"""The life of one junction in a file: the values of its row, its curve, and the contact at its peak."""
 
 import json
 from dataclasses import dataclass
@@ -25,10 +25,10 @@ STEPS: Final = 100
 class Life:
     """One junction and those that it shared the contact with; um, um^2, s, MPa, uN.
 
-    Its peak is where its area was largest while it lived and the record ran: at mid-life, unless its life was ended
-    before, or mid-life lies outside of the record, 0 to ``record_end``, of which alone it is known who was alive.
+    Its peak is the place of its largest area during its life and the record: at mid-life, unless its life was ended
+    before, or mid-life lies outside of the record, 0 to ``record_end``, where the other live junctions are unknown.
     ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and if the slider
-    never came by, forces without a strength. ``slides_evenly``: whether distance is a multiple of time.
+    never passed, forces are None without a strength. ``slides_evenly``: whether distance is a multiple of time.
     """
 
     number: int
@@ -49,7 +49,7 @@ class Life:
 
     @property
     def half_life(self) -> float:
-        """Sliding in um from birth to mid-life: d, or sqrt(d^2 - b^2) if it misses the centre line by b."""
+        """Sliding distance in um from birth to mid-life: d, or sqrt(d^2 - b^2) at a lateral offset b."""
         d, b = self.diameter, self.lateral_offset or 0.0
         return d if not b else sqrt((d - b) * (d + b))
 
@@ -69,7 +69,7 @@ class Life:
 
     @property
     def peak_age(self) -> float:
-        """Sliding in um from birth to its largest area within its life and the record: half of a whole life."""
+        """Sliding distance in um from birth to the largest area within life and record: half of a whole life."""
         reached = min(self.half_life, self.life_distance)
         return min(max(reached, -self.birth_distance), self.record_end - self.birth_distance)
 
@@ -80,7 +80,7 @@ class Life:
 
     @property
     def peak_area(self) -> float:
-        """That area in um^2; of a life ended before mid-life the one that was reached."""
+        """That area in um^2; for a life ended before mid-life, the area that it reached."""
         return float(self.area_at_age(self.peak_age))
 
     @property
@@ -108,17 +108,17 @@ class Life:
 
     @property
     def area_share(self) -> float:
-        """Part of the real contact area that this junction is at its peak."""
+        """Share of this junction in the real contact area at its peak."""
         return _share(self.peak_area, self.real_contact_area)
 
     @property
     def force_share(self) -> float | None:
-        """Part of the friction force that this junction carries at its peak."""
+        """Share of this junction in the friction force at its peak."""
         own, whole = self.peak_force, self.friction_force
         return None if own is None or whole is None else _share(own, whole)
 
     def time(self, distance: ArrayLike) -> Doubles | None:
-        """Return the time in s at sliding distances in um, of which it is a multiple at constant speed; else None."""
+        """Return the time in s at sliding distances in um if the speed is constant; otherwise None."""
         if self.birth_time is None or self.death_time is None or not self.slides_evenly:
             return None
         length = self.death_distance - self.birth_distance
@@ -152,10 +152,10 @@ class Life:
 
 
 def life_of(file: Reader, number: int) -> Life:
-    """Return the life of one junction by its row number; reads its row, and who lived when of all rows.
+    """Return the life of one junction by its row number; reads its row, and births and deaths of all rows.
 
-    Raises Refused, naming the range, if there is no such row, RunFileRefused for a file that does not say how far
-    its record goes, or whose rows are no lives.
+    Raises Refused, naming the range, if there is no such row, RunFileRefused for a file without the end of its record,
+    or with rows that are not lives.
     """
     rows = file.rows("junctions")
     if not 0 <= number < rows:
@@ -192,7 +192,7 @@ def life_of(file: Reader, number: int) -> Life:
 def record_end(file: Reader) -> float:
     """Return the sliding distance in um at which a run stopped, from its own scenario; the last tick may lie before.
 
-    Raises RunFileRefused if its scenario does not say.
+    Raises RunFileRefused if its scenario does not have it.
     """
     try:
         return float(
@@ -212,7 +212,7 @@ def _share(part: float, whole: float) -> float:
 
 
 def _ages(half_life: float, life: float) -> Doubles:
-    """Return distances since birth: a hundred steps up to mid-life, and as short ones from there to death."""
+    """Return distances since birth: a hundred steps up to mid-life, and steps as long from there to death."""
     top = min(half_life, life)
     rising = np.linspace(0.0, top, STEPS + 1)
     if life <= top:

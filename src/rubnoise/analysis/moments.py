@@ -1,4 +1,4 @@
-"""How long a record of the contact must be for its moments to have errors, and the errors of its autocovariances."""
+"""The length that a record of the contact needs for errors of its moments, and the errors of its autocovariances."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ All three are of first order in life/record: what they leave out is about their 
 
 
 def over_ticks(model: Model, ticks: int, tick: float) -> Model:
-    """Return the model of a stationary stretch of so many ticks, ``tick`` um apart."""
+    """Return the model of a stationary stretch of ``ticks`` ticks, ``tick`` um apart."""
     return replace(model, start="stationary", tick=tick, tick_count=ticks - 1, distance=max(ticks - 1, 1) * tick)
 
 

@@ -1,4 +1,4 @@
-"""From when on a slider moves too fast for a sliding speed that is taken for constant, and how to say so."""
+"""Warn if a slider moves too fast for the assumption of a constant sliding speed."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -10,9 +10,9 @@ WORTH_A_WARNING: Final = 0.1
 
 
 def one_way_warnings(model: "Model", validity: float) -> list[str]:
-    """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling, if anything.
+    """Return warnings about one-way coupling for a spread of the slider's velocity, compared with the sliding speed.
 
-    Two-way coupling is advised only if a scenario may have it.
+    They advise two-way coupling only if the scenario allows it.
     """
     if model.slider is None or model.is_two_way or not validity > WORTH_A_WARNING:
         return []

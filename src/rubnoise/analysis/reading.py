@@ -1,4 +1,4 @@
-"""Rows read ahead for those who take small steps, and rows that are checked as they are read."""
+"""Rows read ahead for callers that take small steps, and rows that are checked when they are read."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
@@ -15,10 +15,10 @@ from rubnoise.theory.correlation import longest_life
 
 
 class Ahead:
-    """Rows that are read a whole chunk at a time, for those who go through them in small steps."""
+    """Rows that are read in whole chunks, for callers that go through them in small steps."""
 
     def __init__(self, rows: Rows) -> None:
-        """Read from rows, which are as before."""
+        """Read from other rows."""
         self._rows = rows
         self._read: dict[tuple[str, str], tuple[int, NDArray[Any]]] = {}
 
@@ -49,7 +49,7 @@ CHECKED_ROWS: Final = 1 << 18
 
 
 def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Yield the named columns of a group from its first row to its last, a chunk at a time; those that it has.
+    """Yield the named columns that a group has from its first row to its last, a chunk at a time.
 
     Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
     """

@@ -1,6 +1,6 @@
-"""Figures taken from a record, each with its standard error, or a refusal that says how long the record should be.
+"""Figures of a record, each with its standard error, or a refusal with the length that the record needs.
 
-Batch means give a standard error from the record alone: how much the means of its parts differ.
+Batch means give a standard error from the record alone: from the scatter of the means of its parts.
 """
 
 from collections.abc import Callable
@@ -14,13 +14,13 @@ from rubnoise.errors import Refused
 
 
 class RecordTooShort(Refused):
-    """A record from which a number can be taken, but not defended; the number is in ``estimate`` all the same.
+    """A record is too short for a standard error of a figure; the figure itself is in ``estimate``.
 
     ``length`` and ``needed`` are sliding distances in um; needed is inf if no length would do.
     """
 
     def __init__(self, what: str, estimate: object, *, length: float, needed: float) -> None:
-        """Keep the number, and how long the record is and should be."""
+        """Keep the figure, the length of the record, and the length that it needs."""
         super().__init__(what, estimate, length, needed)
         self.what = what
         self.estimate = estimate
@@ -28,7 +28,7 @@ class RecordTooShort(Refused):
         self.needed = needed
 
     def __str__(self) -> str:
-        """Say what cannot be defended, and from which length on it can."""
+        """Return the figure without an error, and the length from which on it has one."""
         message = f"{self.what}: {self.length:.6g} um of sliding are too short for it"
         return f"{message}; it needs about {self.needed:.3g} um" if isfinite(self.needed) else message
 
@@ -50,10 +50,10 @@ _FIRST_REACH = 256
 
 
 def integrated_autocorrelation(values: Doubles) -> float:
-    """Return 1 + 2 sum of the autocorrelation, in ticks: how many ticks say as much about the mean as one alone.
+    """Return 1 + 2 sum of the autocorrelation, in ticks: the number of ticks that are worth one independent value.
 
-    The sum ends at the first lag beyond five times itself, where noise would only add up; 1 for values that do not
-    vary, inf if the record ends before that lag.
+    The sum ends at the first lag beyond five times itself, after which only noise would add up. 1 for constant values,
+    inf if the record ends before that lag.
     Source: Sokal (1997), doi:10.1007/978-1-4899-0319-8_6.
     """
     reach = min(_FIRST_REACH, values.size - 1)
@@ -73,7 +73,7 @@ def integrated_autocorrelation(values: Doubles) -> float:
 def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> int:
     """Return the ticks to a batch: ten integrated autocorrelation lengths, or a 256th of the record if that is more.
 
-    ``tick`` in um. Raises RecordTooShort, carrying the estimate, if fewer than 30 batches fit.
+    ``tick`` in um. Raises RecordTooShort, with the estimate, if fewer than 30 batches fit.
     """
     correlated = integrated_autocorrelation(values)
     length = max(LENGTHS_A_BATCH * correlated, values.size / MOST_BATCHES)
@@ -84,14 +84,14 @@ def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> i
 
 
 def batches(values: Doubles, length: int) -> Doubles:
-    """Return consecutive stretches of a record as rows; what is left at its end is dropped."""
+    """Return consecutive stretches of a record as rows; the rest at its end is dropped."""
     return values[: values.size // length * length].reshape(-1, length)
 
 
 def error_of_mean(values: Doubles, length: int, of: Callable[[Doubles], Doubles] | None = None) -> Doubles:
-    """Return the standard error of the mean of values, or of what ``of`` makes of each batch, a row a batch.
+    """Return the standard error of the mean of values, or of ``of`` over batches, given as one row for each batch.
 
-    The means m of B batches are as good as independent, so the error is sqrt(sum of (m - mean)^2 / (B (B - 1))).
+    The means m of B batches are nearly independent, so the error is sqrt(sum of (m - mean)^2 / (B (B - 1))).
     Source: Law and Kelton, Simulation Modeling and Analysis, section 9.5.3.
     """
     parts = batches(values, length)

@@ -16,9 +16,9 @@ _FOUR_SIGMA = 3.1671241833119857e-05
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PooledEstimate:
-    """A number that so many runs give, and its standard error in the same unit; inf if it is not known.
+    """A figure from ``runs`` runs, and its standard error in the same unit; inf if it is not known.
 
-    ``from_theory`` says that theory knows the error, and not the scatter of the runs.
+    ``from_theory``: the error comes from theory, and not from the scatter of the runs.
     """
 
     value: float
@@ -28,7 +28,7 @@ class PooledEstimate:
 
     @property
     def reach(self) -> float:
-        """Half the width of the 95 % interval: by Student's law of the runs, or a normal one by the theory's error."""
+        """Half the width of the 95 % interval: by Student's law for the runs, or a normal law with theory's error."""
         return self._reach(_TAIL)
 
     @property
@@ -37,7 +37,7 @@ class PooledEstimate:
         return self.value - self.reach, self.value + self.reach
 
     def agrees_with(self, exact: float, rounding: float = 0.0) -> bool:
-        """Whether an exact value is as near as four standard deviations of a normal number would be, or as rounding."""
+        """Whether an exact value lies within four standard errors (within as probable a distance for few runs)."""
         return abs(self.value - exact) <= max(self._reach(_FOUR_SIGMA), rounding)
 
     def times(self, factor: float) -> "PooledEstimate":
@@ -57,7 +57,7 @@ class PooledEstimate:
 
 
 def estimate(values: Sequence[float]) -> PooledEstimate:
-    """Return the mean of independent runs' values with its standard error, from their scatter alone."""
+    """Return the mean of the values of independent runs, with its standard error from their scatter."""
     found = np.asarray(values, dtype=np.float64)
     return PooledEstimate(
         value=float(found.mean()), standard_error=_error(found) if found.size > 1 else inf, runs=found.size
@@ -65,7 +65,7 @@ def estimate(values: Sequence[float]) -> PooledEstimate:
 
 
 def difference(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
-    """Return first - second for independent runs; counts the fewer runs."""
+    """Return first - second for independent runs; the fewer runs count."""
     error = hypot(first.standard_error, second.standard_error)
     return PooledEstimate(value=first.value - second.value, standard_error=error, runs=min(first.runs, second.runs))
 
@@ -75,10 +75,10 @@ LARGEST: Final = 1e75
 
 
 def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> PooledEstimate:
-    """Return a figure over replicates, nan among them left out, with the standard error that their scatter gives.
+    """Return a figure over replicates (without nan) with the standard error from their scatter.
 
-    Standard deviations are pooled as squares: the root of their mean square falls less short of the true one than their
-    mean does, by the share 1/n of it. Of a single run ``standard_error`` is taken, which theory gives one run.
+    Standard deviations are pooled as squares: the root of their mean square is less biased than their mean, by a factor
+    1/n. For a single run ``standard_error`` is used, which theory gives for one run.
     """
     found = np.array([value for value in values if abs(value) <= LARGEST])
     if not found.size:
@@ -98,7 +98,7 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> P
 
 
 def ratio(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
-    """Return first / second for independent runs, with the standard error of first order; counts the fewer runs."""
+    """Return first / second for independent runs, with the standard error of first order; the fewer runs count."""
     if not first.value or not second.value:
         return PooledEstimate(value=nan, standard_error=inf, runs=0)
     value = first.value / second.value
@@ -107,10 +107,10 @@ def ratio(first: PooledEstimate, second: PooledEstimate) -> PooledEstimate:
 
 
 def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -> PooledEstimate:
-    """Return first / second of a figure over runs that were made in pairs, each pair on the same seed.
+    """Return first / second of a figure over pairs of runs, the runs of a pair having the same seed.
 
-    What a pair has in common cancels: with r = sum a / sum b over pairs (of standard deviations their squares, and the
-    root of r), the standard error is that of the mean of a - r b, over the mean of b. Pairs with nan are left out.
+    Common deviations of a pair cancel: with r = sum a / sum b over pairs (for standard deviations their squares, and
+    the root of r), the standard error is that of the mean of a - r b, over the mean of b. Pairs with nan are left out.
     """
     pairs = np.array(
         [pair for pair in zip(first, second, strict=True) if all(abs(value) <= LARGEST for value in pair)]

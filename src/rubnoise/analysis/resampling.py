@@ -1,4 +1,4 @@
-"""A record at another rate of samples, without what would fold back into it."""
+"""Resample a record to another rate, without aliases."""
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
@@ -28,7 +28,7 @@ _PRODUCTS: Final = 1 << 16  # at once: what the cache of a processor holds
 def rate_ratio(source: float, target: float) -> Fraction:
     """Return target over source as a fraction of two numbers up to 4096; 0 if the ratio is beyond 1/4096 ... 4096.
 
-    It is met to 1 part in 4096 at worst, and exactly if it is such a fraction.
+    The fraction is within 1 part in 4096, and exact if the ratio is such a fraction.
     """
     ratio = target / source
     if not 1.0 / MOST <= ratio <= MOST:
@@ -39,12 +39,12 @@ def rate_ratio(source: float, target: float) -> Fraction:
 
 
 def resampled(chunks: Iterable[Doubles], ratio: Fraction) -> Iterator[Doubles]:
-    """Yield a record that comes in chunks at ``ratio`` times its rate: y_n = sum_j x_j h(n q - j p), ratio = p/q.
+    """Yield a record, given in chunks, at ``ratio`` times its rate: y_n = sum_j x_j h(n q - j p), ratio = p/q.
 
     h is a sinc under a Kaiser window over 64 zero crossings on each side: up to 0.9 of the lower rate's half amplitudes
     are kept to 2e-5, from that half on they are held down to it. Output 0 lies at input 0, the last at or before the
-    last input; beyond its ends the record is taken to stay as it is there. Outputs hardly depend on the chunks: by
-    rounding alone. Source: Oppenheim and Schafer, Discrete-Time Signal Processing (1989), chapters 3 and 7.
+    last input; beyond its ends the record is taken as constant. Outputs depend on the chunks by rounding only. Source:
+    Oppenheim and Schafer, Discrete-Time Signal Processing (1989), chapters 3 and 7.
     """
     stream = _Stream(ratio)
     for chunk in chunks:
@@ -55,17 +55,17 @@ def resampled(chunks: Iterable[Doubles], ratio: Fraction) -> Iterator[Doubles]:
 
 
 def output_count(inputs: int, ratio: Fraction) -> int:
-    """Return how many outputs so many inputs make."""
+    """Return the number of outputs for a number of inputs."""
     return 0 if inputs == 0 else int((inputs - 1) * ratio) + 1
 
 
 def input_count(outputs: int, ratio: Fraction) -> int:
-    """Return the fewest inputs that make so many outputs."""
+    """Return the least number of inputs for a number of outputs."""
     return 0 if outputs == 0 else ceil((outputs - 1) / ratio) + 1
 
 
 class _Stream:
-    """Inputs that outputs still need, and how many of each there have been."""
+    """The inputs that later outputs need, and the numbers of inputs and outputs so far."""
 
     def __init__(self, ratio: Fraction) -> None:
         self._ratio = ratio
@@ -79,18 +79,18 @@ class _Stream:
         self._ended = False
 
     def take(self, chunk: Doubles) -> None:
-        """Hold the inputs that follow those before."""
+        """Add the next inputs."""
         before = np.full(self._reach, chunk[0]) if self._inputs == 0 and chunk.size else chunk[:0]
         self._held = np.concatenate([self._held, before, chunk])
         self._inputs += chunk.size
 
     def end(self) -> None:
-        """Let the last input stand for all after it."""
+        """Repeat the last input, as if the record continued with it."""
         self._held = np.concatenate([self._held, np.repeat(self._held[-1:], self._reach)])
         self._ended = True
 
     def ready(self) -> Iterator[Doubles]:
-        """Yield the outputs whose inputs are all there, and forget the inputs that no later one needs."""
+        """Yield the outputs whose inputs are complete, and drop the inputs that no later output needs."""
         known = self._inputs if self._ended else max(0, self._inputs - self._reach)
         last = output_count(known, self._ratio)
         while self._outputs < last:
@@ -120,9 +120,9 @@ class _Stream:
 
 @lru_cache(maxsize=2)
 def _taps(ratio: Fraction, half: int) -> Doubles:
-    """Return the filter at p times the rate of the inputs, a row for each of the p places of an output between inputs.
+    """Return the filter at p times the rate of the inputs; a row for each of the p places of an output between inputs.
 
-    A row is in the order of the inputs. The p rows together add up to p.
+    A row has the order of the inputs. The p rows add up to p together.
     """
     # The package for signals is not used: it takes half a second to import, longer than a sound takes to make.
     edge = 0.5 * (1.0 + PASSED) / max(ratio.numerator, ratio.denominator)

@@ -1,7 +1,6 @@
 """The summary of a run without a trace: its figures, distribution, spectrum and autocovariance.
 
-The places of these curves are fixed by the model beforehand, so that all replicates have the same ones, and so has what
-theory expects there.
+The model determines the places of these curves before the run, so they are equal for all replicates and for theory.
 """
 
 from collections.abc import Callable
@@ -52,8 +51,8 @@ _CORRELATIONS_A_BATCH: Final = 10.0
 class RunLayout:
     """Edges of a histogram in um^2, lags and segments for every ``stride``-th tick, and ticks of an independent batch.
 
-    ``lags`` and ``segment`` count those ticks, ``step`` um apart: fine ticks cost no more than they are worth. Bands of
-    a spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but of one bin at the least.
+    ``lags`` and ``segment`` count those ticks, ``step`` um apart, so that fine ticks do not cost more. Bands of a
+    spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but at least one bin.
     """
 
     edges: Doubles
@@ -99,7 +98,7 @@ class RunLayout:
         return self.step * self.lags.astype(np.float64)
 
     def banded(self, values: Doubles) -> Doubles:
-        """Return the mean over each band of what a spectrum has in its bins."""
+        """Return the mean of a spectrum over each band."""
         if not self.starts.size:
             return np.empty(0)
         sums: Doubles = np.add.reduceat(values[: self.starts[-1] + self.widths[-1]], self.starts)
@@ -107,7 +106,7 @@ class RunLayout:
 
 
 def _edges(model: Model) -> Doubles:
-    """Return edges eight standard deviations about the exact mean, and none far below 0, where no area is."""
+    """Return edges within eight standard deviations of the exact mean, and none far below 0, where no area is."""
     area = area_cumulants(model)
     reach = max(_STDS * area.std, _ROUNDING * area.mean)
     # What is left of a sum whose junctions have all ended may lie below 0 by a rounding.
@@ -116,7 +115,7 @@ def _edges(model: Model) -> Doubles:
 
 
 def _correlation_length(model: Model) -> float:
-    """Return how many um say as much of a mean as one independent value, S(0)/R(0); a life for regular births."""
+    """Return the length in um that is worth one independent value for a mean, S(0)/R(0); a life for regular births."""
     variance = area_cumulants(model).variance
     if not are_at_random(model) or variance == 0.0:
         return model.mean_life_distance
@@ -129,7 +128,7 @@ def _lags(ticks: int, ticks_a_life: float) -> NDArray[np.int64]:
 
 
 def _segment(ticks: int, ticks_a_life: float) -> int:
-    """Return the ticks of a segment, a power of two: 64 lives, or less if a run would hold fewer than eight."""
+    """Return the ticks of a segment, a power of two: 64 lives, or fewer if a run had less than eight segments."""
     most = min(_LIVES_A_SEGMENT * ticks_a_life, 2.0 * ticks / (_FEWEST_SEGMENTS + 1))
     return max(_FEWEST_TICKS, 2 ** floor(log2(max(most, 1.0))))
 
@@ -142,7 +141,7 @@ CURVES: Final = {"histogram": BINS, "histogram_standard_error": BINS, "spectrum"
 class RunSummary:
     """The figures of a run, and its curves of real contact area by name: um^-2, um^4 per rad/um, um^4.
 
-    The places of the curves, and what theory expects there, are `rubnoise.analysis.run_summary.curve_theory`.
+    `rubnoise.analysis.run_summary.curve_theory` returns the places of the curves and their expected values.
     """
 
     figures: list[Agreement]
@@ -150,10 +149,10 @@ class RunSummary:
 
 
 class SummarySink:
-    """A sink that sums a run up while its rows pass by; what it holds does not grow with the run."""
+    """A sink that sums up a run from its rows; its memory does not grow with the run."""
 
     def __init__(self, model: Model) -> None:
-        """Begin with nothing."""
+        """Start without rows."""
         layout = RunLayout.of(model)
         self._model = model
         self._layout = layout
@@ -163,7 +162,7 @@ class SummarySink:
         self._covariance = CovarianceSum(int(layout.lags[-1]), area_cumulants(model).mean)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Take in rows of a group (see Sink)."""
+        """Add rows of a group (see Sink)."""
         self._tally.write(group, first_row, columns)
         if group != "trace":
             return
@@ -174,7 +173,7 @@ class SummarySink:
         self._covariance.add(thinned)
 
     def finish(self) -> RunSummary:
-        """Return what the rows so far come to."""
+        """Return the summary of the rows so far."""
         histogram, spectrum = self._histogram.histogram(), self._spectrum.spectrum()
         curves = {
             "histogram": histogram.density,
@@ -189,7 +188,7 @@ class SummarySink:
 
 
 def filled_up(values: Doubles, count: int) -> Doubles:
-    """Return values with nan after them up to a count, and in place of what is infinite."""
+    """Return values filled with nan up to a count, and with nan in place of infinite ones."""
     finite = np.where(np.isfinite(values), values, np.nan)
     return np.pad(finite, (0, count - values.size), constant_values=np.nan)
 
@@ -200,7 +199,7 @@ FEWEST_TICKS_A_LIFE = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CurveTheory:
-    """Places of a curve, its expected values, and the standard error of one run's; nan if theory is silent.
+    """Places of a curve, its expected values, and the standard errors for one run; nan if theory gives none.
 
     In um^2, rad/um and um; in um^-2, um^4 per rad/um and um^4.
     """
@@ -212,9 +211,10 @@ class CurveTheory:
 
 @lru_cache(maxsize=8)
 def curve_theory(model: Model) -> dict[str, CurveTheory]:
-    """Return what is expected of the histogram, spectrum and autocovariance of a model's runs.
+    """Return the expected histogram, spectrum and autocovariance of a model's runs.
 
-    The histogram's errors are those of each run: theory has none. A run that starts empty is expected nothing of.
+    The histogram's errors come from each run, since theory has none. There are no expected values for a run that starts
+    empty.
     """
     layout = RunLayout.of(model)
     return {
@@ -237,7 +237,7 @@ def _made(place: Doubles, count: int, model: Model, theory: Callable[[], tuple[D
 
 
 def _has_errors(model: Model) -> bool:
-    """Whether a run is long, its births at random and its ticks fine enough for errors of a spectrum and the like."""
+    """Whether a spectrum and an autocovariance have errors: for a long run, random births and fine ticks."""
     life = model.mean_life_distance
     return (
         are_at_random(model)

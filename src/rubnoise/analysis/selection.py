@@ -1,6 +1,6 @@
-"""Which junctions of a result file are chosen: by a condition, or because they live in a stretch of sliding.
+"""Select junctions of a result file: by a condition, or because they live in a stretch of sliding.
 
-Rows are read in chunks, to bound the memory.
+Rows are read in chunks, to limit memory.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -36,10 +36,10 @@ def select(
     descending: bool = False,
     head: int | None = None,
 ) -> tuple[RowNumbers, int]:
-    """Return the first ``head`` (all when None) row numbers that a condition chooses, and how many it chooses.
+    """Return the first ``head`` (all when None) row numbers that satisfy a condition, and the number of all that do.
 
-    Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all are. Only the columns
-    of the condition and of the order are read. With ``head`` no more than it and a chunk are held at a time.
+    Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all do. Only the columns
+    of the condition and of the order are read. With ``head``, memory holds ``head`` rows and a chunk.
     """
     best = _Best(head, descending=descending)
     total = 0
@@ -51,7 +51,7 @@ def select(
 
 
 def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Yield columns of the rows, in their order, a chunk of them at a time."""
+    """Yield columns of the rows, in the given order, a chunk at a time."""
     for part in slices(0, rows.size):
         chunk = rows[part]
         order = np.argsort(chunk, kind="stable")
@@ -60,7 +60,7 @@ def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[
 
 
 class _Best:
-    """The first rows in some order, of chunks that come in order of birth."""
+    """The first rows in the order of some keys, from chunks in order of birth."""
 
     def __init__(self, head: int | None, *, descending: bool) -> None:
         self._head = head
@@ -70,7 +70,7 @@ class _Best:
         self._held = 0
 
     def add(self, rows: RowNumbers, keys: NDArray[Any]) -> None:
-        """Take in chosen rows with the keys of their order."""
+        """Add rows with their keys."""
         signed = self._sign * keys
         if self._head is not None and self._held == self._head:
             # Of equal keys the row that came first wins; written so that a NaN is kept, to be sorted last.
@@ -95,7 +95,7 @@ class _Best:
 
 
 def _spans(rows: RowNumbers) -> Iterator[tuple[int, int]]:
-    """Yield where to cut ascending rows into runs that are each read at once."""
+    """Yield the places at which ascending rows are cut into spans that are read at once."""
     cuts = [0, *(np.flatnonzero(np.diff(rows) > NEAR) + 1).tolist(), rows.size]
     for start, stop in pairwise(cuts):
         while rows[stop - 1] - rows[start] >= CHUNK_ROWS:
@@ -120,7 +120,7 @@ def _gathered(
 class Neighbours:
     """Some rows of /junctions in order of birth: row numbers, um, MPa (None without strengths), the shape of all.
 
-    offset (um): by how much each misses the centre line; None if all pass through both centres.
+    offset (um): lateral offsets; None if all pass through both centres.
     """
 
     rows: NDArray[np.int64]
@@ -133,17 +133,17 @@ class Neighbours:
 
     @property
     def half_life(self) -> Doubles:
-        """How far each slides from birth to mid-life, in um."""
+        """Sliding distance of each from birth to mid-life, in um."""
         return half_life(self.diameter, self.offset)
 
     def alive(self, distance: float, *, just_before: bool = False) -> Self:
-        """Return those alive at a distance in um, birth <= s < death, or ``just_before`` it, birth < s <= death."""
+        """Return the rows alive at a distance in um, birth <= s < death, or ``just_before`` it, birth < s <= death."""
         if just_before:
             return self._chosen((self.birth < distance) & (distance <= self.death))
         return self._chosen((self.birth <= distance) & (distance < self.death))
 
     def only(self, number: int) -> Self:
-        """Return the one in a row of the file."""
+        """Return the junction with a row number."""
         return self._chosen(self.rows == number)
 
     def area(self, distance: float) -> Doubles:
@@ -151,14 +151,14 @@ class Neighbours:
         return area_of(self.pulse, distance - self.birth, self.diameter, self.offset)
 
     def areas(self, distance: Doubles) -> Doubles:
-        """Return the area in um^2 of each, a row, at sliding distances in um; 0 if it is not alive."""
+        """Return the areas in um^2, one row for each junction, at sliding distances in um; 0 if it is not alive."""
         birth, death = self.birth[:, np.newaxis], self.death[:, np.newaxis]
         aside = None if self.offset is None else self.offset[:, np.newaxis]
         areas = area_of(self.pulse, distance - birth, self.diameter[:, np.newaxis], aside)
         return np.where((birth <= distance) & (distance < death), areas, 0.0)
 
     def total_area(self, distance: Doubles) -> Doubles:
-        """Return the sum of their areas in um^2 at sliding distances in um, some junctions at a time."""
+        """Return the sum of their areas in um^2 at sliding distances in um; memory holds some junctions at a time."""
         total = np.zeros(distance.size)
         for part in slices(0, self.rows.size, max(1, AREAS_AT_ONCE // max(1, distance.size))):
             total += self._chosen(part).areas(distance).sum(axis=0)
@@ -177,11 +177,11 @@ class Neighbours:
 
 
 def neighbours(file: Reader, number: int, start: float, stop: float, *, touches: bool = False) -> Neighbours:
-    """Return all rows but ``number`` that live anywhere between two distances in um; a chunk is held at a time.
+    """Return all rows except ``number`` that live anywhere between two distances in um; memory holds a chunk at a time.
 
-    Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
-    RunFileRefused if one of the rows found is no life, Refused for the touches of free motion, whose areas no row says;
-    ``touches`` takes them for what begins and ends.
+    Every row is read, since the longest life is not known before, and a file may come from elsewhere. Raises
+    RunFileRefused if one of the rows found is not a life, and Refused for touches of free motion, whose rows have no
+    area; with ``touches`` only their begins and ends are used.
     """
     if not touches:
         refuse_touches(file.columns["junctions"])

@@ -1,4 +1,4 @@
-"""A run as sound: the column, the speed-up, and how loud it is."""
+"""A run as sound: the column, the speed-up, and the level."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -43,9 +43,9 @@ Between = Callable[[], None]
 class Sound:
     """Rows ``first`` to ``first + rows`` of a column of a run, heard at ``rate`` samples a second.
 
-    Before ``first`` the normal motion under a load forgets how it began. ``ratio`` is samples over ticks, and
-    ``tick_duration`` the time in s from tick to tick in the run. ``natural`` is the natural frequency in Hz of what is
-    heard, None without one.
+    Before ``first`` the start of the normal motion under a load decays. ``ratio`` is samples over ticks, and
+    ``tick_duration`` the time in s from tick to tick in the run. ``natural`` is the natural frequency in Hz of the
+    motion that is heard, None without one.
     """
 
     file: Reader
@@ -61,11 +61,11 @@ class Sound:
 
     @classmethod
     def of(cls, file: Reader, what: Heard, *, rate: int, speed_up: float, seconds: float | None) -> Self:
-        """Return the sound of an open run, of ``seconds`` from its start or of all of it, but for a transient.
+        """Return the sound of an open run, ``seconds`` from its start or all of it, without a transient.
 
-        The velocity of a run with a load that weighs, and without a slider, is its normal velocity.
-        Raises Refused if the run has nothing of the kind, if it is too short for the seconds, and for a speed-up
-        that makes more than 4096 ticks of a sample or the other way round.
+        The velocity of a run with a load that weighs, and without a slider, is its normal velocity. Raises Refused if
+        the run has no such column, if it is too short for the seconds, and for a speed-up with more than 4096 ticks for
+        a sample or samples for a tick.
         """
         group, model = _group(file, what), stored(file.provenance["scenario_resolved"]).model()
         if model.tick_duration is None:
@@ -105,16 +105,16 @@ class Sound:
 
     @property
     def speed_up(self) -> float:
-        """How much faster it is heard than it happened: what was asked for, as far as the ratio of rates meets it."""
+        """The speed-up with which it is heard: the requested one, up to the precision of the ratio of rates."""
         return self.rate * self.tick_duration / float(self.ratio)
 
     @property
     def seconds(self) -> float:
-        """How long the sound lasts."""
+        """Duration of the sound in s."""
         return self.samples / self.rate
 
     def chunks(self) -> Iterator[Doubles]:
-        """Return the rows as they are in the run."""
+        """Yield the rows in chunks, as they are in the run."""
         return column_chunks(self.file, self.group, self.column, self.first, self.first + self.rows)
 
     def about(self, mean: float) -> Iterator[Doubles]:
@@ -124,10 +124,10 @@ class Sound:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Level:
-    """What the samples of a sound are measured in: sample = (value - mean) / full_scale, in the unit of the column.
+    """The scale of a sound's samples: sample = (value - mean) / full_scale, in the unit of the column.
 
-    ``variance`` is that of the rows. ``spectrum`` is that of the run over w in rad/s as heard, None if it is too short
-    for one.
+    ``variance`` is that of the rows. ``spectrum`` is the spectrum of the run over w in rad/s as heard, None if the run
+    is too short for one.
     """
 
     mean: float
@@ -137,7 +137,7 @@ class Level:
 
     @property
     def laptop(self) -> float | None:
-        """Level in dB re full scale of what the loudspeaker of a laptop plays; None without a spectrum."""
+        """Level in dB re full scale of the part that a laptop's loudspeaker plays; None without a spectrum."""
         if self.spectrum is None:
             return None
         power = Hearing.of(self.spectrum).laptop * self.variance / self.full_scale**2
@@ -145,13 +145,13 @@ class Level:
 
 
 def audible(sound: Sound, between: Between) -> float:
-    """Return a speed-up, 1, 2 or 5 times a power of ten, at which small loudspeakers play a sound of true speed."""
+    """Return a speed-up, 1, 2 or 5 times a power of ten, at which small loudspeakers play a sound well."""
     spectrum = level_of(sound, between).spectrum
     return 1.0 if spectrum is None else Hearing.of(spectrum).better(1.0) or 1.0
 
 
 def on_one_scale(levels: Iterable[Level]) -> list[Level]:
-    """Return levels with the largest full scale of them all, so that sounds differ as their runs do."""
+    """Return levels that all have the largest full scale among them, so that loudness compares runs."""
     found = list(levels)
     largest = max(level.full_scale for level in found)
     return [replace(level, full_scale=largest) for level in found]
@@ -194,7 +194,7 @@ def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles
 
 
 def _group(file: Reader, what: Heard) -> str:
-    """Return the group that holds a quantity; raises Refused if the run has none."""
+    """Return the group that has a quantity; raises Refused if the run has none."""
     weighs = "load" in file.columns
     if what in ("normal-velocity", "load") or (what == "velocity" and "slider" not in file.columns and weighs):
         if not weighs:
@@ -213,7 +213,7 @@ def _group(file: Reader, what: Heard) -> str:
 
 
 def _first_row(file: Reader, model: Model, group: str) -> int:
-    """Return from which row on the start is no longer heard; raises Refused if none is left."""
+    """Return the first row at which the start is no longer heard; raises Refused if no row is left."""
     if group != "load" or model.separation is None:
         return 0
     from rubnoise.analysis.comparing.load import first_still_tick
@@ -228,7 +228,7 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
 
 
 def _samples(whole: int, rate: int, seconds: float | None) -> int:
-    """Return how many samples to take of those that the whole run makes."""
+    """Return the number of samples to take from all that the run makes."""
     if seconds is None:
         return whole
     if seconds * rate > whole:

@@ -1,4 +1,4 @@
-"""Welch's estimate of a spectral density, in the house's convention, how far it may well be off, and its bands."""
+"""Welch's estimate of a spectral density, in the convention of all our pages, with its errors and its bands."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class Spectrum:
 
     @property
     def power(self) -> float:
-        """About the variance of the record, (1/pi) int S dk, in the square of its unit."""
+        """The power (1/pi) int S dk, about the variance of the record, in the square of its unit."""
         return float(self.density.sum() * self.wavenumber[1]) / np.pi
 
 
@@ -51,9 +51,9 @@ def hann(ticks: int) -> Doubles:
 def welch(values: Doubles, tick: float, ticks: int | None = None) -> Spectrum:
     """Return Welch's estimate of the two-sided S(k) from a record of equal ticks (um), Hann windows that half overlap.
 
-    S_i = (tick / sum w^2) |sum of w_j (x_j - mean) exp(-2 pi i j / n)|^2, the mean of all segments of n ``ticks`` (the
-    even number that gives some 64 of them, if none is given), each less its own mean. Standard errors come from the
-    differences between segments. Raises RecordTooShort, carrying the Spectrum, for fewer than 30 segments.
+    S_i = (tick / sum w^2) |sum of w_j (x_j - mean) exp(-2 pi i j / n)|^2, the mean over segments of n ``ticks`` (by
+    default the even number that gives about 64 segments), each less its own mean. Standard errors come from the scatter
+    of segments. Raises RecordTooShort, with the Spectrum, for fewer than 30 segments.
     Source: Welch (1967), doi:10.1109/TAU.1967.1161901; the same as scipy.signal.welch(..., return_onesided=False).
     """
     length = max(2, 2 * (values.size // (SEGMENTS + 1))) if ticks is None else ticks
@@ -81,7 +81,7 @@ class WelchSum:
         self._sums = np.zeros((2, ticks // 2 + 1))
 
     def add(self, values: Doubles) -> None:
-        """Take in the values that follow those before."""
+        """Add the next values."""
         row = np.concatenate([self._rest, values])
         step = half_of(self._window.size)
         whole = max(0, (row.size - self._window.size) // step + 1)
@@ -112,7 +112,7 @@ class WelchSum:
 
 
 def half_of(ticks: int) -> int:
-    """Return the step in ticks from one segment to the next."""
+    """Return the step in ticks from one segment to the next: half a segment."""
     return max(1, ticks // 2)
 
 
@@ -160,7 +160,7 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     births. Two parts add up in the variance of a band's power P over its square: that of a Gaussian record, sum over
     the bins of S_i S_j times their covariance (`shared_variance`), and (lam / T) E[(sum of |A^(k_i)|^2)^2] over
     (sum of S_i)^2, the fourth cumulant of shot noise, the same for all bins: junctions are few. The bins next to k = 0,
-    which hold the mean, and next to the last are left out. The skewness is that of the second part alone.
+    which contain the mean, and next to the last are left out. The skewness is that of the second part alone.
     Source: as for `rubnoise.theory.correlation.autocovariance`, for four places at once.
     """
     shared = shared_variance(seen.ticks, seen.segments)
@@ -185,9 +185,9 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
 
 
 def bands_of(size: int, count: int) -> list[NDArray[np.int64]]:
-    """Return the bins of up to ``count`` bands of a spectrum of so many, of equal ratio; those without a bin fall away.
+    """Return the bins of up to ``count`` bands of a spectrum, of equal ratio; bands without a bin are left out.
 
-    Bins next to k = 0, which hold the mean, and next to the last are in none.
+    Bins next to k = 0, which contain the mean, and next to the last are in no band.
     """
     bins = np.arange(_FIRST_BIN, size - 2)
     if not bins.size:
@@ -205,22 +205,21 @@ def _gaussian_variance(expected: Doubles, shared: Doubles) -> float:
 
 
 def _shot_variance(probabilities: Doubles, energies: Doubles) -> float:
-    """Return the part of the relative variance that comes from a finite number of junctions, times that number."""
+    """Return the part of the relative variance due to the finite number of junctions, times that number."""
     return float(probabilities @ np.square(energies)) / float(probabilities @ energies) ** 2
 
 
 def _shot_skewness(probabilities: Doubles, energies: Doubles) -> float:
-    """Return the skewness of the same part, times the root of that number."""
+    """Return the skewness of that part, times the root of the number of junctions."""
     return float(probabilities @ energies**3) / float(probabilities @ np.square(energies)) ** 1.5
 
 
 def _energies(
     model: Model, wavenumber: Doubles, bands: Sequence[NDArray[np.int64]]
 ) -> tuple[Doubles, Sequence[Doubles]]:
-    """Return probabilities of lives of some sizes; for each band the sum of |A^(k)|^2 of each size but for a factor.
+    """Return probabilities of lives by size, and for each band the sum of |A^(k)|^2 by size, up to a factor.
 
-    Off the centre line the energy depends on the offset, too, the more the shorter the wave: of many bins some are
-    taken for all then.
+    Off the centre line the energy also depends on the offset, more for shorter waves; there some bins represent many.
     """
     if model.pulse.offset == "none":
         diameters, probabilities = size_rule(model.sizes, _SIZES)

@@ -1,4 +1,4 @@
-"""The figures of a finished run beside the exact ones, and the exact value of any single figure."""
+"""The figures of a finished run with their exact values, and the exact value of any single figure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -39,10 +39,10 @@ FEWEST_DECAYS = 10
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissingMotion:
-    """What a run lacks for standard errors of its slider's motion.
+    """The length that a run lacks for standard errors of its slider's motion.
 
-    It lasts ``decays`` decay times of FEWEST_DECAYS; over ``needed`` um of sliding the standard deviations of
-    displacement and velocity would be known to a tenth.
+    It lasts ``decays`` decay times, and FEWEST_DECAYS are needed; after ``needed`` um of sliding the standard
+    deviations of displacement and velocity would be known to a tenth.
     """
 
     decays: float
@@ -50,7 +50,7 @@ class MissingMotion:
 
 
 def summarise(model: Model, tally: Tally) -> list[Agreement]:
-    """Return every figure of a run with its exact value, and its standard error if one can be defended."""
+    """Return every figure of a run with its exact value, and its standard error if it has one."""
     theory, seen = theory_of(model), tally.moments
     found = {
         name: getattr(seen[figure.column], figure.part) / figure.over(model)
@@ -76,9 +76,9 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
 
 @lru_cache(maxsize=8)
 def theory_of(model: Model) -> dict[str, tuple[float | None, float | None]]:
-    """Return exact value and standard error of the figures of a model's runs; None if there is none to defend.
+    """Return exact value and standard error of the figures of a model's runs; None for those that theory does not give.
 
-    Kept, since the runs of a sweep often differ by their seed alone.
+    Cached, since the runs of a sweep often differ only in their seed.
     """
     errors, found = _standard_errors(model), {}
     for name, figure in FIGURES.items():
@@ -90,8 +90,8 @@ def theory_of(model: Model) -> dict[str, tuple[float | None, float | None]]:
 def _standard_errors(model: Model) -> dict[str, float]:
     """Return the standard errors by column and part.
 
-    A run that starts empty gets none: its record is not stationary from the beginning. Births that are not a Poisson
-    process have them for means alone. Free motion has no theory of errors.
+    A run that starts empty has none, since its record is not stationary from the beginning. Births that are not a
+    Poisson process have errors of means only. Free motion has no theory of errors.
     """
     if model.start != "stationary" or model.free is not None:
         return {}
@@ -108,7 +108,7 @@ def _standard_errors(model: Model) -> dict[str, float]:
 def _errors(
     column: str, model: Model, mean_error: Callable[[Model], float], all_errors: Callable[[Model], StandardErrors]
 ) -> dict[str, float]:
-    """Return the errors of mean, std, skewness and kurtosis; for short runs and regular births of the mean alone."""
+    """Return the errors of mean, std, skewness and kurtosis; for short runs and regular births only of the mean."""
     if model.distance < FEWEST_LIVES * model.mean_life_distance or not are_at_random(model):
         return {f"{column}_mean": mean_error(model)}
     errors = all_errors(model)
@@ -116,7 +116,7 @@ def _errors(
 
 
 def _load_errors(model: Model) -> dict[str, float]:
-    """Return the errors under a load that weighs, if a run is long beside the decay of the separation."""
+    """Return the errors under a load that weighs, if a run is long compared with the decay of the separation."""
     decays = _decays(separation_of(model))
     if decays is None or decays < FEWEST_DECAYS:
         return {}
@@ -143,10 +143,10 @@ def _motion_errors(model: Model) -> dict[str, float]:
 
 
 def _two_way_motion(model: Model, tally: Tally) -> dict[str, tuple[float, float | None]]:
-    """Return what /balance and /landmarks say of a two-way slider, over its whole time, with what is always exact.
+    """Return the figures of a two-way slider from /balance and /landmarks, over its whole time, with exact values.
 
-    Spreads have an expected value while coupling is weak; the excess of the mean force and the residual of energy have
-    one always, which a right run meets within the steps' errors.
+    Spreads have an expected value if coupling is weak; the excess of the mean force and the residual of energy always
+    have one, which a correct run meets within the errors of its steps.
     """
     if not tally.last:
         return {}
@@ -165,10 +165,10 @@ def _two_way_motion(model: Model, tally: Tally) -> dict[str, tuple[float, float 
 
 
 def missing_for_motion(model: Model) -> MissingMotion | None:
-    """Return what a run lacks for standard errors of its slider's motion; None if it has them or no length would do.
+    """Return the length that a run lacks for standard errors of its slider's motion; None if it has or never has them.
 
-    No length would do without slider or damping, or from an empty start. The errors fall as one over the root of the
-    distance; for births that are not random there is none but that of the mean, which needs the decay times alone.
+    It never has them without slider or damping, or from an empty start. Errors fall as one over the root of the
+    distance; births that are not random have only the error of the mean, which needs only the decay times.
     """
     decays = _decays(model)
     if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
@@ -182,7 +182,7 @@ def missing_for_motion(model: Model) -> MissingMotion | None:
 
 
 def _decays(model: Model) -> float | None:
-    """Return how many of the slowest decay times of its slider a run lasts; None if nothing decays."""
+    """Return the length of a run in the slowest decay times of its slider; None if nothing decays."""
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or slider.damping == 0.0:
         return None
@@ -192,7 +192,7 @@ def _decays(model: Model) -> float | None:
 
 
 def slowest_decay(slider: Slider) -> float:
-    """Return the time in s in which the slowest free motion falls by e: 2m/c, or about c/k if that is longer."""
+    """Return the time in s in which the slowest free motion decays by e: 2m/c, or about c/k if that is longer."""
     if slider.damping == 0.0:
         return inf
     return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
@@ -204,7 +204,7 @@ _PARTS: Final = ("mean", "std", "skewness", "excess_kurtosis")
 def expected_figure(model: Model, name: str) -> float:
     """Return the exact value of a figure that `rubnoise.analysis.summary.summarise` names, in its unit.
 
-    nan if the model has no such figure, or if theory is silent about it.
+    nan if the model has no such figure, or theory does not give it.
     """
     figure = FIGURES.get(name)
     if figure is None or not _is_of(name, model):
@@ -224,7 +224,7 @@ def expected_figure(model: Model, name: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One figure of a summary: a moment of a column, and its exact value; ``over`` is what both are divided by."""
+    """One figure of a summary: a moment of a column, and its exact value; both are divided by ``over``."""
 
     column: str
     part: str

@@ -1,4 +1,4 @@
-"""The normal velocity of a run in third octaves, as roughness noise is reported, beside what theory expects."""
+"""The normal velocity of a run in third octaves, as roughness noise is reported, beside theory."""
 
 from dataclasses import dataclass
 from math import log10, nan, pi, sqrt
@@ -24,7 +24,7 @@ _PART_LEFT_OUT: Final = 1e-6  # of the power, 60 dB: as in theory
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeardBands:
-    """Levels in dB re 50 nm/s in third octaves about frequencies in Hz: of a run, and exact ones, None if not known.
+    """Levels in dB re 50 nm/s in third octaves about frequencies in Hz: of a run, and exact ones (None if not known).
 
     ``velocity`` is the root mean square in um/s over all frequencies.
     """

@@ -1,4 +1,4 @@
-"""Verification of a result file: hashes, structure, origin, and its run played again and compared row by row."""
+"""Verify a result file: hashes, structure, origin, and its run played again and compared row by row."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,7 +37,7 @@ def layout_check(model: Model, run: HashedReader) -> Check:
 
 
 def other_streams(run: Reader) -> str:
-    """Return why the seed of a file stands for other numbers than it does here; empty if it does not."""
+    """Return the reason why the seed of a file gives other random numbers here; empty if it gives the same."""
     version = run.provenance["stream_version"]
     if version == STREAM_VERSION:
         return ""
@@ -48,7 +48,7 @@ def other_streams(run: Reader) -> str:
 
 
 def machines(run: Reader) -> str:
-    """Return on which machines a run was made and played again, for rows that only its play contradicts."""
+    """Return the machines on which a run was made and played again, for rows that differ only from the replay."""
     return (
         "the areas agree with the rows, and the rows not with the play: the run was made on"
         f" {run.provenance['environment']} and played again on {json.dumps(environment())}"
@@ -65,14 +65,14 @@ MOST_NAMED: Final = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """What a command line asks for: which command of rubnoise, and the keys that it changes, as KEY=VALUE."""
+    """The content of a command line: the command of rubnoise, and the keys that it changes, as KEY=VALUE."""
 
     command: str
     overrides: tuple[str, ...]
 
 
 def asked_by(command: str) -> Asked | None:
-    """Return what a command line of `rubnoise run` or `rubnoise sweep` asks for; None for any other program."""
+    """Return the content of a command line of `rubnoise run` or `rubnoise sweep`; None for any other program."""
     try:
         program, *words = split(command)
     except ValueError:
@@ -89,7 +89,7 @@ def asked_by(command: str) -> Asked | None:
 
 
 def _options(words: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield the options that have a value, with it."""
+    """Yield the options that have a value, with their values."""
     rest = iter(words)
     for word in rest:
         if word == "--":
@@ -102,9 +102,9 @@ def _options(words: list[str]) -> Iterator[tuple[str, str]]:
 
 
 def scenario_check(scenario: Scenario, provenance: Mapping[str, object]) -> tuple[Check, list[LeftOut]]:
-    """Return whether the text of the scenario, with what the command line changed, is the scenario that was run.
+    """Check that the text of the scenario, with the changes of the command line, gives the scenario that was run.
 
-    A run that a program of its own made may have been changed by that: what differs then is listed as left out.
+    A user's own program may have changed the scenario: for such a run, differences are listed as left out.
     """
     notes, text, run = Notes("scenario"), str(provenance["scenario_toml"]), scenario.resolved()
     asked = asked_by(str(provenance["command"]))
@@ -130,7 +130,7 @@ _BASE: Final = "scenario_toml extends a file that is not kept: keys that stand i
 
 
 def _differences(again: Reread, run: Mapping[str, Any], asked: Asked | None) -> Iterator[tuple[str, tuple[str, str]]]:
-    """Yield the keys in which the two scenarios differ, with the values by the text and of the run."""
+    """Yield the keys in which the two scenarios differ, with the values of the text and of the run."""
     by_text, by_run = flattened(again.resolved), flattened(run)
     of_sweep = bool(again.seeds) or (asked is not None and asked.command == "sweep")
     for key in _keys(again.resolved, run):
@@ -158,18 +158,18 @@ def _keys(*scenarios: Mapping[str, Any]) -> list[str]:
 
 
 class ResultFile(HashedReader, Protocol):
-    """A result that lists all that there is in it, known or not."""
+    """A result that lists everything in it, also objects of others."""
 
     def inventory(self) -> Inventory:
-        """Return every group, column and attribute, as HDF5 has them."""
+        """Return every group, column and attribute of the file."""
         ...
 
 
 def verify(run: ResultFile, regenerate: int = 0) -> Verification:
-    """Return everything that a file can be asked about itself; a longer run needs no more memory.
+    """Return the verification of a result file; memory does not grow with the run.
 
-    Every row is made again from the seed. ``regenerate`` asks for nothing more, but raises Refused if the seed
-    stands for other numbers. Checks that build on what has been found different are left out.
+    Every row is made again from the seed. ``regenerate`` adds no check, but raises Refused if the seed gives
+    other random numbers. Checks that depend on something found different are left out.
     """
     streams = other_streams(run)
     if regenerate and streams:
@@ -222,7 +222,7 @@ def _of_rows(
 
 
 def _areas(scenario: Scenario, run: HashedReader, streams: str) -> Check:
-    """Return the check of areas; those of free motion need its summits, which other streams do not give."""
+    """Return the check of areas; in free motion it needs the summits, which another stream version does not give."""
     from rubnoise.analysis.verifying.columns import summit_check
 
     model = scenario.model()

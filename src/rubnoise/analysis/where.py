@@ -8,7 +8,7 @@
 
 A number without a unit is in the unit of the column it is compared with. ``0 < birth_distance < 1 mm`` is both of its
 comparisons. A state (complete, alive_at_start, alive_at_end, ended_early) by itself, or after ``state ==``, chooses
-the rows that have it; a row may have several. Nothing is ever handed to Python's own ``eval``.
+the rows that have it; a row may have several. Python's own ``eval`` is never used.
 """
 
 import re
@@ -62,12 +62,12 @@ _SLIPS: Final = (
 
 
 class ConditionRefused(Refused):
-    """A condition on junctions that cannot be understood; its message shows where."""
+    """A condition on junctions is not valid; its message shows the place."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Token:
-    """One word of a condition, where it stands (from 0), and of a number the length of its digits."""
+    """One word of a condition, its place (from 0), and the length of its digits if it is a number."""
 
     sort: Sort
     text: str
@@ -76,18 +76,18 @@ class Token:
 
     @property
     def end(self) -> int:
-        """The place behind its last character."""
+        """The place after its last character."""
         return self.start + len(self.text)
 
 
 def refusal(text: str, start: int, end: int, message: str, hint: str = "") -> ConditionRefused:
-    """Return the error that shows a condition with carets below the part it is about."""
+    """Return the error that shows a condition with carets below the wrong part."""
     place = Place(source="--where", line=0, text=text, start=start, end=max(end, start + 1))
     return ConditionRefused(str(Problem(path=(), message=message, place=place, hint=hint)))
 
 
 def tokens(text: str) -> Iterator[Token]:
-    """Yield the words of a condition, the last of sort ``end``; raises ConditionRefused at the first that is none."""
+    """Yield the words of a condition, the last of kind ``end``; raises ConditionRefused at the first invalid one."""
     if len(text) > LONGEST:
         raise ConditionRefused(f"--where: error: a condition of more than {LONGEST} characters")
     position = 0
@@ -154,7 +154,7 @@ COMPARISONS: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
-    """Which rows are chosen, and the names of the columns that decide it."""
+    """A function that chooses rows, and the names of the columns that it needs."""
 
     columns: frozenset[str]
     chosen: Choose
@@ -163,7 +163,7 @@ class Condition:
 def condition(text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> Condition:
     """Return the condition that a text writes about rows with these columns.
 
-    Raises ConditionRefused, with the text and a caret below what is wrong, if it writes none.
+    Raises ConditionRefused, with the text and a caret below the wrong part, if it is not valid.
     """
     reader = _Reader(text, columns)
     chosen = reader.whole()
@@ -171,7 +171,7 @@ def condition(text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> Cond
 
 
 def did_you_mean(word: str, names: Iterable[str]) -> str:
-    """Return advice for a word that is none of the names: the nearest, or those that hold it, or all of them."""
+    """Return advice for an unknown word: the nearest name, the names that contain it, or all names."""
     known = list(names)
     holding = [name for name in known if len(word) > 2 and word.lower() in name]
     near = holding or get_close_matches(word.lower(), known, n=1)
@@ -179,7 +179,7 @@ def did_you_mean(word: str, names: Iterable[str]) -> str:
 
 
 class _Reader:
-    """Reads a condition from left to right, one word ahead; ``named`` are the columns that it has met."""
+    """Parser of a condition, from left to right, one word ahead; ``named`` are the columns found so far."""
 
     def __init__(self, text: str, columns: Sequence[Dataset]) -> None:
         self._text = text
@@ -306,7 +306,7 @@ class _Reader:
         return chosen if operator.text == "==" else _opposite(chosen)
 
     def _in_state(self, word: Token) -> Choose:
-        """Choose the rows whose state has a bit, or, as complete, none at all."""
+        """Return a function that chooses the rows whose state has a bit, or, for complete, no bit at all."""
         self.named.add("state")
         bit = STATES[word.text]
         return lambda rows: (rows["state"] & bit) != 0 if bit else rows["state"] == 0

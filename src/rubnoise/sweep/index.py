@@ -147,7 +147,7 @@ def _rows(folder: SweepFolder, known: RecordedRuns) -> Iterator[tuple[int, RunRo
 
 
 Shapes = dict[str, tuple[str, tuple[int, ...]]]
-"""The shapes of arrays by name, and their dimensions."""
+"""Shapes of arrays by name, each with the kind of row (point or run) that has them."""
 
 
 def _alike(of: str, arrays: Arrays, shapes: Shapes, folder: SweepFolder) -> Arrays:

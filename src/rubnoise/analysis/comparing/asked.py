@@ -1,7 +1,7 @@
-"""The area and the count that a scenario requests, compared with run and theory by independent constants.
+"""Compare the area and the count that a scenario requests with run and theory, by independent constants.
 
-Everything else in a comparison takes d_m and the birth rate as the program works them out. A wrong constant in the
-calibration would change the run and its theory alike, and no other figure would show it.
+All other parts of a comparison use d_m and the birth rate that the program computes. A wrong constant in the
+calibration would change run and theory in the same way, and no other figure would show it.
 """
 
 from collections.abc import Iterable
@@ -43,25 +43,25 @@ _FLOOR = 1e-15  # square of what rounding leaves of the spread of a law that is 
 
 
 class Cubes:
-    """Gathers d^3 of the junctions that are born along the run."""
+    """Sums d^3 of the junctions that are born along the run."""
 
     def __init__(self) -> None:
         self.count = 0
         self.total = 0.0
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a chunk of /junctions."""
+        """Add a chunk of /junctions."""
         born = columns["diameter"][~np.signbit(columns["birth_distance"])]
         self.count += born.size
         self.total += float((born**3).sum())
 
 
 def asked_findings(model: Model, cubes: Cubes) -> list[Finding]:
-    """Return the mean count and mean area that a scenario asks for, beside the exact ones and those of its rows.
+    """Return the mean count and mean area that a scenario requests, beside the exact ones and those of the rows.
 
     N_jm junctions that live for L d_m, L = 2 if all pass through both centres, are born at a rate of N_jm/(L d_m),
     and with diameters d they have the mean area N_jm/(L d_m) C E[d^3], where C d^3 is the integral over a life. That
-    has to be what `asked_area` says, with E[d^3] as the law has it, and with the mean over those that were born.
+    must equal `asked_area`, with E[d^3] of the law and with the mean over the junctions that were born.
     """
     integral = LIFE_INTEGRALS.get(model.pulse.name)
     if integral is None:
@@ -79,10 +79,10 @@ def asked_findings(model: Model, cubes: Cubes) -> list[Finding]:
 
 
 def asked_area(model: Model, integral: float) -> float:
-    """Return the mean area in um^2 that a calibration has to lead to, for lives of the area ``integral`` times d^3.
+    """Return the mean area in um^2 that a calibration must give, for lives with the area integral ``integral`` d^3.
 
-    Of ``matched`` it is A_rm. ``exact`` takes all diameters for d_m, which makes it A_rm E[d^3]/d_m^3; ``paper`` does
-    so, too, with a mean area of 0.327 d^2 over a life in place of C/L.
+    For ``matched`` it is A_rm. ``exact`` takes all diameters as d_m, which gives A_rm E[d^3]/d_m^3; ``paper`` does so,
+    too, with a mean area of 0.327 d^2 over a life in place of C/L.
     """
     if model.calibration == "matched":
         return model.mean_real_contact_area
@@ -93,7 +93,7 @@ def asked_area(model: Model, integral: float) -> float:
 
 
 def _from_rows(model: Model, cubes: Cubes, factor: float, asked: float) -> Finding:
-    """Return the mean area of the diameters that were born; its error is that of a mean of so many d^3."""
+    """Return the mean area for the diameters that were born; its error is that of the mean of their d^3."""
     name, seen = "asked_area_from_rows", factor * cubes.total / cubes.count
     low, high = size_range(model.sizes)
     if low == high:

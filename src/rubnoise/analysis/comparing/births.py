@@ -1,4 +1,4 @@
-"""Births along the run: how many, how far apart, and where."""
+"""Compare the births along the run: their number, their gaps and their places."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ _ROUNDING = 2.0**-49  # of a distance that is a sum of gaps, each rounded
 
 
 class Births:
-    """Gathers the births of a run, s >= 0, from rows in order of birth."""
+    """Sums over the births of a run, s >= 0, from rows in order of birth."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -33,7 +33,7 @@ class Births:
         self.gaps = UniformSample()
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a chunk of /junctions."""
+        """Add a chunk of /junctions."""
         birth = columns["birth_distance"][~np.signbit(columns["birth_distance"])]
         if not birth.size:
             return
@@ -49,7 +49,7 @@ class Births:
 
 
 def birth_findings(model: Model, births: Births) -> list[Finding]:
-    """Return the births of a run beside their law; raises Refused for a law that none of this is known for."""
+    """Return the births of a run beside their law; raises Refused if theory knows no figure for the law."""
     if isinstance(model.births, PoissonBirths):
         return _at_random(model, births)
     if isinstance(model.births, RegularBirths):

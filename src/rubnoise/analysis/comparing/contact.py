@@ -1,4 +1,4 @@
-"""The trace beside the theory: moments of area, count and force over its stationary part."""
+"""Compare the moments of area, count and force over the stationary part of the trace with theory."""
 
 from math import sqrt
 
@@ -26,13 +26,13 @@ def stationary_length(model: Model, trace: TraceSums) -> float:
 
 
 def missing_length(model: Model, trace: TraceSums) -> float | None:
-    """Return what sliding in um a mean needs from the start on, or None if the trace has it."""
+    """Return the sliding distance in um that a mean needs, or None if the trace is long enough."""
     needed = needed_for_mean(model)
     return None if stationary_length(model, trace) >= needed else trace.layout.stationary_from * model.tick + needed
 
 
 def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
-    """Return the four moments of real contact area, or, if regular births keep it constant, that it is.
+    """Return the four moments of real contact area, or an identity if regular births keep it constant.
 
     Raises Refused if theory has no errors for its births.
     """
@@ -65,10 +65,10 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
 
 
 def _second_order(model: Model, trace: TraceSums, expected: Cumulants) -> list[Finding]:
-    """Return mean and std of the area for births of which two orders are known.
+    """Return mean and std of the area for births whose first two orders are known.
 
-    Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, and what a single junction brings, times the cube
-    of the dispersion if births come in bunches: so do fourth cumulants of a bunch grow.
+    Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, plus the part of single junctions, times the cube
+    of the dispersion if births come in bunches, as fourth cumulants of a bunch grow.
     """
     stretch, length = over_ticks(model, trace.stationary_ticks, model.tick), stationary_length(model, trace)
     seen, tails = trace.area, [tail_of(model, length, power) for power in (3, 5)]

@@ -1,6 +1,6 @@
-"""What a comparison of a run with the theory finds: figures with scores, identities, and what is left out.
+"""The findings of a comparison with theory: figures with scores, identities, and figures left out.
 
-A number and its standard error become a figure that is judged, or a reason why it is not.
+A number and its standard error become a figure with a score, or a reason why it has none.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -29,7 +29,7 @@ _LONGEST = 1e15  # times the births of the record
 
 
 class Drawn(Protocol):
-    """A law whose values grow with the uniforms that make them."""
+    """A law whose values increase with the uniforms that make them."""
 
     def draw(self, uniform: Doubles) -> Doubles:
         """Return one value for each uniform on [0, 1)."""
@@ -38,7 +38,7 @@ class Drawn(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tail:
-    """The skewness of a sum, and from which length in um on its law is near enough to a normal one for a score."""
+    """The skewness of a sum, and the length in um from which on its law is close enough to normal for a score."""
 
     skewness: float
     needed: float
@@ -60,7 +60,7 @@ def tail_of(model: Model, length: float, size_power: int, strength_power: int = 
 
 
 def tail_of_squares(law: Drawn, mean: float, births: float, length: float) -> Tail:
-    """Return the tail of the sum of squared distances from their mean of so many draws, made over ``length`` um."""
+    """Return the tail of the sum of squared deviations from the mean, of ``births`` draws over ``length`` um."""
     return _tail([(law, lambda value: np.square(value / mean - 1.0))], births, length)
 
 
@@ -77,7 +77,7 @@ def _tail(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float,
 
 
 def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float) -> tuple[float, float]:
-    """Return skewness and excess kurtosis, from as much of each law as a record of so many births is likely to show."""
+    """Return skewness and excess kurtosis, from the part of each law that a record of these births probably shows."""
     survival = np.geomspace(1.0, min(RARE / max(births, 1.0), 0.1), _VALUES)
     shares = -np.diff(survival)
     middle = 0.5 * (survival[1:] + survival[:-1])
@@ -94,7 +94,7 @@ def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identity:
-    """Something that holds in every right run but for rounding: how far it is off at most, and how far it may be.
+    """A relation that holds in every correct run except for rounding: its largest deviation, and the allowed one.
 
     Both in ``units``.
     """
@@ -106,7 +106,7 @@ class Identity:
 
     @property
     def holds(self) -> bool:
-        """Whether the deviation is what rounding explains."""
+        """Whether rounding explains the deviation."""
         return self.deviation <= self.allowed
 
 
@@ -115,7 +115,7 @@ Finding = Agreement | Identity | LeftOut
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """What was found about one part of a run, under a heading; its record ``begins`` at a distance in um."""
+    """The findings about one part of a run, under a heading; its record ``begins`` at a distance in um."""
 
     heading: str
     found: tuple[Finding, ...]
@@ -128,7 +128,7 @@ class Findings:
 
     @property
     def identities(self) -> list[Identity]:
-        """What must hold to rounding."""
+        """Relations that must hold to rounding."""
         return [each for each in self.found if isinstance(each, Identity)]
 
 
@@ -136,9 +136,9 @@ class Findings:
 class Comparison(Answer):
     """A run compared with the theory of its scenario: every figure with its exact value, standard error and z.
 
-    ``passed`` is true if all figures keep ``bound`` and all identities hold; ``outside`` names those that do not,
-    ``left_out`` names what could not be compared, with the reason. ``bound`` is the largest |z| that a right run may
-    have; ``by_family`` says that it is the one which all figures keep together, and not one that was asked for.
+    ``passed`` is true if all figures lie within ``bound`` and all identities hold; ``outside`` names those that do not,
+    ``left_out`` names figures that could not be compared, with the reason. ``bound`` is the largest |z| that a correct
+    run may have; ``by_family``: it is the family-wise bound of all figures, and not one that the caller gave.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -165,7 +165,7 @@ class Comparison(Answer):
 
     @property
     def omitted(self) -> list[LeftOut]:
-        """Everything that could not be compared."""
+        """Figures that could not be compared."""
         return [each for part in self.parts for each in part.found if isinstance(each, LeftOut)]
 
     @property
@@ -176,12 +176,12 @@ class Comparison(Answer):
 
     @property
     def failing(self) -> tuple[str, ...]:
-        """The same, as every answer calls it."""
+        """The same as ``outside``, under the name that every answer has."""
         return self.outside
 
     @property
     def rows(self) -> tuple[Mapping[str, Any], ...]:
-        """One row per figure; of an identity `measured` is how far it is off and `exact` is 0."""
+        """One row per figure; for an identity `measured` is its deviation and `exact` is 0."""
         beyond, rows = set(self.outside), []
         for part in self.parts:
             for figure in part.figures:
@@ -197,7 +197,7 @@ class Comparison(Answer):
 
 
 def comparison(parts: Iterable[Findings], bound: float | None = None) -> Comparison:
-    """Return the parts that hold anything, with a bound: the family-wise one of all their figures if none is given."""
+    """Return the parts with findings, and a bound: by default the family-wise bound of all their figures."""
     kept = tuple(part for part in parts if part.found)
     if bound is not None:
         return Comparison(parts=kept, bound=bound, by_family=False)
@@ -228,11 +228,11 @@ def judged(
     skewness: float = SKEWNESS,
     tail: Tail = NORMAL,
 ) -> Finding:
-    """Return a figure with its score, or, if its error exceeds a tenth of its ``scale``, what length it needs.
+    """Return a figure with its score, or the length that it needs if its error exceeds a tenth of its ``scale``.
 
     The scale is the expected value if none is given; ``length`` (um) is that of the record. Estimates of squares
-    have a longer tail upwards, of a skewness that is ``skewness`` times the error over the scale; so has a sum that
-    its largest junctions rule, and its ``tail`` may need a longer record, too. The larger skewness counts.
+    have a longer upper tail, with a skewness of ``skewness`` times the error over the scale. So has a sum that its
+    largest junctions dominate, and its ``tail`` may need a longer record, too. The larger skewness counts.
     """
     relative = error / abs(expected if scale is None else scale) if error else 0.0
     if not relative <= LARGEST_ERROR:
@@ -248,7 +248,7 @@ def judged(
 
 
 def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Finding:
-    """Return a figure with its score, or, if its ``tail`` is too heavy for one, what length it needs.
+    """Return a figure with its score, or the length that it needs if its ``tail`` is too heavy for a score.
 
     On the side of the longer tail, above the expected value for a skewness g > 0 and below it for g < 0, the score is
     (3/g) log(1 + g z/3), that of a lognormal law of the tail's skewness g.
@@ -263,13 +263,13 @@ def judged_mean(name: str, observed: float, expected: float, error: float, *, le
 
 
 def too_short(name: str, needed: float) -> LeftOut:
-    """Return that a run is too short for a figure, and how long it should be in um."""
+    """Return a figure left out because the run is too short, with the length in um that it needs."""
     needs = f"it needs about {needed:.3g} um" if isfinite(needed) else "no length would do"
     return LeftOut(name=name, reason=f"the run is too short; {needs}")
 
 
 def poisson_figure(name: str, observed: int, mean: float) -> Agreement:
-    """Return a count beside the mean of its Poisson law, its score that of its own tail probability."""
+    """Return a count beside the mean of its Poisson law, with the score of its tail probability."""
     from scipy.special import pdtr, pdtrc
 
     deviate = None

@@ -1,4 +1,4 @@
-"""Free motion beside what is exact of it: momentum, what each junction bears, and nothing else."""
+"""Compare free motion with its exact relations: momentum, and the force of each junction."""
 
 from dataclasses import dataclass, field
 from math import sqrt
@@ -26,14 +26,14 @@ SILENT: Final = "free motion has no theory of its spreads, its shocks and its to
 
 @dataclass(slots=True)
 class _Stretches:
-    """Sums of a column over STRETCHES stretches of so many ticks each, and its values where they begin and end."""
+    """Sums of a column over STRETCHES stretches of equally many ticks, and its values at their begins and ends."""
 
     length: int
     sums: Doubles = field(default_factory=lambda: np.zeros(STRETCHES))
     ends: Doubles = field(default_factory=lambda: np.zeros(STRETCHES + 1))
 
     def add(self, first: int, values: Doubles) -> None:
-        """Take in the ticks from ``first`` on."""
+        """Add the ticks from ``first`` on."""
         within = values[: max(STRETCHES * self.length - first, 0)]
         number = np.arange(first, first + within.size) // self.length
         self.sums += np.bincount(number, within, minlength=STRETCHES)
@@ -42,20 +42,20 @@ class _Stretches:
 
     @property
     def means(self) -> Doubles:
-        """Means over the stretches, half of each value at an end."""
+        """Means over the stretches, with half of the value at each end."""
         means: Doubles = (self.sums + 0.5 * np.diff(self.ends)) / self.length
         return means
 
     @property
     def gained(self) -> Doubles:
-        """What the column has risen by in each stretch, a tick."""
+        """Increase of the column in each stretch, per tick."""
         gained: Doubles = np.diff(self.ends) / self.length
         return gained
 
 
 @dataclass(slots=True)
 class _FreeSums:
-    """What a pass over /trace and /load leaves: by how much identities are off at most, and columns by stretches."""
+    """The result of a pass over /trace and /load: largest deviations of identities, and columns by stretches."""
 
     load: float = 0.0
     overlap: float = 0.0
@@ -65,7 +65,7 @@ class _FreeSums:
 
 
 def free_comparison(model: Model, free: FreeSeparation, rows: Rows, bound: float | None) -> Comparison:
-    """Return a free run compared with what is exact of it; raises RunFileRefused for damaged rows.
+    """Return the comparison of a free run with its exact relations; raises RunFileRefused for damaged rows.
 
     e^2 H A <= P <= H A with a restitution e, the same from a restitution of 1 on; live_overlap = s_0 (A/A_rm) (N/n);
     F = psi A for one strength; and the mean of P, less the momentum m [z'] + c [z] that a stretch has gained, is W.
@@ -116,10 +116,10 @@ def _identities(model: Model, free: FreeSeparation, seen: _FreeSums) -> list[Fin
 
 
 def _momentum(model: Model, free: FreeSeparation, seen: _FreeSums) -> list[Finding]:
-    """Return the mean load, and of an elastic contact the mean area, less the momentum that was gained meanwhile.
+    """Return the mean load, and the mean area of an elastic contact, less the momentum gained meanwhile.
 
-    Of the integral of P over a stretch the ticks give a sum whose error has the mean 0, since events fall anywhere
-    between ticks: it is judged by its scatter over stretches, as Student's t.
+    The sum of P over the ticks of a stretch differs from its integral by an error of mean 0, since events fall anywhere
+    between ticks: its score is Student's t from the scatter over stretches.
     """
     held, step = free.held, model.tick_duration or 0.0
     if not seen.columns:

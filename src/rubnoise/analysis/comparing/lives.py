@@ -1,4 +1,4 @@
-"""Checks of the lives in /junctions: their length, their mean area, and their sum, which is the trace."""
+"""Compare the lives in /junctions with theory and trace: their length, their mean area, and their sum, the trace."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ _AREA_ROUNDING = 1e-9  # in diameters squared: what formulas of a life's area lo
 
 
 class Lives:
-    """Gathers rows of /junctions beside what the trace has shown: lengths, areas, and the sums at sampled ticks."""
+    """Sums rows of /junctions to compare them with the trace: lengths, areas, and the sums at sampled ticks."""
 
     def __init__(self, model: Model, trace: TraceSums) -> None:
         self._model = model
@@ -37,7 +37,7 @@ class Lives:
         self.total_area, self.total_life, self.tick_variance, self.largest = 0.0, 0.0, 0.0, 0.0
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a chunk of /junctions."""
+        """Add a chunk of /junctions."""
         birth, death, diameter = (columns[name] for name in ("birth_distance", "death_distance", "diameter"))
         offset = columns.get("lateral_offset")
         if not birth.size:
@@ -63,7 +63,7 @@ class Lives:
         self.largest = max(self.largest, float(diameter.max()))
 
     def _add_totals(self, birth: Doubles, death: Doubles, diameter: Doubles, offset: Doubles | None) -> None:
-        """Add what the rows have between the first and the last tick; a tick stands for half a step on either side."""
+        """Add the totals of rows between the first and the last tick; a tick represents half a step on either side."""
         half, end = 0.5 * self._model.tick, self._end
         first, last = np.clip(birth, 0.0, end), np.clip(death, 0.0, end)
         cut = (first > birth) | (last < death)
@@ -84,11 +84,11 @@ class Lives:
 
 
 def life_findings(model: Model, lives: Lives, trace: TraceSums) -> list[Finding]:
-    """Return what ties rows and trace together: lives of 2d, sums that are the trace, the mean area over a life.
+    """Return the relations between rows and trace: lives of 2d, sums that are the trace, the mean area over a life.
 
-    The trace's integral over that of the rows gives the mean area over a life, in squares of its diameter, but for what
-    ticks miss of it; its count likewise the life, in diameters. With births at random every life meets the ticks in
-    another phase, which makes both near exact: see `missed_by_ticks`.
+    The trace's integral divided by the rows' gives the mean area over a life in units of d^2, except for what the ticks
+    miss; the count gives likewise the life in diameters. With random births every life meets the ticks in another
+    phase, so both are nearly exact: see `missed_by_ticks`.
     """
     found = _identities(model, lives, trace)
     if not isinstance(model.births, PoissonBirths):
@@ -113,7 +113,7 @@ def _ratio(name: str, observed: float, expected: float, error: float) -> Agreeme
 
 
 def missed_by_ticks(model: Model, ticks: int) -> float:
-    """Return the standard error in um^3 of the trapezoidal integral of A_r over so many ticks of h, births at random.
+    """Return the standard error in um^3 of the trapezoidal integral of A_r over ticks h apart, for random births.
 
     A life that meets the ticks in a random phase has h sum A - int A = sum over n != 0 of A^(2 pi n/h) e^(i phase), so
     that T um of them have the variance 2 T sum over n >= 1 of S(2 pi n/h); each end adds about

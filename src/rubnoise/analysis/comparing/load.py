@@ -1,4 +1,4 @@
-"""The motion under a load that weighs beside its linear theory, and what it leaves of the friction force."""
+"""Compare the motion under a load that weighs, and the friction force under it, with linear theory."""
 
 from dataclasses import dataclass, field
 from math import ceil, log
@@ -28,7 +28,7 @@ _FAR = 12.0  # standard deviations
 def first_still_tick(model: Model) -> int:
     """Return the first tick at which the contact is stationary and the start leaves a thousandth of the load's spread.
 
-    The start lacks what the separation would have: W/s_0 std z of load, after an empty start W.
+    At the start the load lacks the part of the separation: W/s_0 std z, and W after an empty start.
     """
     drive, motion = drive_of(separation_of(model)), load_motion(model)
     lacking = drive.slider.stiffness * motion.separation_std + (model.load or 0.0) * (model.start == "empty")
@@ -56,7 +56,7 @@ def load_findings(model: Model, rows: Rows) -> list[Finding]:
 
 @dataclass(slots=True)
 class _LoadMoments:
-    """Moments by column from the first tick on, and by how much identities are off at most over all ticks."""
+    """Moments by column from a first tick on, and the largest deviations of identities over all ticks."""
 
     moments: dict[str, Moments] = field(default_factory=dict)
     load: float = 0.0

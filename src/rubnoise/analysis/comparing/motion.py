@@ -1,4 +1,4 @@
-"""The slider's motion beside theory: the exact response one way; two ways, its balance and the law of weak coupling."""
+"""Compare the slider's motion with theory: the exact one-way response; the balance and weak coupling two-way."""
 
 from dataclasses import replace
 from math import hypot, log, sqrt
@@ -33,8 +33,8 @@ FORGOTTEN = 1e-3
 def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     """Return mean and std of displacement and std of velocity; nothing without a slider.
 
-    The record begins where the start has fallen to a thousandth of the spread, and the contact is stationary.
-    Of a slider that pushes back it is known while coupling is weak. Raises Refused if theory has no motion for the
+    The record begins when the start has decayed to a thousandth of the spread and the contact is stationary.
+    For a two-way slider the figures are known if coupling is weak. Raises Refused if theory has no motion for the
     model, or no errors.
     """
     if model.slider is None:
@@ -52,12 +52,12 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
 
 
 def first_tick(model: Model, exact: Response) -> int:
-    """Return the first tick at which the contact is stationary and the slider's start forgotten."""
+    """Return the first tick at which the contact is stationary and the slider's start has decayed."""
     return first_stationary_tick(model) + int(_forgetting(model, exact) * motion_drive_of(model).speed / model.tick)
 
 
 def _forgetting(model: Model, exact: Response) -> float:
-    """Return the time in s in which the start falls to a thousandth of the spread."""
+    """Return the time in s in which the start decays to a thousandth of the spread."""
     if model.slider is None:
         return 0.0
     away = abs(exact.mean_displacement - model.equilibrium_displacement)
@@ -107,10 +107,10 @@ _STEPS: Final = 100.0  # in a diameter, about
 
 
 class Path:
-    """What the rows of a two-way run say of its path: turns and sticks, and int G ds between them."""
+    """The path of a two-way run from its rows: turns and sticks, and int G ds between them."""
 
     def __init__(self, model: Model, rows: Rows) -> None:
-        """Read /balance and /landmarks; raises RunFileRefused for rows of which there is no motion."""
+        """Read /balance and /landmarks; raises RunFileRefused for rows that no motion can have."""
         row = {name: rows.column("balance", name) for name in KEPT["balance"]}
         if any(each.size != 1 or not np.isfinite(each).all() for each in row.values()) or row["time"][0] <= 0.0:
             raise RunFileRefused("/balance is damaged: it has one row of finite numbers, and a time above 0")
@@ -121,7 +121,7 @@ class Path:
         self._work = FrictionIntegral(model.pulse, np.maximum([self.balance.distance, *self.turns.ravel()], 0.0))
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a chunk of /junctions."""
+        """Add a chunk of /junctions."""
         self._work.add(columns)
 
     @property
@@ -131,7 +131,7 @@ class Path:
 
     @property
     def reverse_work(self) -> float | None:
-        """Int G |ds| in uN um over reversals; None if one goes back behind the start, where no rows are."""
+        """Int G |ds| in uN um over reversals; None if one goes back behind the start, before the first rows."""
         if (self.turns < -_ROUNDING * self.balance.distance).any():
             return None
         begin, end = self._work.at_places()[1:].reshape(2, -1)
@@ -148,12 +148,12 @@ class Path:
 
 
 def two_way_identities(model: Model, path: Path) -> list[Finding]:
-    """Return what holds in every right two-way run but for rounding and the tolerance of its steps.
+    """Return the identities of every correct two-way run, which hold up to rounding and the tolerance of its steps.
 
-    The distance that is travelled is V t - (x - x_0); sticks last as long as /landmarks has them; friction does the
-    work that the lives in /junctions do over the path; the energy is balanced, and so the mean force is int G ds/(V T)
-    plus its excess. Allowed is ``slider.tolerance`` of the largest work, and what sums over some 100 steps a diameter
-    may have rounded.
+    The travelled distance is V t - (x - x_0); sticks last as long as /landmarks says; friction does the work of the
+    lives in /junctions over the path; energy is balanced, so the mean force is int G ds/(V T) plus its excess. The
+    allowed deviation is ``slider.tolerance`` of the largest work, plus the rounding of sums over some 100 steps a
+    diameter.
     """
     seen = path.balance
     rounding = _ROUNDING * sqrt(max(_STEPS * model.distance / model.calibrated_diameter, 1.0))

@@ -1,4 +1,4 @@
-"""The trace as noise: its autocovariance, its spectrum in bands, and its whole distribution."""
+"""Compare the trace as noise with theory: its autocovariance, its spectrum in bands, and its distribution."""
 
 from math import inf
 
@@ -39,7 +39,7 @@ SMALLEST_ATOM = 1e-3
 def covariance_findings(model: Model, trace: TraceSums) -> list[Finding]:
     """Return the autocovariance at shares of a mean life; raises Refused unless births are random.
 
-    It is taken about the mean of the record, which leaves it smaller by the variance of that mean.
+    It is taken about the mean of the record, which makes it smaller by the variance of that mean.
     """
     need_random_births(model, "the error of an autocovariance")
     if _coarse(model):
@@ -87,7 +87,7 @@ def spectrum_findings(model: Model, trace: TraceSums) -> list[Finding]:
 
 
 def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
-    """Return the tail of a band's power: off the centre line the few lives of a sharp tip hold most of short waves."""
+    """Return the tail of a band's power: off the centre line a few lives with a sharp tip have most short waves."""
     if model.pulse.offset == "none" or band.skewness <= LARGEST_TAIL_SKEWNESS:
         return of_sizes
     needed = max(of_sizes.needed, longer(length, band.skewness, LARGEST_TAIL_SKEWNESS))
@@ -97,8 +97,8 @@ def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
 def distribution_findings(model: Model, trace: TraceSums) -> list[Finding]:
     """Return the share of ticks without contact, and the distance of the areas' distribution from the exact one.
 
-    If the share has a score, the distribution is that of the areas in contact: one law for the atom, and one for
-    what is continuous. Else it is the whole one, atom included. Raises Refused if theory has none.
+    If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
+    figure each. If not, it is the whole distribution, with the atom. Raises Refused if theory has none.
     """
     exact = distribution(model)
     share = _zero_share(model, trace)
@@ -125,7 +125,7 @@ def _zero_share(model: Model, trace: TraceSums) -> Finding:
 
 
 def _distance(model: Model, trace: TraceSums, exact: Distribution, *, in_contact: bool) -> Finding:
-    """Return the distance from the law of all areas, or from that of the areas where a junction is alive.
+    """Return the distance from the law of all areas, or from that of the areas while a junction is alive.
 
     Ticks farther apart than the longest life share no junction: their areas are independent.
     """

@@ -1,4 +1,4 @@
-"""How large and how strong junctions are: of those born along the run, and of those alive at its start."""
+"""Compare sizes and strengths of junctions with their laws: of those born along the run, and alive at its start."""
 
 from collections.abc import Callable
 from math import sqrt
@@ -41,9 +41,9 @@ _FINE, _DEEP = 20.0, 400.0
 def size_distribution(law: Law, *, alive: bool = False) -> Callable[[Doubles], Doubles]:
     """Return P(diameter <= d) as a function of d in um, for a law that has a density; error below 1e-5.
 
-    With ``alive`` it is that of junctions found alive, whose density is proportional to d f(d). The density is
-    integrated from the top down over fine cells, equal in d for a narrow law and in log d for a wide one, whose cells
-    become coarse but go on to e^-420 of its largest diameter: a density may grow without bound towards d = 0.
+    With ``alive`` it is that of live junctions, whose density is proportional to d f(d). The density is integrated from
+    the top down over fine cells, equal in d for a narrow law and in log d for a wide one, whose cells become coarse but
+    reach down to e^-420 of its largest diameter: a density may grow without bound towards d = 0.
     """
     low, high = law.support
     narrow = high <= _NARROW_PANELS * low
@@ -75,7 +75,7 @@ class _Law(Drawn, Protocol):
 
 
 class Marks:
-    """Gathers what every junction that is born draws for itself: its diameter, and its strength if there is one."""
+    """Sums over the values that every junction draws at its birth: its diameter, and its strength if there is one."""
 
     def __init__(self, model: Model) -> None:
         low, high = size_range(model.sizes)
@@ -106,7 +106,7 @@ class Marks:
 def mark_findings(model: Model, marks: Marks) -> list[Finding]:
     """Return diameters and strengths beside their laws: mean, standard deviation, and the whole law of diameters.
 
-    The born are drawn from the law itself, whatever becomes of them; those alive at the start are not, and left aside.
+    Junctions that are born have the law itself; those alive at the start do not, and are left out.
     """
     count = marks.moments["diameter"].count
     if not count:
@@ -162,7 +162,7 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
 
 
 class AliveAtStart:
-    """Gathers the rows of junctions that were alive at the start."""
+    """Collects the rows of junctions that were alive at the start."""
 
     def __init__(self) -> None:
         self._births: list[Doubles] = []
@@ -189,7 +189,7 @@ class AliveAtStart:
 
     @property
     def offsets(self) -> Doubles | None:
-        """By how much they miss the centre line in um; None if all pass through both centres."""
+        """Their lateral offsets in um; None if all pass through both centres."""
         return np.concatenate(self._offsets) if self._offsets else None
 
 

@@ -1,4 +1,4 @@
-"""One pass over /trace: everything that a comparison needs of it."""
+"""One pass over /trace, which computes everything that a comparison needs."""
 
 from dataclasses import dataclass, field
 from math import ceil
@@ -28,7 +28,7 @@ _FEWEST_TICKS = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TraceLayout:
-    """Where a pass looks: ``stationary_from`` is the first stationary tick, ``apart`` ticks separate independent ones.
+    """Layout of a pass: ``stationary_from`` is the first stationary tick, ``apart`` ticks separate independent ones.
 
     Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
     ``segment`` and ``lags`` count those.
@@ -60,7 +60,7 @@ class TraceLayout:
 
 @dataclass(slots=True, kw_only=True)
 class TraceSums:
-    """What one pass over /trace leaves.
+    """The results of one pass over /trace.
 
     Moments, ``zero_ticks`` (those without a live junction), lagged products and spectrum are of the stationary part;
     totals (um^3, um) and the distances, areas and counts sampled at ``apart`` ticks' distance are of the whole trace.
@@ -83,15 +83,15 @@ class TraceSums:
 
     @property
     def stationary_ticks(self) -> int:
-        """How many ticks the stationary part has."""
+        """Number of ticks of the stationary part."""
         return self.area.count
 
     def column(self, name: str) -> Doubles:
-        """Return what was sampled of a column, ``apart`` ticks from one value to the next."""
+        """Return the samples of a column, ``apart`` ticks from one value to the next."""
         return np.concatenate(self.sampled.get(name, [np.empty(0)]))
 
     def add(self, columns: dict[str, NDArray[Any]], strength: float | None) -> None:
-        """Take in a chunk of the trace."""
+        """Add a chunk of the trace."""
         first = max(self.layout.stationary_from - self.ticks, 0)
         area = columns["real_contact_area"]
         self.area.add(area[first:])

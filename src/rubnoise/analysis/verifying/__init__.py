@@ -1,4 +1,4 @@
-"""A result file verified: what it says of itself composed again, and its run played again, row by row.
+"""The verification of a result file: its attributes composed again, and its run played again, row by row.
 
-Begin with `findings`, then `replay`, which asks most of a file, and `areas`, which asks it without the engine.
+Begin with `findings`, then `replay`, which finds most, and `columns`, which checks rows without the engine.
 """

@@ -1,8 +1,8 @@
-"""Everything that a file holds beside its rows, compared with what the program itself would write there.
+"""Compare everything in a file except its rows with what the program itself would write.
 
-What is expected is composed anew from the scenario, by the code that composes results. So whatever is written with a
-fixed or derived value is compared to the last bit, a new attribute as well, and only what cannot be known from the
-scenario has a rule in RULES.
+The expected content is composed from the scenario by the code that composes results. So every fixed or derived value
+is compared to the last bit, also that of a new attribute, and only values that do not follow from the scenario have a
+rule in RULES.
 """
 
 import json
@@ -32,12 +32,12 @@ _DIGEST: Final = re.compile(r"[0-9a-f]{32}")
 
 
 def digits_form(text: str) -> str | None:
-    """Return what a hash should be, or None if it is of that form."""
+    """Return the right form of a hash, or None if the value has it."""
     return None if _DIGEST.fullmatch(text) else "32 hexadecimal digits"
 
 
 def command_form(text: str) -> str | None:
-    """Return what a command line should be, or None if it is of that form."""
+    """Return the right form of a command line, or None if the value has it."""
     try:
         right = bool(text) and join(split(text)) == text
     except ValueError:
@@ -46,18 +46,18 @@ def command_form(text: str) -> str | None:
 
 
 def moment_form(text: str) -> str | None:
-    """Return what a time should be, or None if it is of that form."""
+    """Return the right form of a time, or None if the value has it."""
     return None if moment(text) else "a time in UTC such as 2026-01-31T12:00:00Z"
 
 
 def source_form(text: str) -> str | None:
-    """Return what the program that wrote a file should be called, or None if it is of that form."""
+    """Return the right form of the name of the writing program, or None if the value has it."""
     name, _, version = text.partition(" ")
     return None if name == "rubnoise" and VERSION.fullmatch(version) else "rubnoise and its version, as rubnoise 1.2.3"
 
 
 def moment(text: str) -> datetime | None:
-    """Return a time as results have it; None for another text."""
+    """Return the time in a text of the form that results use; None for another text."""
     try:
         found = datetime.strptime(text, TIME).replace(tzinfo=UTC)
     except ValueError:
@@ -66,7 +66,7 @@ def moment(text: str) -> datetime | None:
 
 
 def parsed(text: object) -> Any:
-    """Return what a JSON text says; None for another text."""
+    """Return the value of a JSON text; None for another text."""
     try:
         return json.loads(str(text))
     except (ValueError, RecursionError):
@@ -92,7 +92,7 @@ LONGEST: Final = 160
 
 
 def compare_structure(notes: Notes, found: Inventory, expected: Inventory) -> None:
-    """Note where a file lacks a group or a column, has another one, or stores it otherwise."""
+    """Note each group or column that is missing, additional, or stored in another way."""
     for path in dict.fromkeys([*expected, *found]):
         there, right = found.get(path, {}), expected.get(path, {})
         notes.say(path, found=there.get("kind", "missing"), expected=right.get("kind", "nothing of this name"))
@@ -104,9 +104,9 @@ def compare_structure(notes: Notes, found: Inventory, expected: Inventory) -> No
 def compare_attributes(
     notes: Notes, rules: Rules, found: Inventory, expected: Inventory, *, free: tuple[str, ...] = ()
 ) -> None:
-    """Note where an attribute is missing, unknown or not what it should be; hashes of columns are asked their form.
+    """Note each attribute that is missing, unknown or wrong; of hashes of columns only the form is checked.
 
-    Of ``free`` objects the numbers come and go: of those that are not expected the type is asked alone.
+    ``free`` objects may have further numbers: only the type of those is checked.
     """
     for path in (path for path in expected if path in found):
         there, right = found[path]["attributes"], expected[path]["attributes"]
@@ -126,7 +126,7 @@ def compare_attributes(
 
 
 def shown(value: Any) -> str:
-    """Return a value as text, cut if it is long."""
+    """Return a value as text, cut short if it is long."""
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
 
@@ -148,14 +148,14 @@ def _compare(notes: Notes, place: str, rule: Rule | None, there: Mapping[str, An
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """The file that rules are asked about: its scenario, and what it says of its origin."""
+    """The file to which rules apply: its scenario, and the attributes of its origin."""
 
     scenario: Scenario
     provenance: Mapping[str, Scalar]
 
     @property
     def version(self) -> object:
-        """The version of rubnoise that wrote the file, as far as that is known."""
+        """The version of rubnoise that wrote the file, if it is known."""
         given = parsed(self.provenance["software"])
         return given.get("rubnoise") if isinstance(given, dict) else None
 
@@ -165,7 +165,7 @@ Asked = Callable[[str, Subject], str | None]
 
 
 def _title(text: str, subject: Subject) -> str | None:
-    """The title of the scenario; without one it was the name of the file, which may have another name by now."""
+    """Rule for the title of the scenario; without one it was the name of the file, which may have changed since."""
     title = subject.scenario.title
     if title:
         return None if text == title else title
@@ -199,7 +199,7 @@ def _environment(text: str, _subject: Subject) -> str | None:
 
 
 def clock_notes(provenance: Mapping[str, Scalar]) -> list[LeftOut]:
-    """Return a note if a run ended before it began: a clock that is set back is no fault of the file."""
+    """Return a note if a run ended before it began: a clock may be set back, so that is not a fault of the file."""
     begun, ended = (moment(str(provenance[name])) for name in ("started", "finished"))
     if begun is None or ended is None or ended >= begun:
         return []
@@ -207,7 +207,7 @@ def clock_notes(provenance: Mapping[str, Scalar]) -> list[LeftOut]:
 
 
 def _resolved(text: str, subject: Subject) -> str | None:
-    """Every key as it is written for this scenario; keys that came later, whose defaults hold, may be missing."""
+    """Rule for the resolved scenario: every key as written today; newer keys at their defaults may be missing."""
     given = parsed(text)
     if not isinstance(given, dict) or json.dumps(given, ensure_ascii=False) != text:
         return "JSON as the program writes it"
@@ -219,7 +219,7 @@ def _resolved(text: str, subject: Subject) -> str | None:
 
 
 def _constants(text: str, subject: Subject) -> str | None:
-    """The constants of the slider's step to the last bit; an origin check beside this derives them another way."""
+    """Rule for the constants of the slider's step, to the last bit; another check derives them in another way."""
     constants = slider_constants(subject.scenario.model())
     named = {} if constants is None else constants.named()
     if text == json.dumps(named):
@@ -232,7 +232,7 @@ def _constants(text: str, subject: Subject) -> str | None:
 
 
 def _any_text(_text: str, _subject: Subject) -> str | None:
-    """Right as it is here: a check of its own compares it with the scenario."""
+    """Rule that accepts any text, since another check compares it with the scenario."""
     return None
 
 
@@ -253,7 +253,7 @@ RULES: Final[Mapping[tuple[str, str], Asked]] = {
 
 
 def attribute_checks(scenario: Scenario, run: HashedReader, found: Inventory) -> list[Check]:
-    """Return whether a file has the groups, columns and attributes that a run of its scenario has, and no others."""
+    """Check that a file has the groups, columns and attributes of a run of its scenario, and no others."""
     compressed = scenario.output.compression == "gzip"
     expected = expected_inventory(_description(scenario, run), compressed=compressed)
     structure, attributes = Notes("structure"), Notes("attributes")
@@ -269,7 +269,7 @@ def _asked(asked: Asked, subject: Subject, text: str) -> str | None:
 
 
 def _description(scenario: Scenario, run: HashedReader) -> RunDescription:
-    """Return the description of a run of the scenario; what it does not fix is empty, and has a rule."""
+    """Return the description of a run of the scenario; values that it does not determine are empty, and have a rule."""
     model, streams = scenario.model(), run.provenance["stream_version"]
     return RunDescription(
         title="",

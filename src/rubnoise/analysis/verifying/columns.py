@@ -1,4 +1,4 @@
-"""The columns of a file checked without its run: hashes, identities of rows, derived tables, areas of the textbook."""
+"""Check the columns of a file without its run: hashes, identities of rows, derived tables, textbook areas."""
 
 from collections.abc import Mapping
 from math import ceil, isnan
@@ -27,7 +27,7 @@ SEAL: Final = f"/provenance {HASH}"
 
 
 def hash_check(run: HashedReader) -> Check:
-    """Return whether every column can be read and has the xxh3_128 beside it, and all attributes together theirs."""
+    """Check that every column can be read and has its stored xxh3_128, and that all attributes have theirs."""
     values = sum(run.rows(group) * len(names) for group, names in run.columns.items()) + 1
     damaged = run.damaged()
     wrong = []
@@ -40,7 +40,7 @@ def hash_check(run: HashedReader) -> Check:
 
 
 def unreadable(run: HashedReader) -> list[str]:
-    """Return the groups and columns whose bytes cannot be read at all, as in a compressed column that is damaged."""
+    """Return the groups and columns whose bytes cannot be read, as in a damaged compressed column."""
     found = []
     for group, names in run.columns.items():
         for name in names:
@@ -65,9 +65,9 @@ OF_MOTION = ("birth_time", "death_time")
 
 
 def identity_check(model: Model, rows: Rows) -> Check:
-    """Return whether deaths, areas, times and states follow from birth, diameter and offset, and ticks lie evenly.
+    """Check that deaths, areas, times and states follow from birth, diameter and offset, and that ticks are even.
 
-    A life that was ended early has the death that it had.
+    The death of a life that was ended early is taken from the file.
     """
     notes, before = Notes("identities"), -np.inf
     for chunk in chunks(rows, "junctions"):
@@ -114,7 +114,7 @@ _CONSTANT = 2.0**-30
 
 
 def curve_check(model: Model, run: Reader) -> Check:
-    """Return whether the table of a life is that of the scenario's pulse, bit for bit."""
+    """Check that the table of a life is that of the scenario's pulse, bit for bit."""
     notes = Notes("life_curve")
     for group, lives in life_tables(model.pulse).items():
         for name, values in lives.items():
@@ -123,9 +123,9 @@ def curve_check(model: Model, run: Reader) -> Check:
 
 
 def summary_check(model: Model, tally: Tally, stored: Mapping[str, object]) -> Check:
-    """Return whether the summary has every figure of the run, as its rows and the theory of its scenario have it.
+    """Check that the summary has every figure of the run, as computed from its rows and the theory of its scenario.
 
-    Standard errors are worked out again, too; a figure that a run of the scenario does not have is named.
+    Standard errors are computed again, too; figures that a run of the scenario does not have are named.
     """
     notes = Notes("summary")
     known: set[str] = set()
@@ -141,7 +141,7 @@ def summary_check(model: Model, tally: Tally, stored: Mapping[str, object]) -> C
 
 
 def _compare(notes: Notes, name: str, found: object, right: float, allowed: float) -> None:
-    """Compare a figure with what it should be; if neither is a number, both are the same."""
+    """Compare a figure with its right value; two values that are not numbers are equal."""
     if found is None:
         notes.say(f"/summary {name}", found="missing", expected=right)
         return
@@ -152,7 +152,7 @@ def _compare(notes: Notes, name: str, found: object, right: float, allowed: floa
 
 
 def _allowed(figure: Agreement, tally: Tally) -> float:
-    """Return how far a measured figure may be off; the shape of a column that is constant but for rounding is free."""
+    """Return the allowed deviation of a measured figure; the shape of a column that is constant to rounding is free."""
     quantity = next((name for name in tally.moments if figure.name.startswith(name)), None)
     seen = Moments() if quantity is None else tally.moments[quantity]
     if figure.name.endswith(("_skewness", "_kurtosis")):
@@ -179,10 +179,10 @@ SUM: Final = 2.0**-52
 
 
 def area_check(model: Model, rows: Rows) -> Check:
-    """Return whether /trace has, at TICKS ticks, the areas (um^2) that the junctions in the file sum up to.
+    """Check that /trace has, at TICKS ticks, the sum of the areas (um^2) of the junctions in the file.
 
     By d^2 (acos r - r sqrt(1 - r^2))/2, the textbook's formula (`rubnoise.contact.overlap`, and `off_centre` beside
-    it), which the engine does not use. It loses digits near birth and death; the bound grows with what it loses.
+    it), which the engine does not use. It loses digits near birth and death; the bound grows with this loss.
     """
     notes, ticks, ahead = Notes("areas"), chosen_ticks(rows.rows("trace")), Ahead(rows)
     area, allowed = _summed(model, rows, ticks.astype(np.float64) * model.tick)
@@ -193,12 +193,12 @@ def area_check(model: Model, rows: Rows) -> Check:
 
 
 def chosen_ticks(rows: int) -> Integers:
-    """Return TICKS numbers of ticks, or all there are, spread evenly from the first to the last."""
+    """Return TICKS numbers of ticks (or all, if there are fewer), spread evenly from the first to the last."""
     return np.unique(np.rint(np.linspace(0, rows - 1, min(TICKS, rows))).astype(np.int64))
 
 
 def _summed(model: Model, rows: Rows, distance: Doubles) -> tuple[Doubles, Doubles]:
-    """Return areas at distances (um), and by how much each may be off (um^2)."""
+    """Return areas at distances (um), and the allowed deviation of each (um^2)."""
     area, allowed, count = (np.zeros(distance.size) for _ in range(3))
     for chunk in chunks(rows, "junctions"):
         birth, diameter, death = (chunk[name] for name in ("birth_distance", "diameter", "death_distance"))
@@ -222,7 +222,7 @@ _ROUNDING: Final = 2.0**-42
 
 
 def touch_check(model: Model, rows: Rows) -> Check:
-    """Return whether touches come in order of birth, with the lives and times that follow, and ticks lie evenly."""
+    """Check that touches are in order of birth, with their lives and times, and that ticks are even."""
     notes, before, speed = Notes("identities"), 0.0, model.sliding_speed or 1.0
     for chunk in chunks(rows, "junctions"):
         birth, death = chunk["birth_distance"], chunk["death_distance"]
@@ -241,9 +241,9 @@ def touch_check(model: Model, rows: Rows) -> Check:
 
 
 def summit_check(model: Model, free: FreeSeparation, seed: int, rows: Rows) -> Check:
-    """Return whether /trace has, at some ticks, the areas that the summits of the seed give at the separation in /load.
+    """Check that /trace has, at some ticks, the areas of the seed's summits at the separation in /load.
 
-    A sum over all summits near a tick of (A_rm/N) max(h - (s - x)^2 - z, 0), which knows of no event.
+    A sum over all summits near a tick of (A_rm/N) max(h - (s - x)^2 - z, 0), which does not use events.
     """
     notes, ahead, scales = Notes("areas"), Ahead(rows), Scales.of(model, free)
     surface, unit = scales.surface(seed), model.mean_real_contact_area / scales.live

@@ -1,6 +1,6 @@
-"""What a verification finds: each check with what it looked at, and the first place that is wrong.
+"""The findings of a verification: each check with the number of its values, and the first wrong place.
 
-Notes are taken while columns pass by: how many values were looked at, how many differ, and where first.
+Notes are taken from chunks of columns: the number of values, how many differ, and the place of the first one.
 """
 
 from collections.abc import Mapping
@@ -15,9 +15,9 @@ from rubnoise.analysis.answer import Answer, LeftOut
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """A place in a file that is not what it should be: what stands there and what should, in words or all digits.
+    """A wrong value in a file: its place, the value, and the right one, in words or with all digits.
 
-    ``row`` is None for what has no rows, such as an attribute or a column as a whole.
+    ``row`` is None for an attribute, or for a column as a whole.
     """
 
     place: str
@@ -34,7 +34,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One thing that holds in every right file: how many values it was asked of, and of how many it does not hold."""
+    """One check, which every correct file passes: how many values it compared, and how many differ."""
 
     name: str
     values: int
@@ -43,7 +43,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether nothing is different."""
+        """Whether no value differs."""
         return self.different == 0
 
 
@@ -51,8 +51,8 @@ class Check:
 class Verification(Answer):
     """A result checked against its own hashes, rows and scenario, one row per check, in the order of ``checks``.
 
-    ``passed`` is true if every value is what it should be; ``left_out`` names what could not be checked, with the
-    reason; ``remark`` says what may explain a difference.
+    ``passed`` is true if every value is right; ``left_out`` names the checks that could not be made, with the reason;
+    ``remark`` says what may explain a difference.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -69,22 +69,22 @@ class Verification(Answer):
 
     @property
     def different(self) -> list[Check]:
-        """The checks that do not hold."""
+        """The checks with differences."""
         return [check for check in self.checks if not check.holds]
 
     @property
     def failing(self) -> tuple[str, ...]:
-        """Names of the checks that do not hold."""
+        """Names of the checks with differences."""
         return tuple(check.name for check in self.different)
 
     @property
     def values(self) -> int:
-        """How many values checked in all checks together."""
+        """Number of values of all checks together."""
         return sum(check.values for check in self.checks)
 
     @property
     def rows(self) -> tuple[Mapping[str, Any], ...]:
-        """One row per check: how many values it looked at, how many differ, and the first of these."""
+        """One row per check: the number of its values, how many differ, and the first of these."""
         rows = ((each.name, each.values, each.different, str(each.first or "")) for each in self.checks)
         return tuple(dict(zip(self.names, row, strict=True)) for row in rows)
 
@@ -97,10 +97,10 @@ Mask = NDArray[np.bool_]
 
 
 class Notes:
-    """The notes of one check. Rows of several columns may come in any order; the first row that differs is kept."""
+    """The notes of one check. Rows of several columns may come in any order; the first different row is kept."""
 
     def __init__(self, name: str, of: str = "") -> None:
-        """Begin a check of a name; ``of`` is the file that places are in, if there are several."""
+        """Start a check; ``of`` is the file of its places, if there are several files."""
         self._name = name
         self._of = f"{of} " if of else ""
         self._values = 0
@@ -108,12 +108,12 @@ class Notes:
         self._first: Difference | None = None
 
     def equal(self, place: str, first_row: int, found: NDArray[Any], expected: ArrayLike) -> None:
-        """Note where rows of a column are not the same, bit for bit: -0 is not 0, and nan is nan."""
+        """Note rows of a column that differ in any bit: -0 differs from 0, and nan equals nan."""
         right = np.broadcast_to(np.asarray(expected).astype(found.dtype, copy=False), found.shape)
         self._note(place, first_row, bits(found) == bits(right), found, lambda row: shown(right[row]))
 
     def near(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any], allowed: ArrayLike) -> None:
-        """Note where rows of a column are farther than what is allowed from what they should be."""
+        """Note rows of a column that are farther than allowed from their right values."""
         limit = np.broadcast_to(np.asarray(allowed, dtype=np.float64), found.shape)
         with np.errstate(invalid="ignore", over="ignore"):
             right = np.abs(found - expected) <= limit
@@ -122,18 +122,18 @@ class Notes:
         )
 
     def holds(self, place: str, first_row: int, found: NDArray[Any], right: Mask, expected: str) -> None:
-        """Note where rows of a column are not as a sentence says."""
+        """Note rows of a column for which a sentence is not true."""
         self._note(place, first_row, right, found, lambda _: expected)
 
     def say(self, place: str, *, found: object, expected: object) -> None:
-        """Note one value that has no row, different unless both are equal."""
+        """Note one value without a row; it differs unless both are equal."""
         self._values += 1
         if found != expected:
             self._different += 1
             self._keep(Difference(place=f"{self._of}{place}", row=None, found=str(found), expected=str(expected)))
 
     def check(self) -> Check:
-        """Return what has been noted."""
+        """Return the check with all notes."""
         return Check(name=self._name, values=self._values, different=self._different, first=self._first)
 
     def _note(self, place: str, first_row: int, right: Mask, found: NDArray[Any], expected: Any) -> None:

@@ -1,6 +1,6 @@
-"""The run of a file played again from its seed, and every row compared with the file, bit for bit.
+"""Play the run of a file again from its seed, and compare every row with the file, bit for bit.
 
-The batch engine writes into a sink that keeps nothing, so that a longer run needs no more memory.
+The batch engine writes into a sink that keeps nothing, so memory does not grow with the run.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ class Compared:
     """A sink that compares the rows of a run with those of a file, in one check for each group."""
 
     def __init__(self, rows: Rows) -> None:
-        """Begin before the first row."""
+        """Start before the first row."""
         self._rows = Ahead(rows)
         self.notes = {group: Notes(group) for group in rows.columns if group not in NOT_PLAYED}
         self.written = dict.fromkeys(self.notes, 0)
@@ -57,10 +57,10 @@ class Compared:
 
 
 def replay_checks(scenario: Scenario, run: Reader, tally: Sink) -> list[Check]:
-    """Return whether the rows of each group are those that the scenario gives, and as many; ``tally`` is given them.
+    """Check that each group has exactly the rows that the scenario gives; ``tally`` gets the rows, too.
 
     Rows are counted before any is made, and made up to the first one that the file does not have. If an intervention
-    ended lives, births come from the seed and those ends from the file.
+    ended lives, births come from the seed and these ends from the file.
     """
     compared, model = Compared(run), scenario.model()
     with _naming(compared, "junctions"):
@@ -82,7 +82,7 @@ def replay_checks(scenario: Scenario, run: Reader, tally: Sink) -> list[Check]:
 
 
 def ended_of(rows: Rows) -> Ended:
-    """Return what says where junctions were ended early (um), as a file has it, but never before run and life begin."""
+    """Return a function for the places (um) at which a file ended junctions early, never before run and life begin."""
 
     def ended(number: Integers) -> Doubles:
         if not number.size:
@@ -101,7 +101,7 @@ def ended_of(rows: Rows) -> Ended:
 
 @contextmanager
 def _naming(compared: Compared, group: str) -> Iterator[None]:
-    """Name in a group why there can be no run of the scenario, if there can be none."""
+    """Note in a group the reason, if the scenario cannot be run."""
     try:
         yield
     except (RubnoiseError, ArithmeticError) as problem:
