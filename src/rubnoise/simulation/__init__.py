@@ -1,5 +1,5 @@
-"""The simulation: junctions live and die along the sliding distance, and their sum moves a slider.
+"""The simulation: junctions live and die along the sliding distance, and their total force moves a slider.
 
-A run goes from block to block, with SimPy events or without, and hands its rows to a sink. Begin with `run`, then
+A run is played block by block, with SimPy events or without, and its rows are written to a sink. Begin with `run`, then
 `block`; `junctions` has the processes, `slider` and `coupled` the motion.
 """

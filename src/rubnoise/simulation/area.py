@@ -26,9 +26,9 @@ class ForceMoments:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """The columns of /trace for a range of ticks, and the moments of the force over its ticks if asked for.
+    """The columns of /trace for a range of ticks, and the moments of the force over its ticks if they were wanted.
 
-    ``moved``: the columns of other groups, once a load that weighs has moved through the range.
+    ``moved``: the columns of /load and /slider, after `MovingSeparation` has moved through the range.
     """
 
     columns: Columns
@@ -37,10 +37,10 @@ class Sample:
 
 
 def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch | None) -> Sample:
-    """Return the columns of /trace for a tick range, from rows that cover everything alive in it.
+    """Return the columns of /trace for a tick range, from rows that include every junction alive in it.
 
-    ``scratch``: for the force's moments, if a slider is to be moved through the cells that end at its ticks; they
-    hold until the next tick range.
+    ``scratch``: memory for the moments of the force, if a slider moves through the cells that end at its ticks; they
+    are valid until the next tick range.
     """
     grid = Grid.around(tick_range.first, tick_range.end, tick_range.tick)
     distance = grid.position[grid.wanted]
@@ -66,10 +66,10 @@ def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch
 def cell_moments(
     model: Model, rows: LiveRows, weight: Doubles, tick_range: TickRange, cells_per_tick: int, scratch: Scratch
 ) -> ForceMoments:
-    """Return what lives of some weights add up to over the cells that end in a tick range, exact through all events.
+    """Return the moments of the weighted sum of all lives over the cells that end in a tick range.
 
-    The weight psi d^2 gives the force, d^2 the area. The number of cells per tick is a power of two, so that every tick
-    lies at the same bits however it is divided.
+    They are exact even in cells with births and deaths. The weight psi d^2 gives the force, d^2 the area. The number of
+    cells per tick is a power of two, so that each tick has the same bits however it is divided.
     """
     first = max(tick_range.first - 1, 0) * cells_per_tick + 1
     grid = Grid.around(first, (tick_range.end - 1) * cells_per_tick + 1, tick_range.tick / cells_per_tick)
@@ -78,7 +78,10 @@ def cell_moments(
 
 
 def over_cells(sample: Sample, tick_range: TickRange) -> ForceMoments | None:
-    """Return the moments of a sample over the cells that end in a tick range: none does when the run begins."""
+    """Return the moments of a sample over the cells that end in a tick range, or None if it has no moments.
+
+    At the first tick of the run no cell ends.
+    """
     if sample.force is None or tick_range.first > 0:
         return sample.force
     return replace(sample.force, moments=sample.force.moments[:, 1:])

@@ -1,8 +1,7 @@
-"""A block without processes: the same rows, tick ranges and kernels, and no queue of events.
+"""A block without processes: the same rows, tick ranges and kernels, but no event queue.
 
-Who lives where is plain from births and diameters, and where lives were ended early from the places where they were.
-The columns come out bit for bit as they do with processes, since those, too, are computed from rows and never from the
-clock.
+Births and diameters already say which junctions live where; `Ended` says where an intervention ended lives early. The
+columns are the same as with processes, bit for bit, because those are also computed from rows and never from the clock.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +16,7 @@ from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import TickRange
 
 Ended = Callable[[Integers], Doubles]
-"""Returns, of junctions by their numbers, where each was ended early (um); infinite if nothing ended it."""
+"""Returns where each junction was ended early (um), given the junctions' numbers; infinite if it was not."""
 
 
 def play_at_once(
@@ -31,9 +30,9 @@ def play_at_once(
     move: Callable[[TickRange, LiveRows, Sample], None] | None,
     ended: Ended | None = None,
 ) -> tuple[LiveRows, int]:
-    """Fill the tick ranges of one block; return its rows, carried ones first, and that it took no events.
+    """Fill the tick ranges of one block; return its rows, carried ones first, and 0 for the number of events.
 
-    ``ended``: where an intervention ended lives, when a run is played again that had one.
+    ``ended``: says where an intervention ended lives, if the run had one and is replayed.
     """
     rows = state.live.then(born)
     natural = rows.natural_death
@@ -42,11 +41,12 @@ def play_at_once(
     for tick_range in tick_ranges:
         known = rows
         if ended is not None:
-            # A kernel sums a life that is cut short in another way: it is told where the processes know it.
+            # For lives that were ended early, kernels use another method. So the end is hidden until the tick range
+            # in which the processes would have it.
             last = tick_range is tick_ranges[-1]
             wake = min(births_of_block.next_birth, run_end) if last else tick_range.wake
             known = replace(rows, departure=np.where(rows.departure > wake, natural, rows.departure))
-        # The ticks of a range may end before many of the block's births: those would only be looked at.
+        # Many of the block's births may lie behind the last tick of the range; leaving them out saves time.
         seen = known.part(0, int(np.searchsorted(rows.birth, tick_range.last_distance, side="right")))
         found = sample(tick_range, seen)
         if move is not None:

@@ -1,9 +1,9 @@
-"""One block of a run: the step of the fold, and the only place from which rows are written.
+"""One block of a run: the step of the fold, which also writes the block's rows.
 
-The way of a junction into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or `batch`,
-lets it live. `area` sums the live junctions at the ticks, for /trace. `slider`, `load` or `two_way` moves under
-their force, for /slider and /load. The sink takes all rows; when a run becomes a file it is
-`rubnoise.storage.writer.RunWriter`.
+How a junction gets into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or `batch`,
+plays its life. `area` sums the live junctions at the ticks, for /trace. `slider`, `load` or `two_way` computes the
+motion under their force, for /slider and /load. The sink takes all rows; if the run is written to a file, it is a
+`rubnoise.storage.writer.RunWriter`. In two-way and in free motion, `two_way` and `free_motion` write most rows.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from rubnoise.simulation.two_way import TwoWayMotion
 
 SCRATCH_NUMBERS: Final = 12 * LARGEST_TICK_RANGE
-"""Numbers of scratch memory asked for; most are never touched. Usual systems take back what lies free at the end of the
-heap if it is more than twice the largest piece ever freed: after a run, all arrays of a tick range, which the next
-one would have to be given anew."""
+"""Size of the scratch memory, in numbers; most of it is never touched. A usual system takes free memory at the end of
+the heap back if it is more than twice the largest piece ever freed. If the scratch were smaller, that would be all
+arrays of a tick range after each run, and the next run would have to allocate them again."""
 
 Motion = SliderMotion | MovingSeparation
 
@@ -42,7 +42,7 @@ Watch = Callable[[float, int, int], None]
 
 
 class Play(Protocol):
-    """An engine: lets one block happen, range by range of ticks, and decides which rows each is computed from."""
+    """An engine: plays one block, tick range by tick range, and chooses the rows from which each range is computed."""
 
     def __call__(
         self,
@@ -55,16 +55,16 @@ class Play(Protocol):
         sample: Callable[[TickRange, LiveRows], Sample],
         move: Callable[[TickRange, LiveRows, Sample], None] | None,
     ) -> tuple[LiveRows, int]:
-        """Sample every tick range, then move the slider through it; return all rows and how many events it took.
+        """Sample every tick range, then move the slider through it; return all rows and the number of events.
 
-        The rows are the carried ones and then those born, each with its departure if its life has ended.
+        The carried rows come first, then the newborn ones; each has its departure if its life has ended.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSetup:
-    """What stays the same through all blocks of a run; ``grouped``: whether small blocks are played several at once."""
+    """What stays the same in all blocks of a run; ``grouped``: whether several small blocks are played at once."""
 
     model: Model
     seed: int
@@ -139,7 +139,7 @@ def _motion(run: RunSetup, state: State) -> Motion | None:
 
 
 def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion":
-    from rubnoise.simulation.two_way import TwoWayMotion  # which few runs need, and which takes long to load
+    from rubnoise.simulation.two_way import TwoWayMotion  # takes long to load, and few runs need it
 
     return TwoWayMotion(run.model, run.seed, run.sink, run.scratch, state, starts, run.notifier)
 
@@ -147,7 +147,7 @@ def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion"
 def _moving(
     motion: Motion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
 ) -> Callable[[TickRange, LiveRows, Sample], None] | None:
-    """Return what moves through a tick range and writes it; None if nothing does."""
+    """Return the function that computes the motion through a tick range and writes it; None if nothing moves."""
     if two_way is not None:
         return lambda tick_range, rows, _: two_way.through(rows, tick_range.last_distance)
     if motion is None:
@@ -158,11 +158,11 @@ def _moving(
 
 
 def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, rows: LiveRows) -> Sample:
-    # The moments of the force come with its sum if the slider needs them over the ticks themselves.
+    # If a cell is a whole tick, the sample also gives the moments of the force that the motion needs.
     moving = run.constants is not None and run.constants.cells_per_tick == 1
     found = sample(run.model, rows, tick_range, run.scratch if moving else None)
     if isinstance(motion, MovingSeparation):
-        found = motion.through(tick_range, rows, found)  # the force in /trace is the one that the load leaves
+        found = motion.through(tick_range, rows, found)  # /trace has the force after the load has changed it
     run.sink.write("trace", tick_range.first, found.columns)
     if run.watch is not None:
         born = int(rows.junction[-1]) + 1 if len(rows) else 0
@@ -190,7 +190,7 @@ def _write_load(slider: Appender, starts: BlockStarts, tick_range: TickRange, ro
 
 
 def _write_junctions(run: RunSetup, state: State, rows: LiveRows, natural: Doubles) -> None:
-    """Write the rows that are new, and one by one those written before whose junction has been ended early since."""
+    """Write the new rows, and rewrite those whose junction has been ended early since they were written."""
     carried = len(state.live)
     written = 0 if state.block == 0 else carried
     if len(rows) > written or state.block == 0:
@@ -202,7 +202,7 @@ def _write_junctions(run: RunSetup, state: State, rows: LiveRows, natural: Doubl
 
 
 def _write_rows(run: RunSetup, first: int, rows: LiveRows, natural: Doubles) -> None:
-    # Only who was alive at the start has a birth with a minus sign, which -0.0 has too.
+    # Only junctions alive at the start have a birth with a minus sign, even if it is -0.0.
     at_start = np.signbit(rows.birth)
     columns = junction_columns(
         first_row=first,
@@ -220,7 +220,7 @@ def _write_rows(run: RunSetup, first: int, rows: LiveRows, natural: Doubles) -> 
 
 
 def _carried(rows: LiveRows, natural: Doubles, last_tick: float) -> LiveRows:
-    """Return the rows that still matter beyond the last finished tick; a natural departure is forgotten again."""
+    """Return the rows that live beyond the last finished tick; a departure at the natural death becomes infinite."""
     beyond = np.flatnonzero(np.minimum(rows.departure, natural) > last_tick)
     kept = rows.at(beyond)
     return replace(kept, departure=np.where(kept.departure < natural[beyond], kept.departure, np.inf))

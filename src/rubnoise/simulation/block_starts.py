@@ -1,4 +1,4 @@
-"""Where the blocks that are played at once begin, and what the slider does there: the rows of /blocks."""
+"""Where the blocks that are played at once begin, and how the slider moves there: the rows of /blocks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,17 +16,17 @@ from rubnoise.simulation.state import State
 from rubnoise.simulation.ticks import first_tick_at_or_after
 
 TWO_WAY: Final = ("time", "distance", "phase", "displacement", "velocity")
-"""Columns that say how a two-way slider moves before a block."""
+"""Columns with the motion of a two-way slider just before a block."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockStarts:
-    """The blocks that begin where a state is and after it: one entry a block in every array.
+    """The starts of one or more blocks from a state on, with one entry per block in every array.
 
-    With the junctions' rows these are the states to compute the blocks from again. displacement (um) and velocity
-    (um/s) are those at the last tick before a block, and become known while the slider moves; of a two-way slider, with
-    time (s), distance (um) and phase, those of the last row of /slider before it first reaches the block. separation
-    (um) and its velocity (um/s) are those of /load at that tick.
+    Together with the junctions' rows they are enough to compute the blocks again. displacement (um) and velocity (um/s)
+    are those at the last tick before a block; they are filled in while the slider moves. For a two-way slider,
+    displacement, velocity, time (s), distance (um) and phase are those of the last row of /slider before the slider
+    first reaches the block. separation (um) and its velocity (um/s) are those of /load at the last tick before a block.
     """
 
     block: NDArray[np.int64]
@@ -43,7 +43,7 @@ class BlockStarts:
 
     @classmethod
     def of(cls, model: Model, state: State, births: BlockBirths) -> Self:
-        """Return the starts of blocks whose slider does not move."""
+        """Return the starts of these blocks, for now with the motion of ``state`` in each."""
         number = np.arange(births.blocks)
         later = [first_tick_at_or_after(model, float(distance)) for distance in births.first[1:]]
         return cls(
@@ -61,17 +61,18 @@ class BlockStarts:
         )
 
     def pass_ticks(self, distance: Doubles, **motion: Doubles) -> None:
-        """Take note of how all moves at the last of some ticks (um) that lie before a block, but for the first one."""
+        """Record the motion at the last of some ticks before each block except the first; distance (um): the ticks."""
         before = np.searchsorted(distance, self.birth_distance)
         passed = np.flatnonzero(before[1:]) + 1
         for name, values in motion.items():
             getattr(self, name)[passed] = values[before[passed] - 1]
 
     def pass_births(self, junction: NDArray[np.int64], time: Doubles, slider: Columns, last: Sequence[float]) -> None:
-        """Take note of the last row of a two-way slider before births that it first passes at times (s).
+        """Record the last row of a two-way slider before it first passes the birth that opens a block.
 
-        slider: rows, among them all since ``last``, of which the columns TWO_WAY are given. The first block of a run
-        begins at its start.
+        junction, time (s): births, and when the slider first passed them; slider: all rows of /slider since ``last``;
+        last: the columns TWO_WAY of the row before them. Block 0 is left out, because it begins at the start of the
+        run.
         """
         for block in np.flatnonzero(np.isin(self.first_junction, junction) & (self.block > 0)).tolist():
             passed = time[np.searchsorted(junction, self.first_junction[block])]

@@ -1,7 +1,7 @@
 """The forecast of memory and processor time of a run, from a few measured constants.
 
 A few milliseconds of work like that of a run measure how fast this machine is. `tools/studies run_cost` measures runs
-of many kinds, says how far these forecasts are off, and what the constants would be where it runs.
+of many kinds; it prints how far these forecasts are off, and which constants would fit the machine on which it runs.
 """
 
 from collections.abc import Callable, Generator, Mapping
@@ -27,12 +27,12 @@ TERMS: Final = 30
 
 EVENTS_SECONDS: Final = 4.2e-4
 TERMS_SECONDS: Final = 6.6e-5
-"""What the two pieces of work took when the constants of `rubnoise.simulation.cost` were measured."""
+"""Times of the two pieces of work on the machine on which the constants of this module were measured."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineSpeed:
-    """How many times longer a machine takes than the measured one: for steps of processes, and for sums over arrays."""
+    """How many times longer a machine takes than the reference machine: for process steps, and for sums over arrays."""
 
     processes: float = 1.0
     arrays: float = 1.0
@@ -40,7 +40,7 @@ class MachineSpeed:
 
 @cache
 def machine_speed() -> MachineSpeed:
-    """Return how fast this machine is, measured once in a process: the best of a few repeats of some 0.3 ms."""
+    """Return how fast this machine is, measured once per process: the best of a few repeats of about 0.3 ms."""
     return MachineSpeed(processes=_best(_step) / EVENTS_SECONDS, arrays=_best(_sum) / TERMS_SECONDS)
 
 
@@ -80,17 +80,17 @@ def _sum() -> None:
 
 
 PROGRAM_BYTES: Final = 216_000_000
-"""What a process holds with everything loaded that a run needs, before the run."""
+"""Memory of a process before the run, with everything loaded that a run needs."""
 
 DRAWN_BYTES: Final = 50
 ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 260}
 ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
 POSITION_BYTES: Final = 140
-"""Of memory for each birth drawn in a block, each row of it that is played, each that is alive at once, and each
-position of a tick range."""
+"""Memory for each birth drawn in a block, each row of the block that is played, each junction alive at the same time,
+and each position of a tick range."""
 
 PROGRAM_SECONDS: Final = 1.2
-"""What it takes to start and to load everything."""
+"""Time to start the program and to load everything."""
 
 SECONDS: Final[Mapping[str, float]] = {
     "run": 1.5e-2,
@@ -113,15 +113,15 @@ SECONDS: Final[Mapping[str, float]] = {
     "swing": 1.7e-7,
     "packed byte": 1.7e-8,
 }
-"""Of each kind of work: of which there is so much as `work` says."""
+"""Time of one unit of each kind of work; `work` counts the units."""
 
 IN_PROCESSES: Final = frozenset({"run", "event", "crowd"})
 CROWDING: Final = 0.4
-"""An event costs more the more junctions live: the memory that they lie in is visited at random."""
+"""Power of the live count with which an event costs more: the memory of live junctions is visited at random."""
 
 
 def working_bytes(model: Model, engine: Engine) -> int:
-    """Return the memory that a run needs beside its program: of one block and one tick range, however long it is."""
+    """Return the memory that a run needs besides its program: one block and one tick range, however long the run is."""
     drawn, alive = births_drawn_at_once(model), _alive(model)
     played = min(drawn, model.birth_rate * model.distance) + alive
     positions = min(LARGEST_TICK_RANGE, (model.tick_count + 1) * cells_per_tick(model))
@@ -130,11 +130,11 @@ def working_bytes(model: Model, engine: Engine) -> int:
 
 
 def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, float]:
-    """Return how much of each kind of work a run of so many rows is.
+    """Return the amount of each kind of work in a run with these numbers of rows and ticks.
 
-    Births to draw, by whole blocks; rows to make and to write; events, and what they cost more in a crowd; ticks;
-    overlaps, one for each junction at each tick of its life; cells of the slider's ticks; pushes, one for each junction
-    in each cell of its life; what `_two_way_work` says.
+    The kinds are births to draw, in whole blocks; rows to make and to write; events, and their higher cost among many
+    live junctions ("crowd"); ticks; overlaps, one for each junction at each tick of its life; cells of the slider's
+    ticks; pushes, one for each junction in each cell of its life; and those of `_two_way_work`.
     """
     alive, events = _alive(model), 2 * junctions if engine == "events" else 0
     summed = 1 if model.strengths is None or isinstance(model.strengths, Fixed) else 2
@@ -159,9 +159,9 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
 def _two_way_work(model: Model, junctions: int, ticks: int) -> dict[str, float]:
     """Return the work of a two-way slider: its growing file, junctions met, rows, lives in them, slow cells, swings.
 
-    Rows in sticks cost little: at a low speed it sticks four fifths of the time. When it hardly moves a cell takes
-    steps of its own; their share goes as (V/V_0)^-0.2 N_jm^-0.5, V_0 being the deflection times omega_0. A swing is a
-    time of 1/omega_0, in which there is one step at least. All of this is a fit to what runs took.
+    Rows in sticks cost little: at a low speed the slider sticks four fifths of the time. When it hardly moves, a cell
+    needs extra steps; the share of such cells goes as (V/V_0)^-0.2 N_jm^-0.5, where V_0 is the deflection times
+    omega_0. A swing is a time of 1/omega_0, with at least one step. All of this is a fit to the measured times of runs.
     """
     slider, speed, strengths = model.slider, model.sliding_speed, model.strengths
     if not model.is_two_way or slider is None or speed is None or strengths is None:
@@ -181,7 +181,7 @@ def _two_way_work(model: Model, junctions: int, ticks: int) -> dict[str, float]:
 
 
 def seconds(amounts: Mapping[str, float], machine_speed: MachineSpeed) -> float:
-    """Return how long so much of each kind of work takes one process on a machine of some speed, its start left out."""
+    """Return how long these amounts of work take one process on such a machine, without the start of the program."""
     return sum(
         amount * SECONDS[kind] * (machine_speed.processes if kind in IN_PROCESSES else machine_speed.arrays)
         for kind, amount in amounts.items()

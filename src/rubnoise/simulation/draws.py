@@ -1,4 +1,4 @@
-"""What a seed decides: the junctions alive at the start, and the births of every block."""
+"""The random draws of a run: the junctions alive at the start, and the births of every block."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,35 +22,35 @@ Births = tuple[Doubles, Doubles]
 """Birth distances and the gaps between them (um)."""
 
 Place = tuple[int, float, int]
-"""Where births that are drawn at once begin: block, distance (um), and how many blocks they make."""
+"""Which births are drawn at once: their first block, its first birth (um), and the number of blocks."""
 
 _MOST_KEPT = 24
-"""Draws that are kept: a few megabytes, in which all of a run of half a million junctions fit."""
+"""Largest number of draws kept: a few megabytes, enough for all births of a run of half a million junctions."""
 
 
 class CountedBirths:
-    """The first births of the run that was counted last; each is handed out once to be played, and forgotten."""
+    """A cache of the first births of the run that was counted last; playing the run takes each entry out once."""
 
     def __init__(self) -> None:
-        """Know of no run."""
+        """Start without births."""
         self._kept: tuple[tuple[Model, int] | None, dict[Place, Births]] = (None, {})
 
     def look(self, model: Model, seed: int, place: Place) -> Births | None:
-        """Return the births of a place, if they are kept."""
+        """Return the births of a place, or None if they are not kept."""
         run, births = self._kept
         return births.get(place) if run == (model, seed) else None
 
     def keep(self, model: Model, seed: int, place: Place, births: Births) -> None:
-        """Keep births, unless there are many of this run already; those of another run are given up for them."""
+        """Keep births, unless many of this run are kept already; births of another run are dropped."""
         if self._kept[0] != (model, seed):
-            # One assignment: another thread finds either run with its own births.
+            # One assignment, so that another thread never finds a run with the births of another run.
             self._kept = ((model, seed), {})
         kept = self._kept[1]
         if len(kept) < _MOST_KEPT:
             kept[place] = births
 
     def take(self, model: Model, seed: int, place: Place) -> Births | None:
-        """Return the births of a place, if they are kept, and keep them no longer."""
+        """Remove the births of a place and return them, or None if they are not kept."""
         run, births = self._kept
         return births.pop(place, None) if run == (model, seed) else None
 
@@ -59,10 +59,10 @@ _PAIRS = 1024
 """Points of a square that are drawn at a time."""
 
 _LOOKED_AT_ONCE = 65_536
-"""Births before the start that are looked at in one go."""
+"""Births before the start that are checked at a time."""
 
 _DRAWN_AT_ONCE = 24_576
-"""Births that are drawn at once: many enough for arrays to pay, few enough to stay in the processor's cache."""
+"""Births drawn at once: enough to make arrays worth their overhead, few enough for the processor's cache."""
 
 _counted = CountedBirths()
 
@@ -71,9 +71,9 @@ _counted = CountedBirths()
 class BlockBirths:
     """The births of some blocks within the run: distances (um), diameters (um), strengths (MPa; ones without a law).
 
-    gaps (um) lead from each birth to the next; first (um) are the births that open each of the blocks, and next_birth
-    (um) the one that opens the next; they may lie beyond the run. offset: by how much each misses the centre line (um);
-    None if all pass through both centres.
+    gaps (um): from each birth to the next; first (um): the first birth of each block; next_birth (um): the first birth
+    of the block after them. first and next_birth may lie beyond the run. offset: distance of each pass from the centre
+    line (um), with a sign; None if all pass through both centres.
     """
 
     birth: Doubles
@@ -86,7 +86,7 @@ class BlockBirths:
 
     @property
     def blocks(self) -> int:
-        """How many blocks they make."""
+        """Number of blocks."""
         return self.first.size
 
     def __len__(self) -> int:
@@ -95,7 +95,7 @@ class BlockBirths:
 
 
 def births_per_block(model: Model) -> int:
-    """Return B = max(1000, ceil(10 N_jm)): a block is some lives long, however dense the contact."""
+    """Return B = max(1000, ceil(10 N_jm)): a block is at least ten mean lives long, however dense the contact."""
     return max(1000, ceil(10.0 * model.mean_junction_count))
 
 
@@ -108,15 +108,15 @@ def first_birth(model: Model, seed: int) -> float:
 
 
 def _around(births: BirthLaw, seed: int) -> tuple[float, float]:
-    """Return how far before the start gaps go on, and where the first birth lies, in um."""
+    """Return how far before the start the past gaps begin, and how far after it the first birth is (um)."""
     return cast("GapLaw", births).around(uniforms(seed, Stream.FIRST_BIRTH, 0, 2))
 
 
 def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> tuple[Doubles, Doubles]:
-    """Return the birth distances from a block's first birth on to the one after some blocks, and the gaps between (um).
+    """Return the births of some blocks, then the first birth of the block after them, and the gaps between them (um).
 
-    Each is the one before plus its gap, as an event clock adds: never the block's begin plus a sum of gaps. Regular
-    births lie at whole multiples of their spacing from the first of the run; their block begins where it says itself.
+    Each birth is the one before plus its gap, as an event clock adds: never ``begin`` plus a sum of gaps. Regular
+    births lie at whole multiples of their spacing from the first birth of the run; ``begin`` is not used for them.
     Scattered births are drawn about their centres and sorted.
     """
     count = births_per_block(model)
@@ -131,18 +131,18 @@ def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: i
 
 
 def blocks_drawn_at_once(model: Model, block: int) -> int:
-    """Return how many blocks from this one on make arrays long enough: to the end of those that are drawn at once."""
+    """Return how many blocks to draw at once, beginning with this one: those to the end of its group."""
     group = _blocks_at_once(model)
     return group - block % group
 
 
 def births_drawn_at_once(model: Model) -> int:
-    """Return how many births are played at a time, if small blocks are played at once."""
+    """Return how many births are drawn and played at a time, if several small blocks are played at once."""
     return _blocks_at_once(model) * births_per_block(model)
 
 
 def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
-    """Return what a stream's uniforms make of all births of blocks; those of small blocks are drawn some at a time."""
+    """Return the values that a stream draws for all births of these blocks; small blocks are drawn in groups."""
     group, births = _blocks_at_once(model), births_per_block(model)
     if group == 1:
         return _made(model, stream, _uniforms(model, seed, stream, block, 1))
@@ -152,7 +152,7 @@ def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> 
 
 
 def _blocks_at_once(model: Model) -> int:
-    """Return how many blocks make arrays long enough, but not more than the run has."""
+    """Return how many blocks form a group that is drawn at once, at most all blocks of the run."""
     births = births_per_block(model)
     return max(min(_DRAWN_AT_ONCE // births, ceil(model.distance * model.birth_rate / births)), 1)
 
@@ -165,7 +165,7 @@ def _drawn_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: 
 
 
 def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
-    """Return a stream's uniforms for all births of blocks; zeros if one value is drawn whatever they are."""
+    """Return a stream's uniforms for all births of these blocks; zeros if the law ignores them."""
     births = births_per_block(model)
     if stream is Stream.OFFSETS:
         return uniforms(seed, stream, block, births, blocks)
@@ -176,7 +176,7 @@ def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) 
 
 
 def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
-    """Return the gaps and diameters in um, strengths in MPa or offsets over d that uniforms stand for, one by one."""
+    """Return a gap (um), diameter (um), strength (MPa) or offset divided by d for each uniform."""
     if stream is Stream.OFFSETS:
         return _both_ways(uniform)
     if stream is Stream.GAPS:
@@ -185,7 +185,7 @@ def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
 
 
 def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> BlockBirths:
-    """Return the births that lie within the run of a block, or of several that are drawn at once."""
+    """Return those births of a block, or of several that are drawn at once, that lie within the run."""
     births = births_per_block(model)
     counted = _counted.take(model, seed, (block, begin, blocks))
     birth, gaps = counted or birth_distances(model, seed, block, begin, blocks)
@@ -204,7 +204,7 @@ def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int =
 
 
 def _offsets(model: Model, seed: int, block: int, blocks: int, count: int) -> Doubles | None:
-    """Return lateral offsets in um of the first births of blocks, uniform on (-d, d)."""
+    """Return the first ``count`` lateral offsets (um), uniform on (-d, d); None if all passes are centred."""
     if model.pulse.offset == "none":
         return None
     diameter = _drawn(model, seed, Stream.DIAMETERS, block, blocks)
@@ -212,12 +212,12 @@ def _offsets(model: Model, seed: int, block: int, blocks: int, count: int) -> Do
 
 
 def _both_ways(uniform: Doubles) -> Doubles:
-    """Return numbers uniform on (-1, 1) from uniform ones: odd multiples of 2^-53, never 0, -1 or 1."""
+    """Map uniforms to numbers uniform on (-1, 1): odd multiples of 2^-53, never 0, -1 or 1."""
     return (2.0 * uniform - 1.0) + 2.0**-53
 
 
 def births_by_block(model: Model, seed: int) -> Iterator[int]:
-    """Yield how many junctions each block with births has within the run: counted from the gaps alone."""
+    """Yield the number of births within the run for each block that has any, counted from the gaps alone."""
     births = births_per_block(model)
     block, begin = 0, first_birth(model, seed)
     while begin <= model.distance:
@@ -234,7 +234,7 @@ def births_by_block(model: Model, seed: int) -> Iterator[int]:
 
 
 def start(model: Model, seed: int) -> State:
-    """Return the state before the first block: those alive in a stationary contact, none in an empty one."""
+    """Return the state before the first block: a stationary contact has live junctions, an empty one has none."""
     live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()
     return State(
         slider_rows=0,
@@ -251,7 +251,7 @@ def start(model: Model, seed: int) -> State:
 
 
 def _carried_velocity(model: Model, live: LiveRows) -> float:
-    """Return what a slider at rest carries: 0, or over a base that lies at y -c y/m in um/s (`SliderMotion`)."""
+    """Return the carried velocity (um/s) of a slider at rest (`SliderMotion`): 0, or -c y/m over a base at y."""
     if model.slider is None or model.base_per_area == 0.0:
         return 0.0
     risen = np.minimum(-live.birth, live.birth + 2.0 * live.diameter)
@@ -273,7 +273,7 @@ def _stationary_rows(model: Model, seed: int) -> LiveRows:
         junction=np.arange(birth.size, dtype=np.int64),
         birth=birth,
         diameter=diameter,
-        # Block -1 cannot be: the start has the strengths of the highest block number instead.
+        # There is no block -1, so the strengths at the start have the highest block number.
         strength=_strengths(model, uniforms(seed, Stream.STRENGTHS, 2**63, birth.size)),
         departure=np.full(birth.size, np.inf),
         offset=offset,
@@ -281,11 +281,11 @@ def _stationary_rows(model: Model, seed: int) -> LiveRows:
 
 
 def _alive_off_centre(model: Model, seed: int) -> tuple[Doubles, Doubles, Doubles]:
-    """Return births, diameters and offsets in um of those alive at the start that miss the centre line.
+    """Return births, diameters and offsets (um) of the junctions alive at the start, if passes miss the centre line.
 
-    They are Poisson(lam E[life]) in number, their diameters of density proportional to d f(d). One centre is anywhere
-    in the disc of radius d about the other: its place across the motion is the offset, so that long lives are found
-    more often, and the age is uniform over the life.
+    Their number is Poisson(lam E[life]), and their diameters have a density proportional to d f(d). The centre of one
+    asperity is uniform in the disc of radius d about the other. Its coordinate across the motion is the offset, so that
+    long lives are found more often, and the age is uniform over the life.
     """
     count = _poisson(seed, model.birth_rate * model.pulse.mean_life * model.sizes.moment(1))
     diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
@@ -296,7 +296,7 @@ def _alive_off_centre(model: Model, seed: int) -> tuple[Doubles, Doubles, Double
 
 
 def _across_a_disc(seed: int, count: int) -> Doubles:
-    """Return one coordinate of points uniform in the unit disc: those points of a square that lie within it."""
+    """Return one coordinate of points uniform in the unit disc: the points of a square that lie within the disc."""
     source, found, size = generator(seed, Stream.START_OFFSETS), [np.empty(0)], 0
     while size < count:
         x, y = _both_ways(source.random((2, _PAIRS)))
@@ -306,10 +306,10 @@ def _across_a_disc(seed: int, count: int) -> Doubles:
 
 
 def _alive_of_poisson(model: Model, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters in um of those alive at the start of Poisson births.
+    """Return births and diameters (um) of the junctions alive at the start, if births are Poisson.
 
-    They are Poisson(lam E[2d]) in number, their diameters of density proportional to d f(d), their ages uniform on
-    [0, 2d].
+    Their number is Poisson(lam E[2d]), their diameters have a density proportional to d f(d), and their ages are
+    uniform on [0, 2d].
     """
     count = _poisson(seed, 2.0 * model.birth_rate * model.sizes.moment(1))
     diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
@@ -319,10 +319,10 @@ def _alive_of_poisson(model: Model, seed: int) -> tuple[Doubles, Doubles]:
 
 
 def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters in um of those alive at the start of regular births.
+    """Return births and diameters (um) of the junctions alive at the start, if births are regular.
 
-    The births before the start lie at one spacing too, each of an ordinary diameter, and are alive if their lives
-    reach beyond it: all are looked at that the longest life there can be would bring to the start, some at a time.
+    The births before the start have the same spacing, and diameters from the usual law. A junction is alive if its
+    life reaches beyond the start. All births within the longest possible life before the start are checked in batches.
     """
     first, source = first_birth(model, seed), generator(seed, Stream.START_DIAMETERS)
     count = ceil(2.0 * largest_of(model.sizes) / births.mean_spacing) + 1
@@ -337,16 +337,16 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
 
 
 def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters in um of those alive at the start: births before it that live so long."""
+    """Return births and diameters (um) of the junctions that are born before the start and die after it."""
     birth, diameter = backward(model, seed, -2.0 * largest_of(model.sizes))
     alive = birth + 2.0 * diameter > 0.0
     return birth[alive][::-1], diameter[alive][::-1]
 
 
 def backward(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
-    """Return births (um) before the start, latest first, beyond ``begin``, and a diameter (um) for each.
+    """Return births (um) before the start, latest first, back to ``begin`` or beyond, and a diameter (um) for each.
 
-    Gaps of a renewal process read backward are gaps of the same law; after the one about the start, which is longer.
+    Read backward, the gaps of a renewal process have the same law, except the gap around the start, which is longer.
     """
     births, count = model.births, births_per_block(model)
     if isinstance(births, ScatteredBirths):
@@ -365,7 +365,7 @@ def backward(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
 
 
 def _poisson(seed: int, mean: float) -> int:
-    """Return a Poisson count: how many unit exponentials fit into the mean, in correctly rounded operations only."""
+    """Return a Poisson count: how many unit exponentials fit into the mean. All operations are correctly rounded."""
     source = generator(seed, Stream.START_COUNT)
     count, total = 0, 0.0
     while True:

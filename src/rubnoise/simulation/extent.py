@@ -12,7 +12,7 @@ Engine = Literal["events", "batch"]
 
 
 WORTH_COMPILING: Final = 1e7
-"""Births beyond which loading the compiler takes less time than counting them without it."""
+"""Number of births above which loading the compiler takes less time than counting without it."""
 
 
 def extent(model: Model, seed: int) -> Extent:
@@ -29,7 +29,7 @@ def extent(model: Model, seed: int) -> Extent:
             blocks=model.tick_count // length + 1,
         )
     if model.birth_rate * model.distance > WORTH_COMPILING:
-        import numba  # noqa: F401  (with which deviates are compiled)
+        import numba  # noqa: F401  (if it is loaded, deviates are compiled)
     born = list(births_by_block(model, seed))
     return Extent(
         junctions=start(model, seed).junctions + sum(born),
@@ -37,5 +37,5 @@ def extent(model: Model, seed: int) -> Extent:
         slider=model.slider_rows,
         landmarks=None if model.is_two_way else 0,
         load=0 if model.separation is None else ticks,
-        blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
+        blocks=max(len(born), 1),  # a run without births still has ticks to play
     )

@@ -1,7 +1,7 @@
-"""A slider that is free to leave its contact: block by block through a run, and its rows written.
+"""A slider that is free to leave its contact: this module plays its blocks and writes their rows.
 
-A block is a stretch of ticks. Within it the motion decides where summits are touched and left; a row of /junctions is a
-touch. Rows go in order of birth, so that one waits as long as an older touch has not ended.
+A block is a range of ticks. In it the motion decides where summits are touched and left; each touch is a row of
+/junctions. Rows are written in order of birth, so a row waits until every older touch has ended.
 """
 
 import struct
@@ -29,29 +29,29 @@ _HEADER: Final = struct.Struct("<qq")
 
 _NUMBER, _BIRTH, _DEATH, _OVERLAP, _SHARE = range(5)
 _ROWS: Final = 5
-"""Of a touch: its summit, where it begins and ends (um; infinite beyond the run), its largest overlap (s_0), share."""
+"""Rows of a touch: its summit, begin and end (um; infinite outside the run), largest overlap (s_0), and share."""
 
 PlayTouches = Callable[[float, float, Doubles, Doubles], int]
-"""Lets touches of a block happen, from where to where each lasts (um), and returns how many events that took."""
+"""Plays the touches of a block; called with its begin and end and those of each touch (um); returns the event count."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Past:
-    """What a block goes on from: landmarks so far, touches that wait for older ones, and the motion (None at first)."""
+    """What a block continues from: landmarks so far, touches that wait for older ones, the motion (None at first)."""
 
     landmarks: int = 0
     waiting: Doubles = field(default_factory=lambda: np.empty((_ROWS, 0)))
     motion: FreeState | None = None
 
     def pack(self) -> bytes:
-        """Return it as bytes from which ``unpack`` makes the same bits again."""
+        """Return this object as bytes, from which ``unpack`` restores it to the bit."""
         rows = self.waiting.astype("<f8").tobytes()
         motion = b"" if self.motion is None else self.motion.pack()
         return _HEADER.pack(self.landmarks, self.waiting.shape[1]) + rows + motion
 
     @classmethod
     def unpack(cls, data: bytes) -> Self:
-        """Return what ``pack`` wrote down; of nothing, the start."""
+        """Return the object from the bytes of ``pack``, or the start from empty bytes."""
         if not data:
             return cls()
         landmarks, count = _HEADER.unpack_from(data)
@@ -61,9 +61,9 @@ class _Past:
 
 
 def next_free_state(run: RunSetup, free: FreeSeparation, state: State, play: PlayTouches | None = None) -> State:
-    """Play one block, write its rows, and return the state from which to continue; ``play``: among events.
+    """Play one block, write its rows, and return the state from which to continue.
 
-    Raises RubnoiseError if the motion cannot go on.
+    ``play``: plays the touches as events, if given. Raises RubnoiseError if the motion cannot continue.
     """
     block = _Block(run.model, free, run.seed, run.sink, state)
     after = block.played(play)
@@ -86,7 +86,7 @@ class _Block:
         self._push = 0.0 if model.strengths is None else model.strengths.mean * model.mean_real_contact_area
 
     def played(self, play: PlayTouches | None) -> State:
-        """Let it happen, and return the state after it."""
+        """Play the block and return the state after it."""
         state, model = self._state, self._model
         rows = next(self._run.through(model.tick_count))
         self._write_ticks(rows)
@@ -117,7 +117,7 @@ class _Block:
 
     @property
     def in_contact(self) -> int:
-        """How many summits are in contact now."""
+        """Number of summits in contact now."""
         return self._run.state.contacts.shape[1]
 
     def _origin(self, block: int) -> float:
@@ -134,7 +134,7 @@ class _Block:
         model, scales, first, ticks = self._model, self._scales, self._state.ticks, rows.ticks
         distance = np.arange(first, first + ticks.shape[1]).astype(np.float64) * model.tick
         live = ticks[columns.TICK_LIVE]
-        overlap = np.maximum(ticks[columns.TICK_OVERLAP], 0.0)  # rounding may leave less of a touch that begins
+        overlap = np.maximum(ticks[columns.TICK_OVERLAP], 0.0)  # rounding may make that of a new touch negative
         trace: dict[str, NDArray[Any]] = {
             "distance": distance,
             "real_contact_area": model.mean_real_contact_area * overlap,
@@ -161,7 +161,7 @@ class _Block:
             self._sink.write("slider", first, moved)
 
     def _touches(self, rows: FreeRows) -> Doubles:
-        """Return the touches that have ended by the end of the block, and those that have not."""
+        """Return the touches that ended in the block, and then those that have not ended."""
         scales, ended, alive = self._scales, rows.touches, self._run.state.contacts
         here, there = self._origin(self._state.block), self._origin(self._state.block + 1)
         birth = [here + scales.length * ended[columns.TOUCH_MADE], there + scales.length * alive[held.MADE]]
@@ -179,7 +179,7 @@ class _Block:
         return play(begin, end, made[order], lost[order])
 
     def _known(self, touches: Doubles, *, final: bool) -> tuple[Doubles, Doubles]:
-        """Return the touches whose rows can be written, in order of birth, and those that wait."""
+        """Return the touches whose rows can be written, in order of birth, and the ended ones that must wait."""
         rows = np.concatenate([self._past.waiting, touches], axis=1)
         rows = rows[:, np.lexsort((rows[_NUMBER], rows[_BIRTH]))]
         if final:
@@ -190,7 +190,7 @@ class _Block:
         return rows[:, known], rows[:, ~known & ~alive]
 
     def _write_junctions(self, rows: Doubles) -> None:
-        """Write touches, cut where the run begins and ends."""
+        """Write touches; those that reach beyond the run are cut at its begin or end."""
         model, scales, first = self._model, self._scales, self._state.junctions
         end = float(model.tick_count) * model.tick
         at_start, at_end = np.isinf(rows[_BIRTH]), np.isinf(rows[_DEATH])

@@ -1,4 +1,4 @@
-"""Interventions: a process of the user that ends lives, and the live junctions that it sees."""
+"""Interventions: a process of the user that ends lives, and the live junctions that it is given."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from rubnoise.simulation.process import DistanceClock, LiveSet
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveJunction:
-    """A junction that is alive: row number, place of birth, diameter (um), area when it was looked at (um^2)."""
+    """A live junction: row number, place of birth (um), diameter (um), and area (um^2) when this object was made."""
 
     number: int
     birth_distance: float
@@ -25,9 +25,9 @@ class LiveJunction:
 
 
 class LiveJunctions:
-    """The junctions that are alive now: iterate for a LiveJunction each, in order of birth; ``end`` one by its number.
+    """The junctions that are alive now: iterate over them in order of birth, or ``end`` one by its number.
 
-    Raises ValueError for a number to ``end`` that is not alive.
+    Each is a LiveJunction. ``end`` raises ValueError if the junction is not alive.
 
     >>> import rubnoise
     >>> def end_first(env, live):
@@ -39,14 +39,14 @@ class LiveJunctions:
     """
 
     def __init__(self, pulse: Pulse) -> None:
-        """See no junction yet; lives have the area of a pulse."""
+        """Start with no live junctions; ``pulse`` gives the areas."""
         self._pulse = pulse
         self._ended: set[int] = set()
 
     def look_at(self, env: Environment, live: LiveSet) -> None:
-        """See the junctions of a block from now on."""
+        """Use the junctions of a block from now on."""
         self._env, self._live = env, live
-        for number in self._ended & live.processes.keys():  # ended by an observer of a death at a block's very end
+        for number in self._ended & live.processes.keys():  # ended by an observer's function at a block's very end
             live.processes[number].interrupt()
         self._ended &= live.processes.keys()
 
@@ -58,7 +58,7 @@ class LiveJunctions:
 
     def __iter__(self) -> Iterator[LiveJunction]:
         rows = self._live.alive()
-        age = np.clip(self._env.now - rows.birth, 0.0, 2.0 * rows.half_life)  # the clock, which adds gaps, rounds
+        age = np.clip(self._env.now - rows.birth, 0.0, 2.0 * rows.half_life)  # the clock adds gaps and rounds
         areas = area_of(self._pulse, age, rows.diameter, rows.offset)
         columns = (rows.junction.tolist(), rows.birth.tolist(), rows.diameter.tolist(), areas.tolist())
         found = [
@@ -68,7 +68,7 @@ class LiveJunctions:
         return iter([junction for junction in found if junction.number not in self._ended])
 
     def end(self, number: int) -> None:
-        """End the life of a junction where the clock stands; its row then has the state ended_early."""
+        """End the life of a junction now; its row then has the state ended_early."""
         number = index(number)
         if number not in self:
             raise ValueError(f"junction {number} is not alive at {self._env.now:g} um")
@@ -80,21 +80,21 @@ class LiveJunctions:
 
 
 Intervention = Callable[[Environment, LiveJunctions], ProcessGenerator]
-"""A SimPy process of the user's own: is given the environment, whose clock is in um, and who is alive."""
+"""A SimPy process function of the user: called with the environment, whose clock is in um, and the live junctions."""
 
 
 class Intervening:
-    """One intervention through all blocks of a run, for which the clock and its queue outlive a block."""
+    """One intervention in all blocks of a run; its clock and queue are kept from block to block."""
 
     def __init__(self, intervention: Intervention, pulse: Pulse) -> None:
-        """Start nothing yet."""
+        """Store the intervention; the first call of ``join`` starts it."""
         self._intervention = intervention
         self._live = LiveJunctions(pulse)
         self._clock: DistanceClock | None = None
         self._started = False
 
     def clock(self, begin: float) -> DistanceClock:
-        """Return the clock, which stands where a block begins (um); what the intervention waits for stays to come."""
+        """Return the clock, set to the begin of a block (um); events that the intervention waits for stay queued."""
         if self._clock is None:
             self._clock = DistanceClock(begin)
         else:
@@ -102,7 +102,7 @@ class Intervening:
         return self._clock
 
     def join(self, env: DistanceClock, live: LiveSet) -> None:
-        """Show who lives in a block, and start the process in the first one; raises Refused if it is none."""
+        """Use the junctions of a block, and start the process in the first one; raise Refused if it is no process."""
         self._live.look_at(env, live)
         if self._started:
             return
@@ -117,6 +117,6 @@ class Intervening:
 
 
 def name_of(intervention: Intervention) -> str:
-    """Return what a result file calls an intervention: the module and the name of its function."""
+    """Return the name of an intervention in a result file: the module and the name of its function."""
     named = intervention if hasattr(intervention, "__qualname__") else type(intervention)
     return f"{named.__module__}.{named.__qualname__}"

@@ -1,7 +1,8 @@
-"""The story of a contact, as processes: junctions are born, live through 2d of sliding, and die.
+"""The contact as SimPy processes: junctions are born, live for 2d of sliding, and die.
 
-Distance is the clock: ``env.now`` is the sliding distance in um. Only births and deaths are events; the aggregator and
-the slider wake for a range of ticks at a time and see in it exactly the junctions that joined and left before.
+Distance is the clock: ``env.now`` is the sliding distance in um. Only births, deaths and observed mid-lives are events.
+The aggregator and the slider wake once per tick range, and compute it from exactly the junctions that have joined and
+left by then.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -25,7 +26,7 @@ Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
 
 
 def junction(env: Environment, live: LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
-    """Live from now through ``rest`` um of sliding; die at ``death``, or wherever an interrupt ends it."""
+    """Live for another ``rest`` um of sliding and die at ``death``, or die earlier at an interrupt."""
     try:
         yield Wait(env, rest)
     except Interrupt:
@@ -35,7 +36,7 @@ def junction(env: Environment, live: LiveSet, row: int, death: float, rest: floa
 
 
 def ended(env: Environment, live: LiveSet, row: int, death: float) -> float:
-    """Return where a life ends that is ended now: within itself, though the clock, which adds gaps, rounds."""
+    """Return the death (um) of a life that is ended now: within the life, although the clock adds gaps and rounds."""
     return min(max(env.now, live.birth_and_half_life(row)[0]), death)
 
 
@@ -61,7 +62,7 @@ def observed_junction(
 def observed_newborn(
     env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
 ) -> ProcessGenerator:
-    """Report a birth to the observer, then the life after it."""
+    """Report the birth to the observer, then live as an observed junction."""
     notifier.birth(live.numbers[row], live.birth_and_half_life(row)[0])
     yield from observed_junction(env, live, row, death, rest, notifier)
 
@@ -69,7 +70,7 @@ def observed_newborn(
 def births(
     env: Environment, live: LiveSet, state: State, block: BlockBirths, run_end: float, newborn: Life
 ) -> ProcessGenerator:
-    """Wait for a gap, start a junction, and so on to the birth that opens the next block, or to the end of the run."""
+    """Wait for a gap, start a junction, and repeat until the first birth of the next block or the end of the run."""
     wait = state.next_birth - env.now
     life_distances = 2.0 * half_life(block.diameter, block.offset)
     deaths = block.birth + life_distances
@@ -81,20 +82,20 @@ def births(
         live.joined = row + 1
         wait = gap
     last = block.next_birth > run_end
-    # The clock adds gaps and rounds; a birth at the very end may have put it a trifle beyond.
+    # The clock adds gaps and rounds, so a birth at the very end may have put it slightly beyond the end.
     yield env.timeout(max(run_end - env.now, 0.0) if last else wait)
 
 
 class NextSample:
-    """The event at which the aggregator publishes what it has sampled of the next tick range."""
+    """The event at which the aggregator publishes the sample of the next tick range."""
 
     def __init__(self, env: Environment) -> None:
-        """Wait for the first tick range."""
+        """Make the event of the first tick range."""
         self._env = env
         self.awaited: Event = env.event()
 
     def publish(self, rows: LiveRows, found: Sample) -> None:
-        """Let the awaited tick range happen; it is forgotten once it has been taken."""
+        """Trigger the awaited event with rows and sample, and make the next event; the old one is not kept."""
         done, self.awaited = self.awaited, self._env.event()
         done.succeed((rows, found))
 
@@ -107,9 +108,9 @@ def aggregate(
     sample: Callable[[TickRange, LiveRows], Sample],
     live: LiveSet,
 ) -> ProcessGenerator:
-    """Wake once a tick range, when all up to its last tick has happened, and sample the live set at its ticks.
+    """Wake once per tick range, after all events up to its last tick, and sample the live set at its ticks.
 
-    Half a tick late, so that a birth or death at that very tick has happened, whatever the order of the queue.
+    It wakes half a tick late, so that a birth or death at exactly that tick has happened, whatever the queue's order.
     """
     for tick_range in tick_ranges:
         if tick_range is tick_ranges[-1]:
@@ -142,7 +143,7 @@ def play_block(
     intervening: Intervening | None,
     notifier: Notifier | None,
 ) -> tuple[LiveRows, int]:
-    """Let one block happen; return its rows at its end, carried ones first, and how many events it took."""
+    """Play one block; return its rows at its end, carried ones first, and the number of events."""
     env = DistanceClock(state.begin) if intervening is None else intervening.clock(state.begin)
     live = LiveSet(state.live, born, state.begin)
     newborn, survivor = _lives(notifier)
@@ -165,21 +166,22 @@ def play_block(
 
 
 def touch(env: Environment, rest: float) -> ProcessGenerator:
-    """Be in contact with a free slider from now through ``rest`` um of sliding."""
+    """Stay in contact with a free slider for ``rest`` um of sliding."""
     yield Wait(env, rest)
 
 
 def touches(env: Environment, made: list[float], lost: list[float]) -> ProcessGenerator:
-    """Wait for contact to be made, start a touch, and so on."""
+    """Wait until contact is made, start a touch, and repeat."""
     for begin, end in zip(made, lost, strict=True):
         yield Wait(env, max(begin - env.now, 0.0))
         LifeProcess(env, touch(env, end - begin))
 
 
 def play_touches(begin: float, end: float, made: Doubles, lost: Doubles) -> int:
-    """Let the touches of a block happen, in order of contact made (um), and return how many events it took.
+    """Play the touches of a block and return the number of events.
 
-    As with a two-way slider, the motion says where; the clock of the processes writes no row.
+    made, lost (um): where each touch begins, in increasing order, and where it ends. The motion has decided this
+    already, as with a two-way slider; no row is computed from the clock.
     """
     env = DistanceClock(begin)
     PromptProcess(env, touches(env, made.tolist(), lost.tolist()))
@@ -188,14 +190,14 @@ def play_touches(begin: float, end: float, made: Doubles, lost: Doubles) -> int:
 
 
 def _lives(notifier: Notifier | None) -> tuple[Life, Life]:
-    """Return how a junction lives that is born in this block, and one that was born before."""
+    """Return the process function of a junction born in this block, and that of one born before."""
     if notifier is None:
         return junction, junction
     return partial(observed_newborn, notifier=notifier), partial(observed_junction, notifier=notifier)
 
 
 def _survivors(live: LiveRows, begin: float) -> Iterator[tuple[int, float]]:
-    """Yield the index and death of every carried row that is still alive where a block begins."""
+    """Yield index and death (um) of each carried row that is still alive when the block begins, at ``begin`` um."""
     for row, (departure, death) in enumerate(zip(live.departure.tolist(), live.death.tolist(), strict=True)):
         if departure == inf and death > begin:
             yield row, death

@@ -1,7 +1,8 @@
-"""The separation under a load that weighs, and the slider that it pushes: their exact motion through ranges of ticks.
+"""The separation that moves under its load, and a slider: their exact motion through tick ranges, of first order in z.
 
-The area at constant separation drives the separation, z, through the cells' moments that drive a slider; what is left
-of the friction force drives the slider. Both are one linear system of four numbers.
+The area at constant separation drives the separation z by its moments over the cells, as a force drives a slider. The
+friction force, less what it loses when the separation grows, drives the slider. Both together are one linear system of
+four numbers.
 """
 
 from dataclasses import dataclass, field, replace
@@ -24,10 +25,10 @@ from rubnoise.simulation.ticks import TickRange
 
 
 def load_propagator(model: Model, held: Separation, cells_per_tick: int) -> Propagator:
-    """Return the constants of (x, x', z, z') under a load; x stands still without a slider.
+    """Return the constants of (x, x', z, z') under a load; without a slider, x is constant.
 
-    m_z z'' + c_z z' + (W/s_0) z = H (A - A_rm) and m x'' + c x' + k x = sum of psi A - E[psi] A_rm z/s_0, of which
-    A - A_rm and sum of psi A are the inputs.
+    The equations are m_z z'' + c_z z' + (W/s_0) z = H (A - A_rm) and
+    m x'' + c x' + k x = sum of psi A - E[psi] A_rm z/s_0. The inputs are A - A_rm and the sum of psi A.
     """
     inertia, height = Fraction(held.mass), Fraction(held.height_scale)
     spring, dashpot = Fraction(held.load) / height / inertia, Fraction(held.damping) / inertia
@@ -48,11 +49,11 @@ def load_propagator(model: Model, held: Separation, cells_per_tick: int) -> Prop
 def advance_load(
     areas: Doubles, forces: Doubles, mean: float, transition: Doubles, gains: Doubles, every: int, states: Doubles
 ) -> None:
-    """Step slider and separation through cells, exactly in the propagator.
+    """Step slider and separation through cells with the exact propagator.
 
-    areas, forces (3, cells): Legendre moments over each cell, in units in which gains (4, 6) are what they add; mean is
-    A_rm in that of areas. states (4, ticks + 1) begin with x, x', z, z' (um, um/s) before the first cell and receive
-    those after every ``every``-th one.
+    areas, forces (3, cells): Legendre moments over each cell; gains (4, 6): what a moment of 1 adds to the state; mean:
+    A_rm in the unit of areas. states (4, ticks + 1): x, x', z, z' (um, um/s), with those before the first cell in
+    column 0; the other columns receive those after every ``every``-th cell.
     """
     x, v, z, w = states[0, 0], states[1, 0], states[2, 0], states[3, 0]
     x_x, x_v, x_z, x_w = transition[0, 0], transition[0, 1], transition[0, 2], transition[0, 3]
@@ -85,9 +86,9 @@ def advance_load(
 
 @dataclass(slots=True)
 class MovingSeparation:
-    """A separation and its slider on their way: their places (um) and velocities (um/s) are at the last finished tick.
+    """A moving separation and its slider: their positions (um) and velocities (um/s) at the last finished tick.
 
-    ``scratch`` is for the moments of cells that are not ticks.
+    ``scratch``: memory for the moments of cells that are not ticks.
     """
 
     model: Model
@@ -101,7 +102,7 @@ class MovingSeparation:
     _others: Scratch = field(default_factory=partial(Scratch, 0))
 
     def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> Sample:
-        """Move through a tick range's cells; return its sample under the load, with columns of /slider and /load."""
+        """Move through the cells of a tick range; return its sample after that, with columns of /slider and /load."""
         areas, forces = self._moments(tick_range, rows, sample)
         every = self.constants.cells_per_tick
         states = np.empty((4, areas.moments.shape[1] // every + 1))

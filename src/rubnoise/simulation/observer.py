@@ -14,7 +14,7 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.simulation.state import LiveRows
 
 OnLife = Callable[[int, float], None]
-"""Called with the row number of a junction and the distance in um at which something happens to it."""
+"""Called with the row number of a junction and the distance in um of its birth, mid-life or death."""
 
 OnMotion = Callable[[float, float, float], None]
 """Called with time (s), sliding distance (um) and velocity x' (um/s) of a landmark."""
@@ -24,16 +24,17 @@ _MOTION: Final = {kind.name.lower(): kind for kind in LandmarkKind}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observer:
-    """Functions that are called at what happens in a run, while it happens; None for no interest.
+    """Functions to call at the events of a run, while it runs; None if nothing is to be called.
 
-    birth, mid_life (at birth + d), death: given the junction's number, which is its row in /junctions, and the distance
-    in um of what happens, to the bit that of the row. Junctions alive at the start have been born before, and those
-    alive at the end die later: an observer is called at neither. Mid-lives cost one more
-    event a junction, only if an observer asks for them.
+    birth, mid_life (half of the life after birth; d on the centre line), death: called with the junction's number,
+    which is its row in /junctions, and the distance in um, which equals that of the row to the bit. A birth before the
+    start and a death after the end of the run are not reported. Mid-lives cost one more event for each junction, but
+    only if an observer asks for them.
 
-    stick, slip, reversal, forward: given time (s), sliding distance (um) and velocity x' (um/s) where a two-way slider
-    begins that, to the bit those of the row in /landmarks. Of a two-way run everything comes in order of time, a birth
-    or death when the slider first passes there. Raises Refused for what cannot be called.
+    stick, slip, reversal, forward: called when a two-way slider begins to do this, with time (s), sliding distance (um)
+    and velocity x' (um/s), which equal those of the row in /landmarks to the bit. In a two-way run all calls come in
+    order of time; a birth or death is reported when the slider first passes there. Raises Refused if a value is not
+    callable.
 
     >>> import rubnoise
     >>> born = []
@@ -74,13 +75,14 @@ class Observer:
 
 
 class Notifier:
-    """Calls an observer once for each thing that happens, wherever a run is cut into blocks.
+    """Calls an observer exactly once for each event, wherever a run is cut into blocks.
 
-    The contact of a two-way run is ahead of its slider: what happens there waits until the slider first passes it.
+    In a two-way run, the contact is played ahead of the slider. So a birth, mid-life or death waits until the slider
+    first passes it.
     """
 
     def __init__(self, observer: Observer, *, two_way: bool = False) -> None:
-        """Know no junction yet."""
+        """Start with no live junctions."""
         self._observer = observer
         self._two_way = two_way
         self._waiting: list[tuple[float, int, OnLife, int]] = []
@@ -91,14 +93,14 @@ class Notifier:
         self._begun = False
 
     def begin(self, carried: LiveRows, distance: float) -> None:
-        """Take note of the junctions alive where the first block begins (um)."""
+        """Record the junctions alive when the first block begins, at ``distance`` um; do nothing for later blocks."""
         if not self._begun:
             self._begun = True
             self._alive.update(carried.junction[carried.death > distance].tolist())
             self._rising.update(carried.junction[_middle(carried) > distance].tolist())
 
     def is_rising(self, junction: int) -> bool:
-        """Whether a mid-life is still to be reported, and the observer asks for it."""
+        """Return whether the mid-life of a junction is still to be reported, and the observer asks for it."""
         return self._observer.mid_life is not None and junction in self._rising
 
     def birth(self, junction: int, distance: float) -> None:
@@ -108,20 +110,20 @@ class Notifier:
         self._call(self._observer.birth, junction, distance)
 
     def mid_life(self, junction: int, distance: float) -> None:
-        """Report a mid-life, unless that has been done."""
+        """Report a mid-life, unless it has been reported."""
         if junction in self._rising:
             self._rising.remove(junction)
             self._call(self._observer.mid_life, junction, distance)
 
     def death(self, junction: int, distance: float) -> None:
-        """Report a death, unless that has been done."""
+        """Report a death, unless it has been reported."""
         if junction in self._alive:
             self._alive.remove(junction)
             self._rising.discard(junction)
             self._call(self._observer.death, junction, distance)
 
     def end_block(self, rows: LiveRows, distance: float) -> None:
-        """Report what happens at the very end of a block (um): rounding decides whether its clock came to it."""
+        """Report mid-lives and deaths up to the end of a block (um) that its clock may have missed by rounding."""
         moments = [(_middle(rows), self._rising, self.mid_life), (rows.death, self._alive, self.death)]
         for places, waiting, notify in moments:
             for row in np.flatnonzero(places <= distance).tolist():
@@ -129,10 +131,10 @@ class Notifier:
                     notify(int(rows.junction[row]), float(places[row]))
 
     def resume_motion(self, rows: LiveRows, times: NDArray[np.float64], reached: float, distance: float) -> None:
-        """Take note of what lies ahead of the slider where the first block begins (um).
+        """Queue the events between the slider and the begin of the first block (um), which the slider has yet to pass.
 
-        rows: that still wait for a first passage; times (2, rows): of their births and deaths (s); reached: where the
-        slider is (um).
+        rows: the junctions that the slider has not passed completely; times (2, rows): when it first passed their
+        births and deaths (s), nan if it has not; reached: the slider's distance (um); distance: where the block begins.
         """
         if self._begun:
             return
@@ -144,7 +146,7 @@ class Notifier:
                 self._call(function, int(rows.junction[row]), float(place[row]))
 
     def landmarks(self, columns: Mapping[str, NDArray[Any]]) -> None:
-        """Report landmarks in their order, each after what the slider has passed before it."""
+        """Report landmarks in order, each after the events that the slider passed before it."""
         names = ("kind", "time", "distance", "velocity")
         for kind, time, distance, velocity in zip(*(columns[name].tolist() for name in names), strict=True):
             self.reach(distance)
@@ -153,7 +155,7 @@ class Notifier:
                 function(time, distance, velocity)
 
     def reach(self, distance: float) -> None:
-        """Report what has waited until a two-way slider came to a distance (um)."""
+        """Report the waiting events up to the distance (um) that a two-way slider has reached."""
         while self._waiting and self._waiting[0][0] <= distance:
             place, _, function, junction = heappop(self._waiting)
             function(junction, place)
@@ -168,6 +170,6 @@ class Notifier:
 
 
 def _middle(rows: LiveRows) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Where each life has its greatest area, in um; nowhere for a life that ends before."""
+    """Return where each life has its greatest area (um); infinite for a life that ends before."""
     middle = rows.birth + rows.half_life
     return np.where(middle < rows.death, middle, np.inf)

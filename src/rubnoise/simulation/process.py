@@ -1,9 +1,9 @@
 """SimPy with less work for each event: processes, timeouts and an environment whose clock is the sliding distance.
 
-The stock process is started by one event and announces its end by another. No process waits for a junction, and for it
-these two are nearly half of its cost. `PromptProcess` starts its generator where it is made, and makes its end an event
-only when a process waits for it. Interrupts, waiting for a process and conditions work as ever.
-`LiveSet` holds the processes of the junctions that are alive.
+SimPy starts each process with one event and ends it with another. No process waits for a junction, and these two events
+would be nearly half of a junction's cost. `PromptProcess` starts its generator in the constructor, and makes its end an
+event only if another process waits for it. Interrupts, waiting for a process and conditions work as usual.
+`LiveSet` holds the processes of the live junctions.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ class Wait(Timeout):
     """A timeout that enters the queue in its constructor; its delay is not checked, so it must not be negative."""
 
     def __init__(self, env: Environment, delay: float) -> None:
-        """Happen ``delay`` from now."""
+        """Enter the queue to happen after ``delay`` um."""
         self.env = env
         self.callbacks = []
         self._value = None
@@ -31,10 +31,10 @@ class Wait(Timeout):
 
 
 class PromptProcess(Process):
-    """A process that runs to its first ``yield`` at once, within the event that makes it."""
+    """A process that runs to its first ``yield`` at once, in its constructor."""
 
     def __init__(self, env: Environment, generator: ProcessGenerator) -> None:
-        """Start a generator; what it raises before its first ``yield`` fails the process, as later errors do."""
+        """Start a generator; an error before its first ``yield`` fails the process, as later errors do."""
         self.env = env
         self.callbacks = []
         self._generator = generator
@@ -54,7 +54,7 @@ class PromptProcess(Process):
         env._active_proc = maker
 
     def _resume(self, event: Event) -> None:
-        """Run the generator from an event that has happened to the next one that has not."""
+        """Run the generator after an event that has happened, until it yields one that has not."""
         env = self.env
         env._active_proc = self
         generator = self._generator
@@ -79,7 +79,7 @@ class PromptProcess(Process):
         env._active_proc = None
 
     def _end(self, succeeded: bool, value: Any) -> None:
-        """Become an event that has happened: through the queue only if someone waits or the failure must be heard."""
+        """Become an event that has happened; enter the queue only if a process waits for it or if it has failed."""
         self._ok, self._value = succeeded, value
         self._target = None  # type: ignore[assignment]  # what SimPy documents for a process that is dead
         if succeeded and not self.callbacks:
@@ -89,10 +89,10 @@ class PromptProcess(Process):
 
 
 class LifeProcess(PromptProcess):
-    """A prompt process whose generator returns nothing: to see that it has ended then takes no exception."""
+    """A prompt process whose generator returns nothing, so that its end is found without an exception."""
 
     def _resume(self, event: Event) -> None:
-        """Run the generator to its next ``yield`` or its end, as an event without a value asks for."""
+        """Run the generator to its next ``yield`` or its end; an event with a value takes the general way."""
         if not event._ok or event._value is not None:
             super()._resume(event)
             return
@@ -114,7 +114,7 @@ class LifeProcess(PromptProcess):
 
 
 class DistanceClock(Environment):
-    """An environment whose clock is the sliding distance in um; everything works in it as in any other."""
+    """An environment whose clock is the sliding distance in um; everything else works as in any SimPy environment."""
 
     def __init__(self, begin: float) -> None:
         """Begin at a distance in um, with an empty queue."""
@@ -122,9 +122,10 @@ class DistanceClock(Environment):
         self._counted = 0
 
     def run_to(self, end: Event) -> None:
-        """Let happen what is in the queue until an event has happened, as ``run`` does step by step.
+        """Process the queue until ``end`` has happened, as ``run`` does step by step.
 
-        Raises the error of a process that failed with none waiting for it, and that of ``end`` itself.
+        Raises the error of ``end`` or of a failed process that no other process waits for, and RuntimeError if the
+        queue is empty before ``end`` has happened.
         """
         queue = self._queue
         while end.callbacks is not None:
@@ -132,7 +133,7 @@ class DistanceClock(Environment):
                 self._now, _, _, event = heappop(queue)
             except IndexError:
                 raise RuntimeError("no event is left that could end the block") from None
-            callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]  # SimPy's mark of the past
+            callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]  # SimPy: processed
             for callback in callbacks:
                 callback(event)
             if not event._ok and not hasattr(event, "_defused"):
@@ -141,27 +142,27 @@ class DistanceClock(Environment):
             raise cast(BaseException, end.value)
 
     def begin_again(self, begin: float) -> None:
-        """Stand at a distance (um) where other junctions take over; events that are not of junctions stay to come."""
+        """Set the clock to a distance (um) and drop the events of the junctions; all other events stay queued."""
         self._queue[:] = [entry for entry in self._queue if not isinstance(entry[3], Wait)]
         heapify(self._queue)
         self._now = begin
 
     def count(self) -> int:
-        """Return how many events have been made since they were counted last."""
-        number = next(self._eid)  # SimPy numbers its events, and keeps the number to itself
+        """Return the number of events made since the last count."""
+        number = next(self._eid)  # SimPy numbers its events, but does not publish the number
         made, self._counted = number - self._counted, number + 1
         return made
 
 
 class LiveSet:
-    """The junctions of a block, and which of them are alive: what the processes say, and nothing else.
+    """The junctions of a block, and which of them are alive, as their processes report it.
 
-    ``processes`` holds the process of each junction that is alive, by its row number, in order of birth; interrupting
-    one ends that junction where the clock stands.
+    ``processes`` maps the row number of each live junction to its process, in order of birth; interrupting a process
+    ends its junction now.
     """
 
     def __init__(self, carried: LiveRows, born: LiveRows, begin: float) -> None:
-        """Hold the rows of a block that begins at a distance (um); none has a process yet."""
+        """Hold the rows of a block that begins at ``begin`` um; no junction has a process yet."""
         self._rows = carried.then(born)
         self._half_life = self._rows.half_life
         self.joined = len(carried)
@@ -172,7 +173,7 @@ class LiveSet:
             self.departure[row] = float(carried.death[row])
 
     def birth_and_half_life(self, row: int) -> tuple[float, float]:
-        """Return a junction's birth and how far it slides to its mid-life (um)."""
+        """Return a junction's birth and the distance from birth to mid-life (um)."""
         return float(self._rows.birth[row]), float(self._half_life[row])
 
     def rows(self) -> LiveRows:

@@ -23,7 +23,7 @@ from rubnoise.simulation.ticks import cells_per_tick
 
 @lru_cache(maxsize=8)
 def slider_constants(model: Model) -> Propagator | None:
-    """Return the constants of the exact step of slider and separation; None if neither moves by it."""
+    """Return the constants of the exact step of slider and separation; None if the run does not use this step."""
     if model.sliding_speed is None or model.is_two_way or model.free is not None:
         return None
     cells = cells_per_tick(model)
@@ -35,7 +35,7 @@ def slider_constants(model: Model) -> Propagator | None:
 
 
 def finished(model: Model, state: State) -> bool:
-    """Whether every tick has been finished and every birth of the run has happened."""
+    """Return whether every tick is finished and every birth of the run has happened."""
     return state.ticks > model.tick_count and (model.free is not None or state.next_birth > model.distance)
 
 
@@ -53,14 +53,14 @@ def simulate(
     alone: bool = False,
     ended: Ended | None = None,
 ) -> State:
-    """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
+    """Run a model block by block, write each block's rows to a sink, and return the last state.
 
     The same model and seed give the same rows, bit for bit, with either engine and also if the engine changes
     between two blocks. ``state``: continue from here instead of from the start; ``intervene``: a SimPy process of the
-    caller's beside those of the contact, begun where the run begins or continues; ``observe``: is called at
-    births, mid-lives, deaths and landmarks; ``watch``: is called after each tick range; ``commit``: is handed the state
-    after each block, or after several that are played at once, from which the run could continue; ``alone``: blocks are
-    played one by one; ``ended``: where an intervention ended lives, for the batch engine to play such a run again.
+    caller, beside those of the contact; it starts when the run starts or continues; ``observe``: is called at
+    births, mid-lives, deaths and landmarks; ``watch``: is called after each tick range; ``commit``: is called with the
+    state from which the run could continue, after each block or after several that are played at once; ``alone``: play
+    one block at a time; ``ended``: says where an intervention ended lives, so that the batch engine can replay the run.
     Raises Refused as `check_guests` does.
     """
     check_guests(model, engine, observe, intervene)
@@ -95,7 +95,7 @@ def _start(model: Model, seed: int) -> State:
 
 
 def _free_step(run: RunSetup, free: FreeSeparation, engine: Engine) -> Callable[[State], State]:
-    from rubnoise.simulation.free_motion import next_free_state  # which few runs need, and which takes long to load
+    from rubnoise.simulation.free_motion import next_free_state  # takes long to load, and few runs need it
 
     play = play_touches if engine == "events" else None
     return lambda state: next_free_state(run, free, state, play)
@@ -103,9 +103,9 @@ def _free_step(run: RunSetup, free: FreeSeparation, engine: Engine) -> Callable[
 
 @contextmanager
 def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
-    """Hand over what collects the garbage of a block, and keep Python from looking for it in the middle of one.
+    """Switch off automatic garbage collection, and yield a function that collects the garbage of a block.
 
-    It would look at every process and event that lives again and again, which takes a fifth of the time.
+    Inside a block, the collector would check all live processes and events again and again: a fifth of the time.
     """
     looked = gc.isenabled()
     gc.disable()
@@ -117,11 +117,11 @@ def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
 
 
 def check_guests(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
-    """Refuse an observer or an intervention that is none, and either of them if there are no events.
+    """Raise Refused if an observer or intervention is not of the right kind, or if the run lacks the events it needs.
 
-    Landmarks, which only a two-way slider has, are reported by either engine. An intervention is refused in a two-way
-    run, too: if a life is cut short the force jumps, and what a slider that stands there does next is not decided.
-    Both are refused in free motion, which decides itself where summits are touched and left.
+    Landmarks, which only a two-way slider has, are reported by either engine. An intervention is also refused in a
+    two-way run: when it ends a life the force jumps, and the model does not say how a slider at rest moves on then.
+    Both are refused in free motion, where the motion itself decides where summits are touched and left.
     """
     for guest, name in ((observe, "observe"), (intervene, "intervene")):
         if guest is not None and model.free is not None:

@@ -1,7 +1,7 @@
-"""The slider driven by the friction force, coupled one way: its exact motion through one range of ticks after another.
+"""The one-way slider, driven by the friction force: its exact motion through one tick range after another.
 
-Read it from above: how finely a tick must be divided so that the motion is right to 1e-9, the constants of one step
-through such a cell, the compiled recurrence over the cells, and the slider on its way.
+From top to bottom: the constants of one step through a cell, the compiled recurrence over the cells, and the moving
+slider. `ticks` says into how many cells each tick is divided.
 """
 
 from collections.abc import Sequence
@@ -29,11 +29,12 @@ Rows = Sequence[Sequence[Fraction | int]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Propagator:
-    """Constants of one step of the slider: (x, x') gains transition @ (x, x') + gains @ (force moments of the cell).
+    """Constants of a slider's step: (x, x') grows by transition @ (x, x') + gains @ (force moments of the cell).
 
-    transition (2, 2): free motion over a cell less the identity, so that rounding does not turn the phase of a lightly
-    damped slider; gains (2, 3): what Legendre moments of the force over distance, int F P_i(2y - 1) ds (uN um), add.
-    Under a load that weighs the state is (x, x', z, z'), and gains (4, 6) are of moments of area (um^2 um), then force.
+    transition (2, 2): the free motion over a cell minus the identity, so that rounding does not shift the phase of a
+    lightly damped slider; gains (2, 3): factors of the Legendre moments of the force over distance,
+    int F P_i(2y - 1) ds (uN um). If the separation moves, too, the state is (x, x', z, z'), and gains (4, 6) are
+    factors of the moments of area (um^2 um), then of force.
     """
 
     transition: NDArray[np.float64]
@@ -41,7 +42,7 @@ class Propagator:
     cells_per_tick: int
 
     def named(self) -> dict[str, float]:
-        """Return every constant by the name that it has in a result: `transition_01` is that in row 0, column 1."""
+        """Return every constant under its name in a result: `transition_01` is the one in row 0, column 1."""
         named = {"cells_per_tick": float(self.cells_per_tick)}
         for name, matrix in (("transition", self.transition), ("gain", self.gains)):
             for (row, column), value in np.ndenumerate(matrix):
@@ -50,10 +51,10 @@ class Propagator:
 
 
 def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int = 1) -> Propagator:
-    """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of so many cells each.
+    """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of ``cells_per_tick`` cells.
 
-    Of m x'' + c x' + k x = F; over a base y of m x'' + c x' + k x = c y' + k y for the state x and u = x' - c y/m:
-    x' = u + (c/m) y, u' = -(k/m) x - (c/m) u + (k/m - c^2/m^2) y, which needs no slope of y.
+    The equation is m x'' + c x' + k x = F, or over a base y, m x'' + c x' + k x = c y' + k y. The base needs no slope
+    of y if the state is x and u = x' - c y/m: x' = u + (c/m) y, u' = -(k/m) x - (c/m) u + (k/m - c^2/m^2) y.
     """
     mass = Fraction(slider.mass)
     spring, dashpot = Fraction(slider.stiffness) / mass, Fraction(slider.damping) / mass
@@ -62,12 +63,12 @@ def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int = 
 
 
 def linear_propagator(rates: Rows, inputs: Rows, speed: float, tick: float, cells_per_tick: int) -> Propagator:
-    """Return the constants of y' = rates y + inputs f at a speed (um/s) for ticks (um) of so many cells.
+    """Return the constants of y' = rates y + inputs f at a speed (um/s) for ticks (um) of ``cells_per_tick`` cells.
 
     With h the time of a cell, transition = exp(rates h) - 1, and the i-th gain of an input b is
     (2i + 1)/V int_0^1 exp(rates h (1 - y)) b P_i(2y - 1) dy, from int exp(rates h (1 - y)) b y^n dy = n! phi_(n+1) b
-    in the exponential of a larger matrix (Al-Mohy and Higham 2011, doi:10.1137/100788860). At 150 digits, since near
-    critical damping and for short ticks differences cancel, and rounded once.
+    in the exponential of a larger matrix (Al-Mohy and Higham 2011, doi:10.1137/100788860). They are computed with 150
+    digits, because differences cancel near critical damping and for short ticks, and rounded once.
     """
     import mpmath
 
@@ -106,14 +107,14 @@ def _exact(number: Fraction | int) -> Any:
 def advance_slider(
     moments: Doubles, transition: Doubles, gains: Doubles, every: int, displacement: Doubles, velocity: Doubles
 ) -> None:
-    """Step the slider through cells, exactly in the propagator.
+    """Step the slider through cells with the exact propagator.
 
-    moments (3, cells): Legendre moments of the force over each cell, in units in which gains (2, 3) are what they add
-    to x and x'. transition (2, 2) is the free motion over a cell less the identity. displacement (um) and velocity
-    (um/s) begin with the state before the first cell and receive the state after every ``every``-th one.
+    moments (3, cells): Legendre moments of the force over each cell; gains (2, 3): what a moment of 1 adds to x and x';
+    transition (2, 2): the free motion over a cell minus the identity. displacement (um) and velocity (um/s) have the
+    state before the first cell at index 0; the other entries receive the state after every ``every``-th cell.
     """
     x, v = displacement[0], velocity[0]
-    # By name, since the compiler can't know that none of them is among the numbers written.
+    # Scalars, because the compiler cannot know that the arrays written do not overlap these.
     x_from_x, x_from_v, v_from_x, v_from_v = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     x_mean, x_slope, x_bend = gains[0, 0], gains[0, 1], gains[0, 2]
     v_mean, v_slope, v_bend = gains[1, 0], gains[1, 1], gains[1, 2]
@@ -123,7 +124,7 @@ def advance_slider(
         for _ in range(every):
             push_x = x_mean * means[cell] + x_slope * slopes[cell] + x_bend * bends[cell]
             push_v = v_mean * means[cell] + v_slope * slopes[cell] + v_bend * bends[cell]
-            # Two short chains for each: nothing else has to be waited for.
+            # Two short chains of operations for each, which the processor computes at the same time.
             next_x = fused(x_from_x, x, x) + fused(x_from_v, v, push_x)
             v = fused(v_from_v, v, v) + fused(v_from_x, x, push_v)
             x = next_x
@@ -133,9 +134,10 @@ def advance_slider(
 
 
 class SliderMotion:
-    """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick.
+    """A moving slider: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick.
 
-    Over a base y the velocity that is carried is x' - c y/m; rows have x'. ``carried`` is it at the ticks of a range.
+    Over a base y the carried velocity is x' - c y/m, while rows have x'. ``carried``: the carried velocity at the ticks
+    of the last range.
     """
 
     def __init__(
@@ -148,7 +150,7 @@ class SliderMotion:
         separation: float = 0.0,
         separation_velocity: float = 0.0,
     ) -> None:
-        """Start from a state; ``scratch`` is for the moments of cells that are not ticks. A separation is held."""
+        """Start from a state; ``scratch``: for the moments of cells that are not ticks. The separation is constant."""
         self._model = model
         self._constants = constants
         self._scratch = scratch
@@ -158,7 +160,7 @@ class SliderMotion:
         self.carried = np.empty(0)
 
     def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> dict[str, NDArray[Any]]:
-        """Move through a tick range's cells and return the columns of /slider at its ticks."""
+        """Move through the cells of a tick range and return the columns of /slider at its ticks."""
         every = self._constants.cells_per_tick
         force = self._force(tick_range, rows, sample)
         displacement = np.empty(force.moments.shape[1] // every + 1)

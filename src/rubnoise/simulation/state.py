@@ -17,11 +17,11 @@ _HEADER = struct.Struct("<I")
 _NOTHING = np.empty(0)
 
 CENTRED: Final = ("junction", "birth", "diameter", "strength", "departure")
-"""What every row has; of passes off the centre line there is the offset, too."""
+"""Columns that every row has; passes off the centre line also have an offset."""
 
 
 MOVING: Final = ("displacement", "velocity", "separation", "separation_velocity")
-"""What of a state moves in time, if sliding distance does not depend on it."""
+"""Fields of a state that hold the motion, if the sliding distance does not depend on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,8 +29,8 @@ class LiveRows:
     """Junctions whose death lies beyond the last finished tick, in order of birth.
 
     junction: row numbers; birth, diameter, departure (um); strength (MPa). departure is infinite for a junction that is
-    alive, and the distance of its end for one that was ended early. offset: by how much each misses the centre line
-    (um); None if all pass through both centres.
+    alive, and the distance of its end for one that was ended early. offset: distance of each pass from the centre line
+    (um), with a sign; None if all pass through both centres.
     """
 
     junction: NDArray[np.int64]
@@ -52,21 +52,21 @@ class LiveRows:
 
     @property
     def half_life(self) -> Doubles:
-        """Half of each whole life, in um: how far it slides from birth to mid-life."""
+        """Half of each whole life, in um: the distance from birth to mid-life."""
         return half_life(self.diameter, self.offset)
 
     @property
     def natural_death(self) -> Doubles:
-        """Where each life ends that nothing ends early, in um."""
+        """Where each life ends if it is not ended early, in um."""
         return self.birth + 2.0 * self.half_life
 
     @property
     def death(self) -> Doubles:
-        """Where each life ends, in um: its departure where it was ended early, else where it ends by itself."""
+        """Where each life ends, in um: its departure if it was ended early, else its natural death."""
         return np.minimum(self.departure, self.natural_death)
 
     def at(self, rows: NDArray[np.int64]) -> "LiveRows":
-        """Return some of the rows."""
+        """Return the rows with these indices."""
         return LiveRows(**{name: values[rows] for name, values in self.columns()})
 
     def part(self, first: int, end: int) -> "LiveRows":
@@ -74,7 +74,7 @@ class LiveRows:
         return LiveRows(**{name: values[first:end] for name, values in self.columns()})
 
     def then(self, other: "LiveRows") -> "LiveRows":
-        """Return these rows followed by others that were born later, of which all or none have offsets."""
+        """Return these rows followed by others that were born later; either all rows have offsets or none."""
         mine, others = dict(self.columns()), dict(other.columns())
         names = mine | others  # no rows have no offsets either
         return LiveRows(
@@ -82,7 +82,7 @@ class LiveRows:
         )
 
     def columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
-        """Yield every column that is there, by its name."""
+        """Yield name and values of every column that is not None."""
         for f in fields(self):
             values = getattr(self, f.name)
             if values is not None:
@@ -94,10 +94,10 @@ class State:
     """The state of a run between two blocks.
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
-    far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
-    carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one,
-    if it is coupled one way; separation (um) and its velocity (um/s) there, under a load that weighs; motion: where
-    a slider is that is coupled two ways or free to leave its contact, written down by itself.
+    far; ticks: ticks finished so far; events: events of the queue so far, 0 without one; live: the rows that are
+    carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s): those of a one-way slider at
+    the last tick; separation (um) and its velocity (um/s): those at the last tick, if the separation moves under its
+    load; motion: the packed state of two-way or free motion.
     """
 
     block: int
@@ -116,7 +116,7 @@ class State:
 
     @classmethod
     def at_rest(cls, model: Model) -> "State":
-        """Return the state before the first block of free motion: z = z' = 0, and no row yet."""
+        """Return the state before the first block of free motion: z = z' = 0, and no rows."""
         return cls(
             block=0,
             begin=0.0,
@@ -131,7 +131,7 @@ class State:
         )
 
     def pack(self) -> bytes:
-        """Return the state as bytes from which ``unpack`` makes the same bits again."""
+        """Return the state as bytes, from which ``unpack`` restores it to the bit."""
         numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "motion"}}
         columns = dict(self.live.columns())
         rows_there = {"rows": len(self.live)} | ({"offsets": True} if "offset" in columns else {})
@@ -141,7 +141,7 @@ class State:
 
     @classmethod
     def unpack(cls, data: bytes) -> "State":
-        """Return the state that ``pack`` wrote down."""
+        """Return the state from the bytes of ``pack``."""
         (length,) = _HEADER.unpack_from(data)
         begin = _HEADER.size + length
         numbers: dict[str, Any] = json.loads(data[_HEADER.size : begin])

@@ -1,4 +1,4 @@
-"""Ticks: into how many cells the slider divides each, and their ranges, which are computed and written at one go."""
+"""Ticks: into how many cells the slider divides each, and tick ranges, each computed and written in one go."""
 
 from cmath import sqrt
 from collections.abc import Iterator
@@ -11,26 +11,27 @@ from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.state import State
 
 TARGET = 3e-10
-"""Error aimed at, relative to the largest displacement, by a rule that is an envelope: the median is 5 times less."""
+"""Error that the rule for cells allows, relative to the largest displacement. The rule is an upper envelope: the median
+error is 5 times smaller."""
 
 COEFFICIENT = 8e-4
-"""Of the error's envelope over the measured cases (docs/model.md)."""
+"""Coefficient of this envelope over the measured cases (docs/model.md)."""
 
 VELOCITY_SHARE = 0.3
-"""Weight of the velocity's error, relative to the largest velocity: 1e-9 is enough for it."""
+"""Weight of the velocity's error, relative to the largest velocity: an error of 1e-9 is good enough."""
 
 WIDEST_CELL = 0.25
-"""Largest width of a cell over the calibrated diameter."""
+"""Largest width of a cell divided by the calibrated diameter."""
 
 MOST_CELLS = 4096
-"""Cells of a tick at most; what would need more is refused."""
+"""Largest number of cells in a tick; a run that needs more is refused."""
 
 FINENESS = 100.0
-"""Cells of a two-way motion to a diameter at least: from 96 on the kernels sum lives as series."""
+"""Smallest number of cells per diameter in two-way motion: from 96 on, the kernels sum lives as series."""
 
 
 def coupled_spacing(model: Model) -> float:
-    """Return the width in um of a cell of the grid that a two-way motion uses: the tick times a power of two."""
+    """Return the width (um) of the cells in two-way motion: the tick times a power of two."""
     width = model.tick
     while width * FINENESS > model.calibrated_diameter:
         width *= 0.5
@@ -40,18 +41,18 @@ def coupled_spacing(model: Model) -> float:
 
 
 def cells_per_tick(model: Model) -> int:
-    """Return the number of equal cells of a tick, a power of two, that the slider's step needs.
+    """Return the number of equal cells, a power of two, into which the slider's step must divide a tick.
 
-    The step holds three exact moments of the force over a cell; what it leaves out is
-    err = 8e-4 / sqrt(N_jm) q min(r h, 6)^3.5, with q the cell over d_m and r h the rate of a mode of the slider times
-    the cell's time. The power laws are those of the third moment at a mid-life kink; the coefficient is an envelope
-    over some 11 500 measured cases. The fast mode of an over-damped slider counts by sqrt(r_slow / r_fast): its share
-    in the displacement is r_slow / r_fast. In the velocity it is 1; and if the slider follows the force,
-    r_slow d_m > V, its largest velocity is smaller by r_slow h / q, so that the relative error is larger by as much.
-    So it is with regular births, whose force hardly varies.
-    A base drives the velocity, too: its error is larger by up to 1 + c r_fast/k.
-    The triangle is straight beside its kinks, which are no steeper than the lens's: the same envelope holds.
-    A separation under a load is such a slider, too. Raises Refused if more than 4096 cells would be needed.
+    The step uses three exact moments of the force over a cell. The error of leaving out all others is
+    err = 8e-4 / sqrt(N_jm) q min(r h, 6)^3.5, where q is the cell's width over d_m, and r h is the rate of a mode of
+    the slider times the cell's time. The power laws are those of the third moment at a mid-life kink; the coefficient
+    is an envelope over some 11 500 measured cases. The fast mode of an over-damped slider is weighted by
+    sqrt(r_slow / r_fast) in the displacement, where its share is r_slow / r_fast, and by 1 in the velocity. If the
+    slider follows the force, r_slow d_m > V, its largest velocity is smaller by the factor r_slow h / q, so its
+    relative error is larger by that factor. The same happens with regular births, whose force hardly varies.
+    A base also drives the velocity, whose error is then larger by a factor of up to 1 + c r_fast/k.
+    A triangle is straight between its kinks, which are no steeper than those of the lens: the same envelope holds.
+    A separation under a load counts as a slider. Raises Refused if more than 4096 cells would be needed.
     """
     moving = [] if model.slider is None else [model.slider]
     moving += [] if model.separation is None else [model.separation.oscillator]
@@ -70,7 +71,7 @@ def cells_per_tick(model: Model) -> int:
 
 
 def narrow(model: Model, cells: int) -> bool:
-    """Whether cells are so narrow that differences of integrals lose what a divided tick was to gain."""
+    """Return whether cells are so narrow that differences of integrals lose the accuracy that dividing ticks gains."""
     return cells > 1 and model.tick / cells < model.calibrated_diameter / 128.0
 
 
@@ -89,10 +90,11 @@ def _error(model: Model, slider: Slider, cells: int) -> float:
 
 
 def _liveliness(model: Model) -> float:
-    """Return about how much the force varies beside one of Poisson births.
+    """Return about how much the force varies, relative to the force with Poisson births.
 
-    With regular births of equal sizes by 1/(2 N_jm^1.5): 1/(sqrt(3) N_jm^2) for the triangle and an odd number, where
-    Poisson births have 2/sqrt(3 N_jm); and with the spread of their sizes. Others lie between by their dispersion.
+    For regular births of equal sizes this is 1/(2 N_jm^1.5): the triangle with an odd number has the relative deviation
+    1/(sqrt(3) N_jm^2), and with Poisson births 2/sqrt(3 N_jm). A spread of sizes adds to it. Other laws of births lie
+    between, according to their dispersion.
     """
     if model.births.dispersion >= 1.0:
         return 1.0
@@ -109,7 +111,7 @@ def _rates(slider: Slider) -> tuple[float, float]:
 
 
 LARGEST_TICK_RANGE = 294_912
-"""Positions in a range at most, so that a thin contact, whose blocks are long, needs no more memory than others."""
+"""Largest number of positions in a range. A thin contact, whose blocks are long, then needs no more memory."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,12 +129,12 @@ class TickRange:
 
     @property
     def wake(self) -> float:
-        """Where the range is sampled among events (um): half a tick late, so that all at its last tick has happened."""
+        """Where the events engine samples the range (um): half a tick late, after all events at its last tick."""
         return self.last_distance + 0.5 * self.tick
 
 
 def tick_ranges(model: Model, state: State, births: BlockBirths, cells_per_tick: int) -> Iterator[TickRange]:
-    """Yield the tick ranges of blocks, up to the next block's first birth or the end of the run."""
+    """Yield the tick ranges of these blocks, up to the next block's first birth or the end of the run."""
     end = first_tick_at_or_after(model, births.next_birth)
     size = max(LARGEST_TICK_RANGE // cells_per_tick, 1)
     for first in range(state.ticks, end, size):
@@ -140,7 +142,7 @@ def tick_ranges(model: Model, state: State, births: BlockBirths, cells_per_tick:
 
 
 def first_tick_at_or_after(model: Model, distance: float) -> int:
-    """Return the first tick that does not lie before a distance in um: one beyond the last if the run is over."""
+    """Return the first tick at or after a distance (um); one beyond the last tick if the run is over there."""
     if distance > model.distance:
         return model.tick_count + 1
     tick = max(ceil(distance / model.tick) - 1, 0)

@@ -1,7 +1,7 @@
-"""A two-way slider beside the contact that it rubs on: handed the field range by range of ticks, and its rows written.
+"""A two-way slider in a run: this module moves it through the contact, tick range by tick range, and writes its rows.
 
-A row of /junctions says when the slider first passed its birth and its death, so it waits until it is known, and all
-that come after it wait, too. Those that wait are carried from block to block.
+A row of /junctions says when the slider first passed the birth and the death. So a row waits until both times are
+known, and all later rows wait behind it. Waiting rows are carried from block to block.
 """
 
 import struct
@@ -31,9 +31,9 @@ from rubnoise.streams import Stream, generator, uniforms
 
 
 def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
-    """Return all junctions that live between two distances in um, in order of birth.
+    """Return all junctions that live between two distances (um), in order of birth.
 
-    Those of the past count down from -1.
+    Junctions of the past have the numbers -1, -2, ...
     """
     first = start(model, seed)
     found = [_between(first.live, begin, end)]
@@ -59,12 +59,12 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
 
 
 def past(model: Model, seed: int, begin: float) -> LiveRows:
-    """Return the junctions that were born and had died before s = 0, back to all that live beyond ``begin`` (um).
+    """Return the junctions that had died before s = 0, latest first, back to ``begin`` (um): all that live after it.
 
-    A slider that runs back further than junctions are carried needs them. They have streams of their own: Poisson
-    births are thinned to lives that ended before the start, which are independent of those alive there; regular births
-    go on backward at their spacing, with the diameters that the start has drawn for them. Gamma and scattered births
-    have one past, of which the start takes those alive. A contact that starts empty has no past.
+    A slider needs them if it runs back beyond the carried junctions. They have their own streams. Of Poisson births,
+    only lives that ended before the start are kept, which are independent of those alive at the start. Regular births
+    continue backward at their spacing, with the diameters that the start has drawn for them. Gamma and scattered births
+    have one past, from which the start also takes its live junctions. A contact that starts empty has no past.
     """
     longest = 2.0 * largest_of(model.sizes)
     draw = _regular if isinstance(model.births, RegularBirths) else backward
@@ -85,7 +85,7 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
 
 
 def _regular(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
-    """Return births (um), latest first, beyond ``begin``, with the diameters from which the start took those alive."""
+    """Return births (um) back to ``begin``, latest first, with diameters: the start takes its junctions from them."""
     births = model.births
     if not isinstance(births, RegularBirths):
         raise TypeError("births at one spacing are wanted")
@@ -103,7 +103,7 @@ _HEADER: Final = struct.Struct("<qqq5d")
 
 
 class TwoWayMotion:
-    """A two-way slider on its way through a block, and the rows of /junctions that wait for it."""
+    """A two-way slider that moves through a block, and the rows of /junctions that wait for it."""
 
     def __init__(
         self,
@@ -115,7 +115,7 @@ class TwoWayMotion:
         starts: BlockStarts,
         notifier: Notifier | None = None,
     ) -> None:
-        """Go on from a state; scratch: for the moments of the field; starts: of the blocks to be played."""
+        """Continue from a state; scratch: memory for the moments of the field; starts: of the blocks to be played."""
         self._model, self._sink, self._starts, self._notifier = model, sink, starts, notifier
         numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
         landmarks, self._written, self._last, self._waiting, self._times, motion = _unpacked(state.motion)
@@ -135,9 +135,9 @@ class TwoWayMotion:
         return self._slider.rows
 
     def through(self, rows: LiveRows, known: float) -> None:
-        """Move until the field is wanted beyond a distance (um), before which every birth is among rows, and write.
+        """Move the slider until it needs the field beyond ``known`` (um), and write its rows.
 
-        Raises RubnoiseError if no step keeps the tolerance.
+        ``rows`` must include every birth before ``known``. Raises RubnoiseError if no step keeps the tolerance.
         """
         first = self._written + len(self._waiting)
         born = rows.at(np.flatnonzero(rows.junction >= first))
@@ -154,7 +154,7 @@ class TwoWayMotion:
             self._notifier.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
 
     def pack(self) -> bytes:
-        """Return as bytes what the next block goes on from."""
+        """Return as bytes the state from which the next block continues."""
         columns = [getattr(self._waiting, name) for name in CENTRED if name != "junction"]
         waiting = np.array([*columns, *self._times]).astype("<f8").tobytes()
         header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting), *self._last)
@@ -180,7 +180,7 @@ class TwoWayMotion:
             self._notifier.landmarks(moved.landmarks)
 
     def _balance(self) -> dict[str, Doubles]:
-        """Return the row of /balance: the end of the run, and what has been summed up from its start to there."""
+        """Return the row of /balance: the motion at the end of the run, and the integrals over the whole run."""
         state, constants = self._motion.state, self._constants
         row = {
             "time": state.time(constants),
@@ -192,7 +192,7 @@ class TwoWayMotion:
         return {name: np.array([value]) for name, value in row.items()}
 
     def _write_known(self) -> None:
-        """Write the first of the waiting rows, as many as are known: all of them if the run is over."""
+        """Write the waiting rows up to the first one with unknown times; write all of them if the run is over."""
         waiting, (birth, death) = self._waiting, self._times
         beyond = natural_death(waiting.birth, waiting.diameter) > self._model.distance
         known = ~np.isnan(death) | (beyond & (np.signbit(waiting.birth) | ~np.isnan(birth)))
@@ -219,9 +219,10 @@ class TwoWayMotion:
 
 
 def _unpacked(data: bytes) -> tuple[int, int, tuple[float, ...], LiveRows, Doubles, CoupledState | None]:
-    """Return what a state has of landmarks so far, rows written, the last row of /slider, rows waiting, and the motion.
+    """Return the contents of a packed state, or those of the start if it is empty.
 
-    Of those that wait there are first passages (s) of births and deaths, too.
+    They are the number of landmarks, the number of rows written, the last row of /slider, the waiting rows, the times
+    (s) when the slider first passed their births and deaths, and the motion (None at the start).
     """
     if not data:
         return 0, 0, (0.0,) * len(TWO_WAY), LiveRows.none(), np.empty((2, 0)), None
