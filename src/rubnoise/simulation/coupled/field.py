@@ -1,8 +1,8 @@
 """The force that the contact can bear as a function of distance, G(s) = sum psi_i A_i(s), over a range of cells.
 
-Cell i reaches from i h to (i + 1) h. Over whole cells three moments of G are all that is needed; they come from the
-kernels. When the slider hardly moves, G itself is wanted at any place of one cell: the lives that neither begin, turn
-nor end in or near it are one polynomial there, and the few others are worked out one by one.
+Cell i reaches from i h to (i + 1) h. Over whole cells only three moments of G are needed; they come from the kernels.
+When the slider hardly moves, G itself is needed at any place of one cell. There, all lives that do not begin, turn or
+end in or near the cell are summed into one polynomial, and the few others are evaluated one by one.
 """
 
 from dataclasses import dataclass
@@ -33,31 +33,32 @@ Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles]
 """Birth, diameter, 1/diameter, psi d^2, and the largest death of all rows up to each."""
 
 Part = tuple[float, Doubles, Doubles, int, int]
-"""A gathered cell: 2 over its width, `far`, `near`, how many are near, and the shape."""
+"""A gathered cell: 2 over its width, `far`, `near`, the number of near lives, and the shape."""
 
 LENS_SHAPE, TRIANGLE_SHAPE, PARABOLA_SHAPE = range(3)
 SHAPES: Final = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE, "parabola": PARABOLA_SHAPE}
-"""Pulse shapes by the number that what is compiled knows them by."""
+"""Number of each pulse shape in compiled code."""
 
 GROUP: Final = 8
-"""Cells that a step may take together; ranges begin and end at multiples of it."""
+"""Largest number of cells that one step takes; ranges begin and end at multiples of it."""
 
 REACH: Final = 3.0
-"""Cells on either side in which a birth or death keeps a life out of the polynomial: (5.8 + 8.2)^-8 of what is left."""
+"""Number of cells on either side: a life that is born or dies there is kept out of the polynomial. Of the others, it
+misses about (5.8 + 8.2)^-8."""
 
 _QUARTER_TURN: Final = 0.25 * np.pi
 _FOUR_THIRDS: Final = 4.0 / 3.0
 
 AGE, SIZE, INVERSE, SHARE = range(4)
-"""Columns of the lives that are worked out one by one: age at the cell's origin, d, 1/d, psi d^2."""
+"""Columns of the lives that are evaluated one by one: age at the cell's origin, d, 1/d, psi d^2."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceField:
     """G over the cells ``first`` ... ``end`` - 1, ``spacing`` um each.
 
-    moments (3, cells): int_0^1 G P_i(2y - 1) dy over each (uN); rows: all that live anywhere in it, in order of birth;
-    lives: what is needed of them, with eight more that weigh nothing.
+    moments (3, cells): int_0^1 G P_i(2y - 1) dy over each (uN); rows: all that live anywhere in these cells, in order
+    of birth; lives: their values for compiled code, with eight more lives of weight 0.
     """
 
     first: int
@@ -70,7 +71,7 @@ class ForceField:
 
     @classmethod
     def over(cls, pulse: Shape, rows: LiveRows, first: int, end: int, spacing: float, scratch: Scratch) -> Self:
-        """Return the field of rows over a range of cells; its moments hold until ``scratch`` is used again."""
+        """Return the field of rows over a range of cells."""
         weight = rows.strength * (rows.diameter * rows.diameter)
         grid = Grid.around(first + 1, end + 1, spacing)
         moments = deposit(pulse, grid, rows, weight, scratch, areas=False).moments
@@ -95,7 +96,7 @@ class ForceField:
 
 @compiled_bare
 def first_beyond(ordered: Doubles, place: float) -> int:
-    """Return the first index whose entry lies beyond a place; the last entry is infinite."""
+    """Return the first index whose entry is greater than ``place``; the last entry is infinite."""
     low, high = 0, len(ordered) - 1
     while low < high:
         middle = (low + high) // 2
@@ -108,7 +109,7 @@ def first_beyond(ordered: Doubles, place: float) -> int:
 
 @inlined
 def near_index(ordered: Doubles, place: float, guess: int) -> int:
-    """Return what `first_beyond` does from a guess, step by step."""
+    """Return the same as `first_beyond`, searched step by step from a guess."""
     index = min(max(guess, 0), len(ordered) - 1)
     while index > 0 and ordered[index - 1] > place:
         index -= 1
@@ -119,7 +120,7 @@ def near_index(ordered: Doubles, place: float, guess: int) -> int:
 
 @inlined
 def _fraction(u: Any, shape: int) -> Any:
-    """Return the area over d^2 in lanes, u in [0, 1] the nearer end's distance over d."""
+    """Return the area over d^2 in lanes; u in [0, 1] is the distance from the nearer end of the life, over d."""
     if shape == LENS_SHAPE:
         return (u * root(u)) * polynomial(AREA_COEFFICIENTS, u)
     if shape == PARABOLA_SHAPE:
@@ -131,9 +132,9 @@ def _fraction(u: Any, shape: int) -> Any:
 def gather(
     lives: Lives, shape: int, origin: float, width: float, table: Doubles, near: Doubles, far: Doubles, work: Doubles
 ) -> int:
-    """Take the lives of a cell apart: return how many are ``near``, (4, n) by rows, and fill the polynomial ``far``.
+    """Split the lives of a cell: fill ``near``, (4, n) by rows, and the polynomial ``far``; return the near count.
 
-    far: eight coefficients of (2y - 1)^n of the force of all other lives, y the place in the cell over its width.
+    far: eight coefficients of (2y - 1)^n for the force of all other lives; y is the place in the cell over its width.
     """
     birth, diameter, inverse, weight, reach = lives
     begin = first_beyond(reach, origin)
@@ -208,7 +209,7 @@ def force_in_cell(offset: float, part: Part) -> float:
 
 @inlined
 def _integral(s: Any, shape: int) -> Any:
-    """Return int_0^s of the area over d^2 in lanes, s over d."""
+    """Return int_0^s of the area over d^2 in lanes; s is the age over d."""
     one, two, none = spread(1.0), spread(2.0), spread(0.0)
     u = larger(smaller(s, two - s), none)
     if shape == LENS_SHAPE:
@@ -225,9 +226,9 @@ def _integral(s: Any, shape: int) -> Any:
 def force_and_integral(
     lives: Lives, shape: int, origin: float, begin: float, end: float, guess: int, work: Doubles
 ) -> tuple[float, float]:
-    """Return G at origin + end (uN) and int G ds from origin + begin to there (uN um), whatever lies in between.
+    """Return G at origin + end (uN) and int G ds from origin + begin to there (uN um), also across births and deaths.
 
-    guess: about how many are born before.
+    guess: about how many lives are born before.
     """
     birth, diameter, inverse, weight, reach = lives
     high = near_index(birth, origin + max(begin, end), guess)
@@ -250,7 +251,7 @@ def force_and_integral(
 
 @inlined
 def merged(moments: Doubles, first: int, cells: int) -> tuple[float, float, float]:
-    """Return the three moments over some cells together, a power of two."""
+    """Return the three moments over ``cells`` cells as one; their number is a power of two."""
     mean, slope, bend = 0.0, 0.0, 0.0
     part = 1.0 / cells
     for n in range(cells):

@@ -1,4 +1,4 @@
-"""A two-way run as a fold: rows of junctions in, columns of the slider out, and a state that can be written down."""
+"""A two-way run as a fold: rows of junctions in, columns of the slider out, and a state that can be stored."""
 
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
@@ -21,30 +21,30 @@ from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import coupled_spacing
 
 Earlier = Callable[[float, float], LiveRows]
-"""All junctions that live between two distances (um), in order of birth: asked for when the slider runs far back."""
+"""Returns all junctions that live between two distances (um), in order of birth; called if the slider runs far back."""
 
 FINER: Final = 0.125
-"""Of the width of a cell elsewhere: the least of it for an over-damped slider."""
+"""Smallest width of a cell for an over-damped slider, relative to the usual width."""
 
 _CELLS: Final = 131_072
 """Cells of a range: their moments are 3 MB."""
 
 _BEHIND: Final = 1024
-"""Cells behind the slider that a range begins with, so that short reversals stay in it."""
+"""Cells behind the slider with which a range begins, so that short reversals stay in it."""
 
 _KEPT_ROWS: Final = 65_536
-"""Rows behind the farthest distance that are carried at most."""
+"""Number of carried rows above which the oldest passed rows are dropped."""
 
 _ROOM_FOR_ROWS, _ROOM_FOR_LANDMARKS = 65_536, 4096
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionRows:
-    """What came to be while the slider moved on: some ten thousand rows at most, if a step is not longer than that.
+    """The output of a part of the motion: at most some ten thousand rows, unless a single step has more.
 
     slider: columns time, distance, friction_force, displacement, velocity, phase, a row every tick/V from the run's
     row ``first_row`` on; landmarks: time, distance, kind, displacement, velocity, force_before, force_after; births and
-    deaths: numbers of junctions and when the slider first passed there (s).
+    deaths: numbers of junctions, and when the slider first passed their births and deaths (s).
     """
 
     first_row: int
@@ -55,7 +55,7 @@ class MotionRows:
 
 
 class CoupledMotion:
-    """A two-way slider on its way: ``state`` is where it is."""
+    """A moving two-way slider; ``state`` is its present state."""
 
     def __init__(
         self,
@@ -66,7 +66,7 @@ class CoupledMotion:
         earlier: Earlier,
         cells: int = _CELLS,
     ) -> None:
-        """Start from a state. ``earlier``: who knows the junctions behind those carried; ``cells``: of a range."""
+        """Start from a state; ``earlier``: returns junctions behind the carried ones; ``cells``: cells of a range."""
         self._model = model
         self._constants = constants
         self._scratch = scratch
@@ -83,10 +83,10 @@ class CoupledMotion:
         self._rest = model.distance - float(self._last) * width
 
     def through(self, born: LiveRows, known: float) -> Iterator[MotionRows]:
-        """Move until the field is wanted beyond a distance (um), or the run is over, and yield what comes to be.
+        """Move until the field is needed beyond ``known`` (um) or the run is over, and yield the rows.
 
-        born: junctions in order of birth, of which those that are new are taken; every birth before ``known`` must be
-        among them or have come before. The state is that of the end once everything has been yielded.
+        born: junctions in order of birth; those of earlier calls are ignored. Every birth before ``known`` must be in
+        this or an earlier call. ``state`` is that of the end only after everything has been yielded.
         """
         self._take(born)
         end = self._end_of(known)
@@ -97,7 +97,7 @@ class CoupledMotion:
         self._forget()
 
     def _waits(self, end: int) -> bool:
-        """Whether the next group of cells ahead is not known yet."""
+        """Return whether the slider needs the next group of cells ahead, which is not known yet."""
         ahead = (int(self.state.whole[layout.CELL]) // GROUP + 1) * GROUP
         return self.state.phase != layout.REVERSED and ahead > end and end <= self._last
 
@@ -116,7 +116,7 @@ class CoupledMotion:
         )
 
     def _end_of(self, known: float) -> int:
-        """Return the cell before which everything is known: a whole multiple of a group, but at the end of the run."""
+        """Return the cell before which all births are known: a multiple of GROUP, rounded up at the end of the run."""
         if known >= self._model.distance:
             return (self._last // GROUP + 1) * GROUP
         width = float(self._constants[layout.SPACING])
@@ -126,18 +126,18 @@ class CoupledMotion:
         return end // GROUP * GROUP
 
     def _range(self, end: int) -> tuple[int, int]:
-        """Return the cells of the next range, around where the slider is."""
+        """Return the first cell and the end of the next range, around the slider."""
         cell = int(self.state.whole[layout.CELL])
         back = self.state.phase == layout.REVERSED
         needed = (cell - back) // GROUP * GROUP
         wished = needed - (self._cells // 2 if back else _BEHIND)
         carried = ceil(max(self.state.covered / float(self._constants[layout.SPACING]), -1e18) / GROUP) * GROUP
-        # No junction is drawn again for cells that are not needed yet.
+        # Junctions are drawn again only for cells that are needed now.
         begin = min(max(wished, carried), needed) if carried <= needed else wished
         return begin, min(begin + self._cells, end)
 
     def _move_in(self, begin: int, end: int) -> Generator[MotionRows, None, int]:
-        """Move within a range of cells, yield what comes to be, and return why it ended."""
+        """Move within a range of cells, yield the rows, and return the code of why the motion stopped."""
         state, constants = self.state, self._constants
         width = float(constants[layout.SPACING])
         living, births, deaths = self._living(float(begin) * width, float(end) * width)
@@ -200,7 +200,7 @@ class CoupledMotion:
         }
 
     def _living(self, begin: float, end: float) -> tuple[LiveRows, Doubles, Doubles]:
-        """Return who lives between two distances, and the first passages known of them."""
+        """Return the junctions that live between two distances, and the known first passages of births and deaths."""
         state = self.state
         carried = state.rows
         found, births, deaths = carried, state.birth_time, state.death_time
@@ -209,7 +209,7 @@ class CoupledMotion:
             before = before.at(np.flatnonzero(~np.isin(before.junction, carried.junction)))
             together = before.then(carried)
             by_birth = np.argsort(together.birth, kind="stable")
-            # A junction that is not carried any more was passed long ago.
+            # A junction that is no longer carried has been passed before.
             long_ago = np.full(len(before), -np.inf)
             found = together.at(by_birth)
             births = np.concatenate([long_ago, births])[by_birth]
@@ -218,7 +218,7 @@ class CoupledMotion:
         return found.at(wanted), births[wanted], deaths[wanted]
 
     def _note(self, living: LiveRows, births: Doubles, deaths: Doubles) -> None:
-        """Write first passages down with the rows that are carried."""
+        """Store first passages with the carried rows."""
         state = self.state
         place = np.searchsorted(state.rows.junction, living.junction)
         here = np.flatnonzero(place < len(state.rows))
@@ -228,7 +228,7 @@ class CoupledMotion:
         self.state = replace(state, birth_time=birth_time, death_time=death_time)
 
     def _forget(self) -> None:
-        """Let go of rows that lie so far behind that the slider will hardly come back to them."""
+        """Drop rows that lie so far behind that the slider will hardly come back to them."""
         state, model = self.state, self._model
         passed = ~np.isnan(state.death_time)
         death = state.rows.birth + 2.0 * state.rows.diameter
@@ -248,9 +248,10 @@ class CoupledMotion:
 
 
 def look_back(model: Model) -> float:
-    """Return how far behind the slider junctions are carried, in um: 4 psi A_rm/k + 2 V/omega_0, A_rm the exact mean.
+    """Return how far behind the slider junctions are carried (um): 4 psi A_rm/k + 2 V/omega_0, A_rm the exact mean.
 
-    Going back the slider loses energy, so that s cannot fall by more than sqrt(2 E/k) - x, some times the deflection.
+    The slider loses energy when it goes back, so s cannot fall by more than sqrt(2 E/k) - x, a few times the
+    deflection.
     """
     slider = model.slider
     if slider is None or model.strengths is None or model.sliding_speed is None:
@@ -260,7 +261,7 @@ def look_back(model: Model) -> float:
 
 
 def constants(model: Model, tolerance: float) -> Doubles:
-    """Return the numbers that stay the same through a run, at the places that `steps` and `rows` name."""
+    """Return the numbers that stay the same in a whole run, at the places in `layout`."""
     slider, strengths, speed = model.slider, model.strengths, model.sliding_speed
     if slider is None or strengths is None or speed is None:
         raise ValueError("a slider moves where there is a strength and a sliding speed")
@@ -268,11 +269,11 @@ def constants(model: Model, tolerance: float) -> Doubles:
     error = tolerance * scale
     width = coupled_spacing(model)
     if slider.damping_ratio > 1.0:
-        # It slides at about V all the time: cells are to be so fine that they may be uniform there.
+        # It always slides at about V, so cells are made fine enough to be uniform at this speed.
         finest = width * FINER
         while width > finest and speed * speed * _kink_limit(model, error, width) < 1.0:
             width *= 0.5
-    # Q may change by a fifth in uniform cells at a tolerance of 1e-9, whose error goes as its sixth power.
+    # At a tolerance of 1e-9, Q may change by a fifth in uniform cells; their error goes as its sixth power.
     bend = 0.4
     while _sixth_power(bend / 0.2) > tolerance / 1e-9:
         bend *= 0.9375
@@ -289,7 +290,7 @@ def constants(model: Model, tolerance: float) -> Doubles:
 
 
 def _kink_limit(model: Model, error: float, width: float) -> float:
-    """Return cells^3 that uniform cells may have for each um^2/s^2 of w^2: 0.3 error m/(7e-4 kink h^3)."""
+    """Return the largest cells^3 of uniform cells for each um^2/s^2 of w^2: 0.3 error m/(7e-4 kink h^3)."""
     slider, strengths = model.slider, model.strengths
     if slider is None or strengths is None:
         raise ValueError("a slider moves where there is a strength")

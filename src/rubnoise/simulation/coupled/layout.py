@@ -9,13 +9,13 @@ from rubnoise.record.rows import LandmarkKind, Phase
 MASS, STIFFNESS, DAMPING, DRIVE = range(4)
 """m, k, c and V."""
 SPACING, ROW_TIME, LIMIT, BEND_LIMIT, KINK_LIMIT, TOUCH, LONGEST = range(4, 11)
-"""Width of a cell (um), time of a row (s), largest error of a step (um); by how much of itself Q may change in uniform
-cells; cells^3 they may have for each um^2/s^2 of w^2; largest w that counts as 0 where w' = 0; longest step (s)."""
+"""Width of a cell (um), time between rows (s), largest error of a step (um); largest relative change of Q in uniform
+cells; largest cells^3 of these for each um^2/s^2 of w^2; largest w that counts as 0 if w' = 0; longest step (s)."""
 CONSTANTS: Final = 11
 
 # Whole numbers of a state.
 CELL, ROW, PHASE, REST_ROW, FRESH, BORN, DIED, ROWS, LANDMARKS = range(9)
-"""Cell; last row written; phase; the row at a stick's beginning; whether a breakaway has just been; within a call:
+"""Cell; last row written; phase; the last row before a stick; whether a breakaway has just happened; within a call:
 births and deaths passed, rows and landmarks written."""
 WHOLE: Final = 9
 
@@ -23,16 +23,16 @@ WHOLE: Final = 9
 OFFSET, DISPLACEMENT, RELATIVE, OVER, STEP = range(5)
 """Place in the cell (um), x, w, time since the last row (s), the next step in time (s)."""
 REST, REST_OVER, REST_PLACE = range(5, 8)
-"""Of a stick: how long, time since a row and x where it began."""
+"""Of a stick: its duration, and at its begin the time since the last row, and x."""
 TIME_STUCK, X_TIME, XX_TIME, VV_TIME, FRICTION_WORK, REVERSE_WORK = range(8, 14)
 """Time stuck, int x dt, int x^2 dt, int x'^2 dt, int G |ds|, and the last of these over reversals."""
 NUMBERS: Final = 14
 
 SLIP, STUCK, REVERSED = map(int, Phase)
-"""Phases, as compiled code takes them."""
+"""Phases as whole numbers, for compiled code."""
 
 STICK, BREAKAWAY, REVERSAL, FORWARD = map(int, LandmarkKind)
-"""Kinds of landmarks, as compiled code takes them."""
+"""Kinds of landmarks as whole numbers, for compiled code."""
 
 ROW_DISTANCE, ROW_FORCE, ROW_DISPLACEMENT, ROW_VELOCITY, ROW_PHASE = range(5)
 ROW_COLUMNS: Final = 5
@@ -43,7 +43,7 @@ MARK_COLUMNS: Final = 7
 """Columns of landmarks."""
 
 IN_DISTANCE, IN_TIME = range(2)
-"""What a step within a cell has for its clock."""
+"""The clock of a step within a cell: distance or time."""
 
 
 class MotionState(NamedTuple):
@@ -55,7 +55,7 @@ class MotionState(NamedTuple):
 
 
 class CellStretch(NamedTuple):
-    """The cells ``first`` ... ``end`` - 1 with three moments of G in each; the run ends ``rest`` um into ``last``."""
+    """The cells ``first`` ... ``end`` - 1 with three moments of G; the run ends ``rest`` um into the cell ``last``."""
 
     moments: Doubles
     first: int
@@ -65,14 +65,14 @@ class CellStretch(NamedTuple):
 
 
 class RowSpace(NamedTuple):
-    """Space for rows and for landmarks, a column each."""
+    """Space for rows and landmarks, one column each."""
 
     rows: Doubles
     marks: Doubles
 
 
 class Workspace(NamedTuple):
-    """The matrices of collocation, and space: of steps, of powers of a speed, of the near and far lives of a cell."""
+    """The matrices of collocation, and memory: for steps, powers of a speed, near and far lives of a cell."""
 
     table: Doubles
     work: Doubles
@@ -97,7 +97,7 @@ class SlipStart(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A step that has been found: its size in um, its duration in s, its clock, and whether that runs in time."""
+    """A step that has been found: direction, size (um), duration (s), clock, and whether that is distance or time."""
 
     way: float
     size: float

@@ -1,8 +1,8 @@
 """Slip, stick and reversal: which step comes next; compiled.
 
 A stick ends after exactly (G - f)/(k V), always forward, with w = w' = 0 and w'' = k V/m. The step that leaves w = 0 is
-made so short that w is above 0 at its end, so that nothing is looked for in it. Where w' turns upwards inside a step,
-the step is made to end there, and its minimum decides whether the slider has arrived.
+so short that w is above 0 at its end, and no standstill is searched in it. If |w| has a minimum near 0 inside a step,
+the step is made to end there, and the minimum decides whether the slider comes to rest.
 """
 
 from typing import Final
@@ -68,21 +68,21 @@ from rubnoise.simulation.coupled.steps import (
 )
 
 MOVED, DONE, AHEAD, BACK, FULL, LOST, UNFIT = range(7)
-"""What comes of a step or a call: moved on; the run is over; cells ahead, or behind, are wanted; no space for rows; no
-step is found that is right; not for steps of this kind."""
+"""Outcome of a step or a call: moved on; the run is over; cells ahead, or behind, are needed; no space for rows; no
+accurate step found; this kind of step does not fit."""
 
 _MOST_TRIES: Final = 200
 _HALVINGS: Final = 4
 _AT_ONCE: Final = 1e-12
-"""Of a cell: places that are nearer to each other than this are one."""
+"""Part of a cell: places that are nearer to each other than this count as one."""
 _NOWHERE: Final = -(1 << 62)
 
 
 @compiled_within
 def next_border(part: Part, offset: float, way: float, width: float, limit: float) -> tuple[float, int]:
-    """Return the next birth, mid-life, death or edge in a gathered cell, and the clock of a step to there.
+    """Return the place of the next birth, mid-life, death or edge in a gathered cell, and the clock of a step to it.
 
-    limit: the edge (um), if it is nearer than the cell's own, ``width``.
+    limit: where the cell's far edge is (um): at ``width``, or nearer if the run ends in the cell.
     """
     _, _, near, count, _ = part
     size, least = len(near) // 4, _AT_ONCE * width
@@ -94,7 +94,7 @@ def next_border(part: Part, offset: float, way: float, width: float, limit: floa
             place = half * across - age
             ahead = way * (place - offset)
             if ahead > least and ahead <= way * (border - offset):
-                # Forward a life ends as a root, backward it begins so.
+                # Ahead, the area falls like a root (u^1.5) to its end: to the death, or backward to the birth.
                 rooted = half == (2 if way > 0.0 else 0)
                 smooth = not rooted and (smooth or place != border)
                 border = place
@@ -110,9 +110,10 @@ def next_border(part: Part, offset: float, way: float, width: float, limit: floa
 
 @compiled_within
 def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int) -> int:
-    """Return how many cells of the grid may be taken together by a speed alone: a power of two, or 0.
+    """Return how many cells of the grid the speed alone allows to take as one: a power of two, or 0.
 
-    What the moments leave of a kink is 7e-4 h (kink h^2/(m u^2)) in the distance, and V/u times as much in x.
+    The moments do not describe a kink fully: the error is 7e-4 h (kink h^2/(m u^2)) in the distance, and V/u times that
+    in x.
     """
     most = u * u * constants[KINK_LIMIT] * min(u / constants[DRIVE], 1.0)
     cells = GROUP
@@ -126,9 +127,9 @@ def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int
 
 @compiled_within
 def couples(constants: Doubles, size: float, u: float, weak: float) -> float:
-    """Return k V h^2/(m u^3) + c h/(m u): by how much a pass over a step of a size h brings it nearer.
+    """Return k V h^2/(m u^3) + c h/(m u): the factor by which a pass over a step of size h reduces the error.
 
-    If the second part is above ``weak``, the pass is one of Newton's for it, and it weakens the first.
+    If the second term is above ``weak``, Newton's method removes it, and drag makes the first term smaller.
     """
     per_speed = size / (constants[MASS] * u)
     back, drag = per_speed * (constants[STIFFNESS] * constants[DRIVE] * size / (u * u)), per_speed * constants[DAMPING]
@@ -137,10 +138,10 @@ def couples(constants: Doubles, size: float, u: float, weak: float) -> float:
 
 @compiled_within
 def drag_fades(constants: Doubles, u: float, width: float, force: float) -> bool:
-    """Whether uniform cells are fine enough for how drag brings u to rest, after m u' has been off by a force (uN).
+    """Return whether uniform cells are fine enough for the decay of u by drag, if m u' is out of balance by ``force``.
 
-    It fades as e^-z, z = c l/(m u), and of that three nodes miss about z^4/(z^4 + 15^4): over the length m u/c it makes
-    so much of force/c in the speed, and V/u^2 times as much in x.
+    The imbalance (uN) decays as e^-z, z = c l/(m u), and three nodes miss about the part z^4/(z^4 + 15^4) of it. Over
+    the length m u/c this makes an error of that part of force/c in the speed, and V/u^2 times as much in x.
     """
     decay = constants[MASS] * u / constants[DAMPING]
     z = width / decay
@@ -151,7 +152,7 @@ def drag_fades(constants: Doubles, u: float, width: float, force: float) -> bool
 
 @compiled_within
 def take_cells(motion: MotionState, stretch: CellStretch, met: Met, out: Doubles, workspace: Workspace) -> int:
-    """Pass uniform cells from an edge of the grid: MOVED, FULL or UNFIT."""
+    """Pass uniform cells from an edge of the grid; return MOVED, FULL or UNFIT."""
     whole, numbers, constants = motion
     way = -1.0 if whole[PHASE] == REVERSED else 1.0
     cell, x, u = whole[CELL], numbers[DISPLACEMENT], abs(numbers[RELATIVE])
@@ -198,7 +199,7 @@ def take_cells(motion: MotionState, stretch: CellStretch, met: Met, out: Doubles
 def try_event_cell(
     constants: Doubles, start: SlipStart, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, int]:
-    """Return speed, size, time and clock of an event cell to a border, or of a half, a quarter ...; speed 0: none."""
+    """Try an event cell to a border, then half, a quarter ... of it; return speed (0: none fits), size, time, clock."""
     size, u = length, start.speed
     for _ in range(_HALVINGS):
         if size * abs(start.growth) <= 0.3 * u * u and couples(constants, size, u, WEAK_DRAG_OF_NODES) <= 0.3:
@@ -214,7 +215,7 @@ def try_event_cell(
 def find_time_step(
     constants: Doubles, start: SlipStart, step: float, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, float, int, bool]:
-    """Find a step in time that is right to its tolerance, ends before the border, and at w = 0 if it comes to that.
+    """Find a step in time that keeps the tolerance and ends before the border, and at w = 0 if the slider stops.
 
     Return speed, distance passed, duration, the next step to try, how it ends, and whether one has been found.
     """
@@ -256,7 +257,7 @@ def take_part(
     part: Part,
     workspace: Workspace,
 ) -> int:
-    """Pass a part of a gathered cell, or the whole of it, but not beyond ``limit`` um in it: MOVED, FULL or LOST."""
+    """Pass a gathered cell or a part of it, not beyond ``limit`` um in it; return MOVED, FULL or LOST."""
     whole, numbers, constants = motion
     out = output.rows
     way = -1.0 if whole[PHASE] == REVERSED else 1.0
@@ -304,9 +305,9 @@ def take_part(
 
 @compiled_within
 def wanting(motion: MotionState, stretch: CellStretch) -> int:
-    """Return whether cells are wanted that are not there, or the run is over: AHEAD, BACK, DONE or MOVED.
+    """Return AHEAD or BACK if the slider needs cells outside the stretch, DONE if the run is over, or else MOVED.
 
-    Cells come in groups, so that how many may be taken together does not depend on where a range ends.
+    Cells come in groups, so that the number of cells that one step takes does not depend on where a range ends.
     """
     whole, numbers, _ = motion
     _, first, end, last, rest = stretch
@@ -321,7 +322,7 @@ def wanting(motion: MotionState, stretch: CellStretch) -> int:
 
 @compiled_bare
 def advance(motion: MotionState, stretch: CellStretch, met: Met, output: RowSpace, workspace: Workspace) -> int:
-    """Move until something is wanting, and return what: DONE, AHEAD, BACK, FULL or LOST.
+    """Move until something is missing or the run is over; return DONE, AHEAD, BACK, FULL or LOST.
 
     met: the lives in the stretch, and their first passages.
     """

@@ -1,7 +1,7 @@
 """Collocation at Gauss nodes: matrices that turn values at the nodes into integrals, series and polynomials.
 
-All of them are exact ratios of the nodes' 36 digits, rounded once. What is compiled takes them as one flat `TABLE`;
-matrices lie in it by columns, so that eight sums grow together.
+All of them are exact ratios of the nodes' 36 digits, rounded once. Compiled code takes them as one flat `TABLE`, with
+matrices by columns, so that eight sums are computed together.
 """
 
 from fractions import Fraction
@@ -11,19 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 NODES: Final = 8
-"""Nodes of an event cell or a step in time."""
+"""Number of nodes of an event cell or a step in time."""
 
 PLAIN, LEFT, RIGHT, BOTH = 0, 1, 2, 3
-"""Clocks: y = q, q^2, 2q - q^2, 3q^2 - 2q^3. What goes as y^1.5 from an end is smooth in q where dy/dq is 0 there."""
+"""Clocks: y = q, q^2, 2q - q^2, 3q^2 - 2q^3. A function that goes as y^1.5 from an end is smooth in q if dy/dq is 0
+there."""
 
 INTEGRAL: Final = 0
 """TABLE: int_0^q_i of the polynomial through values at the nodes, (8, 8) by columns."""
 LEGENDRE: Final = 64
-"""TABLE: its coefficients c_n of P_n(2q - 1)."""
+"""TABLE: coefficients c_n of P_n(2q - 1) of this polynomial."""
 POWERS: Final = 128
-"""TABLE: its coefficients of (2q - 1)^n."""
+"""TABLE: coefficients of (2q - 1)^n of this polynomial."""
 WEIGHTS: Final = 192
-"""TABLE: the weights of the integral to 1."""
+"""TABLE: weights of the integral to 1."""
 CLOCKS: Final = 200
 """TABLE: y at the nodes, for each clock."""
 RATES: Final = 232
@@ -116,7 +117,7 @@ TABLE: Final = _all_matrices()
 
 
 def _three() -> tuple[tuple[tuple[float, ...], ...], ...]:
-    """Return of three nodes: themselves, weights, integrals to each, and the powers through 0, the nodes and 1."""
+    """Return three nodes, their weights, the integrals to each, and the powers through 0, the nodes and 1."""
     nodes = [(1 - _THREE) / 2, Fraction(1, 2), (1 + _THREE) / 2]
     areas = [_integrated(_through(nodes, j)) for j in range(3)]
     five = [Fraction(0), *nodes, Fraction(1)]
@@ -131,4 +132,4 @@ def _three() -> tuple[tuple[tuple[float, ...], ...], ...]:
 
 
 (THREE_NODES,), (THREE_WEIGHTS,), THREE_INTEGRALS, FIVE_POWERS = _three()
-"""Of uniform cells: nodes; weights; int_0^y_i; and coefficients of y^n through values at 0, the nodes and 1."""
+"""For uniform cells: nodes; weights; int_0^y_i; and coefficients of y^n through values at 0, the nodes and 1."""

@@ -1,4 +1,4 @@
-"""What happens at w = 0: how a step is made to end there, what follows, and the stick in closed form; compiled.
+"""The motion at w = 0: how a step is made to end there, what follows, and the stick in closed form; compiled.
 
 f = k x + c V:   |f| <= G: stick      f < -G: into reversal      f > G: forward
 """
@@ -50,7 +50,7 @@ from rubnoise.simulation.coupled.rows import write_landmark, write_row
 from rubnoise.simulation.coupled.steps import GROWTH, PUSH, SPEED, clock_at, integral_to, time_step, value_at
 
 MOVING, STOPPED, TOUCHING = range(3)
-"""How a step in time ends: with w > 0; at w = 0; and there with w' = 0, too."""
+"""How a step in time ends: with w > 0; at w = 0; at w = 0 and w' = 0."""
 
 _BISECTIONS: Final = 60
 _LANDINGS: Final = 12
@@ -58,7 +58,7 @@ _LANDINGS: Final = 12
 
 @compiled_within
 def leave_stick(motion: MotionState, output: RowSpace) -> bool:
-    """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was space."""
+    """Move the stuck slider with the drive, x = x_1 + V (t - t_1), until f = G; return whether space was enough."""
     whole, numbers, constants = motion
     step, drive, damping = constants[ROW_TIME], constants[DRIVE], constants[DAMPING]
     stiffness, begin, duration = constants[STIFFNESS], numbers[REST_PLACE], numbers[REST]
@@ -87,9 +87,9 @@ def leave_stick(motion: MotionState, output: RowSpace) -> bool:
 
 @compiled_within
 def arrive(motion: MotionState, marks: Doubles, force: float, ending: int) -> None:
-    """Decide what follows at w = 0, where the contact can bear ``force`` uN.
+    """Decide what follows at w = 0, if the contact can bear ``force`` uN.
 
-    ending: STOPPED, or TOUCHING, which makes f = G: a stick of no length, whatever rounding makes of the difference.
+    ending: STOPPED or TOUCHING. TOUCHING means f = G, a stick of no length; rounding must not make f greater.
     """
     whole, numbers, constants = motion
     f = constants[STIFFNESS] * numbers[DISPLACEMENT] + constants[DAMPING] * constants[DRIVE]
@@ -114,7 +114,7 @@ def arrive(motion: MotionState, marks: Doubles, force: float, ending: int) -> No
 
 @compiled_within
 def standstill_between(u: float, low: float, high: float, work: Doubles) -> float:
-    """Return q where u falls to 0 between two places of a step in time."""
+    """Return q at which u falls to 0 between two places of a step in time."""
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         if u + integral_to(middle, work, PUSH) > 0.0:
@@ -126,7 +126,7 @@ def standstill_between(u: float, low: float, high: float, work: Doubles) -> floa
 
 @compiled_within
 def lowest_between(low: float, high: float, work: Doubles) -> float:
-    """Return q where w' turns upwards between two places of a step in time."""
+    """Return q at which u has its minimum between two places of a step in time."""
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         if value_at(middle, work, PUSH) < 0.0:
@@ -138,9 +138,9 @@ def lowest_between(low: float, high: float, work: Doubles) -> float:
 
 @compiled_within
 def first_standstill(start: SlipStart, end: float, touch: float, workspace: Workspace) -> float:
-    """Return q where u falls to 0 first in a step in time that begins with u > 0, or touches it; 2 if nowhere.
+    """Return q at which u first falls to 0 in a step in time that begins with u > 0; 2 if it does not.
 
-    A minimum below a thousandth of the largest speed has a minus sign: the step is to end there.
+    If u only has a minimum below a thousandth of the largest speed, return minus its q: the step must end there.
     """
     table, work, u = workspace.table, workspace.work, start.speed
     before, slope_before, fastest = 0.0, start.growth, u
@@ -166,9 +166,9 @@ def first_standstill(start: SlipStart, end: float, touch: float, workspace: Work
 def land(
     constants: Doubles, start: SlipStart, duration: float, clock: int, part: Part, workspace: Workspace, ending: int
 ) -> tuple[float, float, float, int, bool]:
-    """Make a step in time end where w = 0 (STOPPED), or where w' = 0 (TOUCHING), by Newton's method in its duration.
+    """Make a step in time end at w = 0 (STOPPED) or at w' = 0 (TOUCHING), by Newton's method for its duration.
 
-    Return the speed, the distance passed, the duration, how it ends, and whether such an end has been found.
+    Return the speed, the distance passed, the duration, how the step ends, and whether such an end has been found.
     """
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     way, table, work = start.way, workspace.table, workspace.work
@@ -183,7 +183,7 @@ def land(
         slope = (way * (stiffness * place + damping * drive) - damping * after - force) / mass
         change = 0.0
         if ending == TOUCHING:
-            # w'' from the last node: good enough to come nearer and nearer to where w' = 0.
+            # w'' from the last node: accurate enough for the passes to converge to w' = 0.
             since = duration * (1.0 - clock_at(table[CLOCKS + NODES - 1], clock))
             bend = (slope - work[GROWTH + NODES - 1]) / since
             if bend > 0.0:

@@ -1,7 +1,7 @@
 """The stored motion: rows uniform in time, landmarks, and the first passage of each birth and death.
 
-Inside a step everything comes from the step's own polynomials; in uniform cells, whose moments leave out how G runs
-inside, speed and force come from the lives themselves: u^2 = u_0^2 + (2/m) int (d (k x + c V) - c u - G) dl.
+Inside a step all values come from the step's own polynomials. The moments of uniform cells do not tell the course of G
+inside, so speed and force come from the lives there: u^2 = u_0^2 + (2/m) int (d (k x + c V) - c u - G) dl.
 """
 
 from typing import Final
@@ -66,7 +66,7 @@ from rubnoise.simulation.coupled.steps import (
 )
 
 Met = tuple[Lives, int, Integers, Doubles, Doubles]
-"""Lives, their shape, their order by death, and when their births and deaths are first passed (s)."""
+"""Lives, their shape, their order by death, and the times when births and deaths are first passed (s)."""
 
 _NEWTON: Final = 40
 
@@ -75,7 +75,7 @@ _NEWTON: Final = 40
 def write_row(
     whole: Integers, out: Doubles, distance: float, force: float, displacement: float, velocity: float, phase: int
 ) -> None:
-    """Put down one row."""
+    """Write one row."""
     n = whole[ROWS]
     out[ROW_DISTANCE, n] = distance
     out[ROW_FORCE, n] = force
@@ -87,7 +87,7 @@ def write_row(
 
 @compiled_within
 def write_landmark(motion: MotionState, marks: Doubles, kind: int, before: float, after: float) -> None:
-    """Put down a landmark at the state's time and place, where w = 0; before and after: the friction force in uN."""
+    """Write a landmark at the state's time and place, where w = 0; before and after: the friction force in uN."""
     whole, numbers, constants = motion
     n = whole[LANDMARKS]
     marks[MARK_TIME, n] = float(whole[ROW]) * constants[ROW_TIME] + numbers[OVER]
@@ -102,7 +102,7 @@ def write_landmark(motion: MotionState, marks: Doubles, kind: int, before: float
 
 @compiled_within
 def pass_time(whole: Integers, numbers: Doubles, constants: Doubles, duration: float) -> None:
-    """Let time pass: whole rows are counted, and what is left over stays below one."""
+    """Advance the time: count the whole rows, and keep the rest, which is shorter than one row."""
     over = numbers[OVER] + duration
     passed = int(over / constants[ROW_TIME])
     while over >= float(passed + 1) * constants[ROW_TIME]:
@@ -135,7 +135,7 @@ def _power_value(powers: Doubles, y: float) -> float:
 
 @compiled_within
 def meet_in_cells(motion: MotionState, met: Met, first: int, width: float, powers: Doubles) -> None:
-    """Note the first passages of births and deaths in uniform cells; powers: 1/u as a polynomial in the place."""
+    """Record the first passages of births and deaths in uniform cells; powers: 1/u as a polynomial of the place."""
     whole, numbers, constants = motion
     lives, _, order, births, deaths = met
     birth, diameter, origin = lives[0], lives[1], float(first) * constants[SPACING]
@@ -157,7 +157,7 @@ def meet_in_cells(motion: MotionState, met: Met, first: int, width: float, power
 def write_cells(
     motion: MotionState, met: Met, out: Doubles, step: Step, first: int, after: float, workspace: Workspace
 ) -> None:
-    """Write the rows inside uniform cells that have just been worked out, from the state before them."""
+    """Write the rows inside uniform cells that have just been computed; the state is the one before them."""
     whole, numbers, constants = motion
     way, width, duration, powers = step.way, step.size, step.duration, workspace.powers
     lives, shape = met[0], met[1]
@@ -191,7 +191,7 @@ def write_cells(
 
 @compiled_within
 def sum_uniform(motion: MotionState, way: float, width: float, mean: float, work: Doubles) -> None:
-    """Add what uniform cells bring to the integrals over time and over the path."""
+    """Add the contribution of uniform cells to the integrals over time and over the path."""
     _, numbers, constants = motion
     drive, x = constants[DRIVE], numbers[DISPLACEMENT]
     for n in range(3):
@@ -209,7 +209,7 @@ def sum_uniform(motion: MotionState, way: float, width: float, mean: float, work
 
 @compiled_within
 def place_in_step(time: float, step: Step, work: Doubles) -> float:
-    """Return q at a time (s) after the beginning of an event cell, or of a step in time."""
+    """Return q at a time (s) after the begin of an event cell or of a step in time."""
     _, size, duration, clock, kind = step
     share = min(max(time / duration, 0.0), 1.0)
     if kind == IN_TIME:
@@ -235,7 +235,7 @@ def place_in_step(time: float, step: Step, work: Doubles) -> float:
 
 @compiled_within
 def meet_in_part(motion: MotionState, met: Met, cell: int, offset: float, step: Step) -> None:
-    """Note first passages in a step within a cell: they lie at its end, or at its beginning to within rounding."""
+    """Record first passages in a step within a cell: up to rounding they lie at the step's begin or end."""
     whole, numbers, constants = motion
     length, duration = step.size, step.duration
     lives, _, order, births, deaths = met
@@ -258,7 +258,7 @@ def meet_in_part(motion: MotionState, met: Met, cell: int, offset: float, step: 
 def write_part(
     motion: MotionState, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles
 ) -> None:
-    """Write the rows of an event cell, or of a step in time, from the state before it."""
+    """Write the rows of an event cell or of a step in time; the state is the one before it."""
     whole, numbers, constants = motion
     way, size, duration, clock, kind = step
     row_time, over, u = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE])
@@ -282,7 +282,7 @@ def write_part(
 
 @compiled_within
 def sum_part(motion: MotionState, step: Step, workspace: Workspace) -> None:
-    """Add what an event cell or a step in time brings to the integrals over time and over the path."""
+    """Add the contribution of an event cell or a step in time to the integrals over time and over the path."""
     _, numbers, constants = motion
     way, size, duration, clock, kind = step
     table, work = workspace.table, workspace.work

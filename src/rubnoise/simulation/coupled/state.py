@@ -45,11 +45,12 @@ _HEADER: Final = struct.Struct("<qd")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoupledState:
-    """A two-way slider's place in its motion.
+    """The state of a two-way slider and the junctions near it.
 
-    whole and numbers: what `motion.advance` changes, as `layout` names it; rows: junctions that the slider may still
-    meet, forward or back, in order of birth; birth_time, death_time (s): when it first passed there, nan before, and
-    -inf for the birth of one that was alive at the start; covered (um): all that live beyond it are among the rows.
+    whole and numbers: the values that `motion.advance` changes, at the places in `layout`; rows: junctions that the
+    slider may still meet, forward or back, in order of birth; birth_time, death_time (s): when it first passed a birth
+    or death, nan before that, -inf for the birth of a junction alive at the start; covered (um): rows include every
+    junction that lives beyond this distance.
     """
 
     whole: Integers
@@ -61,9 +62,9 @@ class CoupledState:
 
     @classmethod
     def start(cls, model: Model, constants: Doubles, alive: LiveRows) -> Self:
-        """Return the state at t = 0: s = 0, at rest at the model's displacement, among those alive at the start.
+        """Return the state at t = 0: s = 0, at rest at the model's displacement, with the junctions alive at the start.
 
-        The row of t = 0 is still to be written: it is one row after the last.
+        The row of t = 0 has not been written: the state is one row after the last written one.
         """
         whole, numbers = np.zeros(WHOLE, np.int64), np.zeros(NUMBERS)
         whole[ROW] = -1
@@ -77,7 +78,7 @@ class CoupledState:
             rows=alive,
             birth_time=np.where(np.signbit(alive.birth), -np.inf, np.nan),
             death_time=np.full(len(alive), np.nan),
-            # An empty contact has no past; of a stationary one those are missing that died before the start.
+            # An empty contact has no past; in a stationary one, the junctions that died before the start are missing.
             covered=0.0 if model.start == "stationary" else -np.inf,
         )
 
@@ -105,15 +106,15 @@ class CoupledState:
 
     @property
     def integrals(self) -> dict[str, float]:
-        """What has been summed up since t = 0, step by step.
+        """Integrals since t = 0, summed step by step.
 
-        Named and in units as in /balance: time_stuck; int x dt; int x^2 dt; int x'^2 dt; friction_work int G |ds| over
-        slip, and reverse_work, its part in reversal.
+        Names and units are those of /balance: time_stuck; int x dt; int x^2 dt; int x'^2 dt; friction_work, which is
+        int G |ds| over slip; and reverse_work, its part in reversal.
         """
         return {name: float(self.numbers[place]) for name, place in _INTEGRALS.items()}
 
     def pack(self) -> bytes:
-        """Return the state as bytes from which ``unpack`` makes the same bits again."""
+        """Return the state as bytes, from which ``unpack`` restores it to the bit."""
         columns = [getattr(self.rows, name) for name in CENTRED]
         arrays = [self.whole, self.numbers, *columns, self.birth_time, self.death_time]
         return _HEADER.pack(len(self.rows), self.covered) + b"".join(
@@ -122,7 +123,7 @@ class CoupledState:
 
     @classmethod
     def unpack(cls, data: bytes) -> Self:
-        """Return the state that ``pack`` wrote down."""
+        """Return the state from the bytes of ``pack``."""
         count, covered = _HEADER.unpack_from(data)
         sizes = [WHOLE, NUMBERS] + [count] * (len(CENTRED) + 2)
         found, place = [], _HEADER.size

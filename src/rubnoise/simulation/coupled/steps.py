@@ -2,14 +2,14 @@
 
     m u' = d (k x + c V) - c u - G        x = x_0 + V t - d l        l' = u
 
-Where u is far from 0, l is the better clock: with Q = u^2/2, dQ/dl = u' and dt/dl = 1/u, and G is a function of the
-clock. What couples back, k V t and c u, is weak there, so that a few passes over the same nodes are enough.
+If u is far from 0, l is the better clock: with Q = u^2/2, dQ/dl = u' and dt/dl = 1/u, and G is a function of the clock.
+The terms that couple back, k V t and c u, are then weak, so that a few passes over the same nodes are enough.
 
-`uniform_cell`  one or more cells of the grid: three exact moments of G, three Gauss nodes. What the moments leave of G
-                is orthogonal to 1, y and y^2, so that Q at the end is exact and t is right to (dQ/Q)^2 of that rest.
-`event_cell`    from a birth, mid-life, death or border of the grid to the next: eight Gauss nodes, on a clock that is
-                smooth where a life begins or ends.
-`time_step`     eight Gauss nodes in t, for what begins or ends at w = 0.
+`uniform_cell`  one or more cells of the grid: three exact moments of G, three Gauss nodes. The rest of G is orthogonal
+                to 1, y and y^2, so that Q at the end is exact, and t is exact up to (dQ/Q)^2 of this rest.
+`event_cell`    from a birth, mid-life, death or border of the grid to the next: eight Gauss nodes, on a clock in which
+                the begin or end of a life is smooth.
+`time_step`     eight Gauss nodes in t, for steps that begin or end at w = 0.
 """
 
 from typing import Any, Final
@@ -37,14 +37,14 @@ from rubnoise.simulation.coupled.quadrature import (
 )
 from rubnoise.simulation.kernels.lanes import fused, larger, load, root, spread, store
 
-# What a step leaves in ``work``: eight numbers each.
+# Results of a step in ``work``: eight numbers each.
 SPEED, PASSED, TIME, FORCE, GROWTH, PUSH, PACE = 16, 24, 32, 40, 48, 56, 64
-"""u, l, t, G and u' at the nodes; Legendre coefficients of what u or Q grows by, and of what l or t grows by."""
+"""u, l, t, G and u' at the nodes; Legendre coefficients of the rate of u or Q, and of the rate of l or t."""
 _SCRATCH: Final = 72
 _DRAG: Final = 80
 _MATRIX: Final = 88
 WORK: Final = 152
-"""Numbers of space that steps need."""
+"""Length of the scratch memory that steps need."""
 
 _MOST_PASSES: Final = 24
 _PASSES: Final = 8
@@ -53,9 +53,10 @@ _CONVERGED: Final = 1e-15
 _CONVERGED_IN_DRAG: Final = 4e-15
 
 WEAK_DRAG: Final = 0.02
-"""Size of a uniform cell over the length m u/c in which drag stops the slider: up to here passes need no Newton."""
+"""Size of a uniform cell over the length m u/c in which drag stops the slider: up to here, passes converge without
+Newton's method."""
 WEAK_DRAG_OF_NODES: Final = 0.3
-"""The same of eight nodes, in length or in time."""
+"""The same for eight nodes, in length or in time."""
 
 _UP = tuple((2.0 * n + 1.0) / (n + 1.0) for n in range(NODES))
 _DOWN = tuple(n / (n + 1.0) for n in range(NODES))
@@ -82,10 +83,10 @@ def total_of(table: Doubles, work: Doubles, at: int) -> float:
 
 @compiled_within
 def _relax(table: Doubles, work: Doubles) -> None:
-    """Solve (1 + A diag(g)) y = r for y, in place of r, A being the integrals to the nodes and g what drag makes of y.
+    """Solve (1 + A diag(g)) y = r for y, in place of r; A: the integrals to the nodes, g: the effect of drag on y.
 
-    By Gauss and Jordan, column by column. With a pass that lacks r this is Newton's method for all that is linear in
-    drag, so that a step may be long beside the length, or time, in which drag brings the slider to rest.
+    The method is Gauss-Jordan elimination, column by column. If r is the residual of a pass, this is Newton's method
+    for the terms linear in drag. So a step may be longer than the length, or time, in which drag stops the slider.
     """
     for n in range(NODES):
         store(work, _MATRIX + NODES * n, spread(work[_DRAG + n]) * load(table, INTEGRAL + NODES * n))
@@ -159,13 +160,13 @@ def _weighed(weights: tuple[float, ...], a: float, b: float, c: float) -> float:
 
 @inlined
 def _known(y: float, net: float, pull: float, slope: float, bend: float) -> float:
-    """Return int_0^y of what is known of m u' beforehand, G being the polynomial of its three moments."""
+    """Return int_0^y of the terms of m u' known beforehand; G is the polynomial with its three moments."""
     return net * y - pull * y * y - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
 
 
 @compiled_within
 def _relaxed(g: tuple[float, float, float], r: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return what `_relax` does, of three nodes."""
+    """Return the solution of `_relax` for three nodes."""
     (a, b, c), (d, e, f), (h, i, j) = THREE_INTEGRALS
     a, b, c = 1.0 + a * g[0], b * g[1], c * g[2]
     d, e, f = d * g[0], 1.0 + e * g[1], f * g[2]
@@ -185,10 +186,10 @@ def _relaxed(g: tuple[float, float, float], r: tuple[float, float, float]) -> tu
 def uniform_cell(
     constants: Doubles, start: SlipStart, width: float, moments: tuple[float, float, float], work: Doubles
 ) -> tuple[float, float]:
-    """Pass one cell, or some together; return the speed behind it and the time.
+    """Pass one cell, or several as one; return the speed behind it and the time.
 
-    moments: the three of G in the direction of travel (uN). work receives u and t at the three nodes. A
-    speed of 0 says that the cell is not for this step.
+    moments: the three of G in the direction of travel (uN). work receives u and t at the three nodes. A speed of 0
+    means that this kind of step does not fit the cell.
     """
     way, x, u = start.way, start.displacement, start.speed
     mean, slope, bend = moments
@@ -228,7 +229,7 @@ def uniform_cell(
             break
     work[SPEED], work[SPEED + 1], work[SPEED + 2] = u0, u1, u2
     work[TIME], work[TIME + 1], work[TIME + 2] = t0, t1, t2
-    # Half a pass more, for the speed at the end.
+    # Another half of a pass, for the speed at the end.
     r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
     end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
     if end <= 0.25 * energy:
@@ -253,8 +254,8 @@ def event_cell(
 ) -> tuple[float, float, float]:
     """Pass a length (um) of a gathered cell from an offset in it; return the speed behind it, the time, and an error.
 
-    The error (um) is what the last coefficient of the series makes in the displacement. A speed of 0 says that the
-    length is not for this step.
+    The error (um) is the effect of the last coefficient of the series on the displacement. A speed of 0 means that this
+    kind of step does not fit the length.
     """
     way, x, u, offset = start.way, start.displacement, start.speed, start.offset
     table, work = workspace.table, workspace.work
@@ -300,7 +301,7 @@ def event_cell(
     store(work, PUSH, load(work, _SCRATCH))
     store(work, _SCRATCH, _times(table, LEGENDRE, work, PACE))
     store(work, PACE, load(work, _SCRATCH))
-    # An error in t is one of V times as much in x at the same place.
+    # At the same place, an error in t makes one in x that is V times as large.
     late = abs(work[PACE + NODES - 1]) + abs(work[PUSH + NODES - 1]) * per_mass / (2.0 * least_energy * u)
     error = 0.03 * length * max(u, drive) * late
     return np.sqrt(2.0 * end), total, error
@@ -310,9 +311,9 @@ def event_cell(
 def time_step(
     constants: Doubles, start: SlipStart, duration: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, bool]:
-    """Go on for a duration (s) in a gathered cell: return speed, distance passed, error, and whether.
+    """Step for a duration (s) in a gathered cell; return speed, distance passed, error, and whether passes converged.
 
-    The passes begin from u' and u'' at the start. The error is as for an event cell.
+    The passes begin with u' and u'' at the start. The error is the same as for an event cell.
     """
     way, x, u, offset = start.way, start.displacement, start.speed, start.offset
     table, work = workspace.table, workspace.work

@@ -1,4 +1,4 @@
-"""The encounters in contact: sums over their overlaps, and what becomes of one whose overlap stops growing."""
+"""The encounters in contact: sums over their overlaps, and what follows when an overlap stops growing."""
 
 from typing import Final
 
@@ -8,8 +8,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare
 
 PLACE, HEIGHT, WEIGHT, SHARE, NUMBER, MADE, LARGEST = range(7)
-"""Rows of the encounters in contact: x (c) from the origin of the block, h (s_0), k, strength over the mean, its
-number; where contact was made (c, from the origin), and the largest overlap so far (s_0)."""
+"""Rows of the encounters in contact: x (c) from the origin of the block, h (s_0), k, strength over the mean, number;
+where contact was made (c, from the origin), and the largest overlap so far (s_0)."""
 COLUMNS: Final = 7
 
 RESTITUTION, IMPACT_DAMPING = range(2)
@@ -33,7 +33,7 @@ def overlap_of(contacts: Doubles, n: int, s: float, z: float) -> float:
 
 @compiled_bare
 def rate_of(contacts: Doubles, n: int, s: float, w: float, speed: float) -> float:
-    """Return how fast an overlap grows."""
+    """Return the rate at which an overlap grows."""
     return 2.0 * speed * (contacts[PLACE, n] - s) - w
 
 
@@ -49,10 +49,10 @@ def add_up(
     shares: Doubles,
     powers: Doubles,
 ) -> None:
-    """Fill sums over the encounters in contact of the coefficients of their overlaps in time, z standing still.
+    """Sum the power series in time of the overlaps of the encounters in contact, with constant z.
 
-    sums: weighed by k; shares: by strength; the coefficients of 1, t, t^2, then the sum of weights. powers: of their
-    products with their rates, weighed by k, if there is impact damping.
+    sums: weighted by k; shares: weighted by strength; each has the coefficients of 1, t, t^2, then the sum of weights.
+    powers: for the products of overlaps and their rates, weighted by k, if there is impact damping.
     """
     sums[:4] = 0.0
     shares[:4] = 0.0
@@ -81,7 +81,7 @@ def add_up(
 def load_of(
     contacts: Doubles, count: int, sliding: int, s: float, z: float, w: float, constants: Doubles
 ) -> tuple[float, float, float]:
-    """Return P (W), the sum of overlaps, and that weighed by strength, each over N."""
+    """Return P (W), the sum of overlaps, and the sum of overlaps weighted by strength, all three divided by N."""
     speed, load, overlaps, shared = constants[SPEED], 0.0, 0.0, 0.0
     for n in range(count):
         overlap = overlap_of(contacts, n, s, z)
@@ -101,8 +101,9 @@ def load_of(
 def turned(contacts: Doubles, count: int, which: int, s: float, z: float, w: float, constants: Doubles) -> float:
     """Return the weight of an encounter whose overlap has stopped growing or shrinking; -1 if its rate stays 0.
 
-    r' = -2 v^2 - z'' is lower with k = 1 than with e^2: it grows if even that is positive, shrinks if even the
-    other is negative, and stays between (Filippov, Differential Equations with Discontinuous Righthand Sides, 1988).
+    r' = -2 v^2 - z'' is lower with k = 1 than with k = e^2. If it is positive even with 1, the overlap grows; if it is
+    negative even with e^2, the overlap shrinks; otherwise the rate stays 0 (Filippov, Differential Equations with
+    Discontinuous Righthand Sides, 1988).
     """
     rest, overlap = 0.0, overlap_of(contacts, which, s, z)
     for n in range(count):
@@ -121,9 +122,9 @@ def turned(contacts: Doubles, count: int, which: int, s: float, z: float, w: flo
 def slides_until(
     contacts: Doubles, count: int, which: int, s: float, z: float, w: float, constants: Doubles
 ) -> tuple[float, float]:
-    """Return for how long the rate of an overlap stays 0, and the weight with which it then goes on.
+    """Return for how long the rate of an overlap stays 0, and the weight of the encounter after that.
 
-    Overlaps are linear in time there: z'' = -2 v^2 bends as each summit does.
+    Overlaps are linear in time meanwhile, because z'' = -2 v^2 is also the curvature of each summit.
     """
     speed, live = constants[SPEED], 1.0 / constants[PER_LIVE]
     own = overlap_of(contacts, which, s, z)

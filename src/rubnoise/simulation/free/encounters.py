@@ -1,7 +1,7 @@
-"""Encounters: summits at the places of a Poisson process with heights of density exp(-h), any stretch drawn by itself.
+"""Encounters: summits at the places of a Poisson process, with heights of density exp(-h); each block is drawn alone.
 
-Heights are drawn in layers: all above a lowest one, then whole units of s_0 downward. A layer is a stream of blocks of
-its own, so that drawing a deeper one changes nothing of those above.
+Heights are drawn in layers: first all above a lowest height, then whole units of s_0 downward. Each layer has its own
+stream for each block, so that drawing a deeper layer changes nothing in those above.
 """
 
 from dataclasses import dataclass
@@ -17,24 +17,24 @@ from rubnoise.contact.deviates import exponential
 from rubnoise.streams import Stream, generator
 
 HIGHEST: Final = 37
-"""Units of s_0 that a height may lie above the lowest of its layer: -ln 2^-53 is 36.7."""
+"""Upper bound of heights above the lowest one of their layer, in units of s_0: -ln 2^-53 is 36.7."""
 
 LAYERS: Final = 64
-"""Layers at most; the deepest has e^63 times the encounters of the first."""
+"""Largest number of layers; the deepest has e^63 times the encounters of the first."""
 
 _FIRST_BLOCK: Final = 2**20
-"""Blocks before the start have numbers below this."""
+"""Number of block 0 in the streams; blocks before the start have lower numbers."""
 
 _PER_ROOT_PI: Final = float.fromhex("0x1.20dd750429b6dp-1")
 """1/sqrt(pi)."""
 
 _WITHIN_A_UNIT: Final = float.fromhex("0x1.43a54e4e98864p-1")
-"""1 - 1/e: how much of exp(-h) lies within one unit of s_0."""
+"""1 - 1/e: the part of exp(-h) within one unit of s_0."""
 
 _E: Final = float.fromhex("0x1.5bf0a8b145769p+1")
 
 _FEWEST: Final = 1000.0
-"""Encounters of the first layer in a block, about."""
+"""Smallest expected number of encounters of the first layer in a block."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,15 +46,16 @@ class Encounters:
     number: NDArray[np.int64]
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of encounters."""
         return self.place.size
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RoughSurface:
-    """A surface of which any stretch can be drawn: N, the seed, and blocks of so many ticks (each of ``tick`` c).
+    """A surface of which any block can be drawn.
 
-    base: how many units of s_0 the first layer reaches below 0.
+    live: N; tick: length of a tick (c); ticks: number of ticks in a block; base: depth of the first layer below 0, in
+    units of s_0.
     """
 
     live: float
@@ -65,7 +66,10 @@ class RoughSurface:
 
     @classmethod
     def of(cls, live: float, seed: int, tick: float) -> "RoughSurface":
-        """Return the surface with some thousand encounters to a block; light sliders sink deep: e^base > 5 + 25/N."""
+        """Return the surface, with about a thousand encounters per block; base is the least with e^base >= 5 + 25/N.
+
+        Base depends on N because a light slider sinks deep.
+        """
         base = 1
         while _power(base) < 5.0 + 25.0 / live:
             base += 1
@@ -78,11 +82,11 @@ class RoughSurface:
         return float(self.ticks) * self.tick
 
     def bottom(self, layers: int) -> float:
-        """Return the lowest height that so many layers hold."""
+        """Return the lowest height in the first ``layers`` layers."""
         return float(-(self.base + layers - 1))
 
     def around(self, block: int, layers: int) -> Encounters:
-        """Return all encounters that a slider above the bottom can touch within a block, from its origin."""
+        """Return all encounters that a slider above the bottom can touch in a block; places are from its origin."""
         reach = ceil(sqrt(HIGHEST + layers) / self.length)
         found = [
             (drawn.place + float(offset) * self.length, drawn.height, drawn.number)
@@ -95,13 +99,13 @@ class RoughSurface:
 
 
 def _rate(live: float, base: int, layer: int) -> float:
-    """Return encounters of a layer per c: (N/sqrt(pi)) times the integral of exp(-h) over its heights."""
+    """Return the number of encounters of a layer per c: (N/sqrt(pi)) times the integral of exp(-h) over its heights."""
     above = _power(base + layer - 1) if layer else 0.0
     return live * _PER_ROOT_PI * (_power(base + layer) - above)
 
 
 def _power(exponent: int) -> float:
-    """Return e^exponent by multiplication, for equal bits everywhere."""
+    """Return e^exponent by multiplication, so that the bits are equal everywhere."""
     power = 1.0
     for _ in range(exponent):
         power *= _E
@@ -121,7 +125,7 @@ def _drawn(surface: RoughSurface, block: int, layer: int) -> Encounters:
         gaps = np.concatenate([gaps, exponential(stream.random(count)) / rate])
         place = np.add.accumulate(gaps)
     place = place[place < length]
-    # A stream of its own, so that how many gaps were drawn at a time changes no height.
+    # Heights have their own stream, so that they do not depend on how many gaps are drawn at a time.
     uniform = generator(surface.seed, Stream.HEIGHTS, (_FIRST_BLOCK + block) * LAYERS + layer).random(place.size)
     lowest = surface.bottom(layer + 1)
     height = lowest + exponential(uniform if layer == 0 else uniform * _WITHIN_A_UNIT)

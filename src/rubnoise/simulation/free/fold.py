@@ -1,4 +1,4 @@
-"""A run of a free slider as a fold: block by block from a state to the next, with the rows that came to be."""
+"""A run of a free slider as a fold: block by block from one state to the next, with the rows of each block."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,12 +19,12 @@ _ROOM: Final = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeContact:
-    """What decides a free motion, in the units c, s_0, 1/omega_c, W.
+    """The parameters of a free motion, in the units c, s_0, 1/omega_c, W.
 
     live: N, mean number of live junctions at z = 0; speed: v; damping_ratio: of the dashpot beside the contact, 0 for
-    none; restitution: e, or else impact_damping: beta s_0 omega_c; tick: in c. slider: drag and spring over mass of a
-    slider along the surface, driven by the sum of strengths times overlaps over N, and where it starts at rest; spring
-    0 is none.
+    none; restitution: e, or else impact_damping: beta s_0 omega_c; tick: in c. slider: drag over mass, spring over mass
+    and start displacement of a slider along the surface, which starts at rest and is driven by (1/N) sum of strengths
+    times overlaps; without a slider, the spring is 0.
     """
 
     live: float
@@ -36,7 +36,7 @@ class FreeContact:
     slider: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def constants(self) -> Doubles:
-        """Return the numbers of a run, as `contacts` names them."""
+        """Return the constants of a run, at the places in `contacts`."""
         found = np.zeros(held.CONSTANTS)
         free = self.restitution is None
         found[held.LAW] = held.IMPACT_DAMPING if free else held.RESTITUTION
@@ -51,7 +51,7 @@ class FreeContact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeState:
-    """Where a free slider is at the start of a block: numbers as `contacts` names them, and who is in contact."""
+    """The state of a free slider at the start of a block: numbers and encounters in contact, as in `contacts`."""
 
     block: int
     sliding: int
@@ -60,13 +60,13 @@ class FreeState:
     contacts: Doubles
 
     def pack(self) -> bytes:
-        """Return the state as bytes from which ``unpack`` makes the same bits again."""
+        """Return the state as bytes, from which ``unpack`` restores it to the bit."""
         whole = np.array([self.block, self.sliding, self.fresh], "<i8")
         return whole.tobytes() + self.numbers.astype("<f8").tobytes() + self.contacts.astype("<f8").tobytes()
 
     @classmethod
     def unpack(cls, data: bytes) -> Self:
-        """Return the state that ``pack`` wrote down."""
+        """Return the state from the bytes of ``pack``."""
         block, sliding, fresh = np.frombuffer(data, "<i8", 3).tolist()
         numbers = np.frombuffer(data, "<f8", offset=24).astype(float)
         contacts = numbers[held.NUMBERS :].reshape(held.COLUMNS, -1)
@@ -75,10 +75,11 @@ class FreeState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeRows:
-    """What came to be in a block, columns as `motion` names them; places count from the origin of the block.
+    """The rows of a block, with columns as in `motion`; places count from the origin of the block.
 
-    ticks (8, n): the motion at each; touches (6, n): from contact made to lost, in order of loss; marks (5, n): where
-    the last contact was lost and the first was made; layers: of encounters that it took.
+    ticks (8, n): the motion at each tick; touches (6, n): from contact made to contact lost, in order of loss; marks
+    (5, n): where the last contact was lost and the first was made; steps: number of steps; layers: number of layers of
+    encounters that were needed.
     """
 
     block: int
@@ -90,7 +91,7 @@ class FreeRows:
 
 
 class FreeRun:
-    """A free slider on its way; ``state`` is where it is."""
+    """A moving free slider; ``state`` is its present state."""
 
     def __init__(
         self,
@@ -100,14 +101,14 @@ class FreeRun:
         strengths: Law | None = None,
         layers: int = 1,
     ) -> None:
-        """Begin at z = z' = 0, or go on from a state. strengths: of encounters, all equal without; layers: at least."""
+        """Begin at z = z' = 0, or continue from ``state``; strengths: of encounters (None: equal); layers: at least."""
         self.surface = RoughSurface.of(contact.live, seed, contact.tick)
         self._contact, self._strengths, self._layers = contact, strengths, layers
         self._constants = contact.constants()
         self.state = self._start() if state is None else state
 
     def through(self, ticks: int) -> Iterator[FreeRows]:
-        """Yield block by block up to a tick; raises RubnoiseError if the motion cannot go on."""
+        """Yield the rows block by block up to a tick; raise RubnoiseError if the motion cannot continue."""
         last = ticks // self.surface.ticks
         while self.state.block <= last:
             left = ticks - self.state.block * self.surface.ticks
@@ -138,7 +139,7 @@ class FreeRun:
         return self.surface.around(block, layers)
 
     def _shares(self, number: Integers) -> Doubles:
-        """Return strengths of encounters over their mean: from a stream of their own, by number."""
+        """Return the strengths of encounters over their mean, drawn from their own stream by the numbers."""
         if self._strengths is None or not number.size:
             return np.ones(number.size)
         drawn = [
@@ -152,7 +153,7 @@ class FreeRun:
         return shares
 
     def _pool(self, layers: int) -> tuple[Doubles, Doubles]:
-        """Return the pool of the block, and for each encounter whether it is in contact."""
+        """Return the pool of the block, and the numbers of its encounters."""
         around, bottom = self._around(self.state.block, layers), self.surface.bottom(layers)
         half = np.sqrt(around.height - bottom)
         near = np.flatnonzero((around.place + half >= 0.0) & (around.place - half <= self.surface.length))

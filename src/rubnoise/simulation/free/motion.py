@@ -1,4 +1,4 @@
-"""From event to event through a block: contact made and lost, overlaps that stop growing, and what is written of it."""
+"""From event to event through a block: contact made and lost, overlaps that stop growing, and the rows written."""
 
 from typing import Any, Final
 
@@ -52,9 +52,9 @@ from rubnoise.simulation.free.series import (
 )
 
 COUNT, SLIDING, FRESH, NEXT, LISTED, NEXT_TICK, TOUCHES, MARKS, STEPS, IDLE = range(10)
-"""Whole numbers: encounters in contact; which of them slides along its step, and which has just turned, -1 for none;
-the next encounter of the pool to be listed, and how many are; the next tick; rows of the output; steps, and how many of
-the last took no time."""
+"""Whole numbers: number of encounters in contact; the one that slides along its step, and the one that has just turned
+(-1: none); the next encounter of the pool to be listed, and the number listed; the next tick; rows of touches and of
+marks; steps, and how many of the latest took no time."""
 WHOLE: Final = 10
 
 POOL_PLACE, POOL_HEIGHT, POOL_SHARE, POOL_NUMBER, ENTRY, LEAVE = range(6)
@@ -62,10 +62,11 @@ POOL_PLACE, POOL_HEIGHT, POOL_SHARE, POOL_NUMBER, ENTRY, LEAVE = range(6)
 POOL: Final = 6
 
 REACH: Final = 2.0
-"""How far (c) a step goes at most, for which encounters are listed in advance."""
+"""Largest distance of a step (c); encounters are listed that far ahead."""
 
 DONE, FULL, DEEPER, LOST = range(4)
-"""Why a stretch ended: its end; space ran out; the separation would fall below the pool's bottom; nothing moves."""
+"""Why `advance` returned: the end was reached; space ran out; the separation would fall below the pool's bottom; the
+motion stands still."""
 
 TOUCH_NUMBER, TOUCH_MADE, TOUCH_LOST, TOUCH_LARGEST, TOUCH_HEIGHT, TOUCH_SHARE = range(6)
 TOUCH_COLUMNS: Final = 6
@@ -120,7 +121,7 @@ def _mark(whole: Integers, marks: Doubles, kind: int, speed: float, numbers: Dou
 
 @compiled_bare
 def _touch(whole: Integers, contacts: Doubles, pool: Doubles, which: int, numbers: Doubles) -> None:
-    """Take an encounter of the pool into contact, whose overlap is 0 and grows."""
+    """Move an encounter of the pool, whose overlap is 0 and grows, into contact."""
     n = whole[COUNT]
     contacts[PLACE, n], contacts[HEIGHT, n] = pool[POOL_PLACE, which], pool[POOL_HEIGHT, which]
     contacts[SHARE, n], contacts[NUMBER, n] = pool[POOL_SHARE, which], pool[POOL_NUMBER, which]
@@ -130,7 +131,7 @@ def _touch(whole: Integers, contacts: Doubles, pool: Doubles, which: int, number
 
 @compiled_bare
 def _break(whole: Integers, contacts: Doubles, which: int, place: float, touches: Doubles) -> None:
-    """Write the row of a touch that ends, and close the gap that it leaves."""
+    """Write the row of a touch that ends, and remove its encounter from those in contact."""
     row = whole[TOUCHES]
     touches[TOUCH_NUMBER, row], touches[TOUCH_MADE, row] = contacts[NUMBER, which], contacts[MADE, which]
     touches[TOUCH_LOST, row], touches[TOUCH_LARGEST, row] = place, contacts[LARGEST, which]
@@ -149,7 +150,7 @@ def _break(whole: Integers, contacts: Doubles, which: int, place: float, touches
 
 @compiled_bare
 def _list(whole: Integers, pool: Doubles, touching: Any, listed: Any, s: float) -> None:
-    """List encounters that a step may reach, and forget those behind."""
+    """List the encounters that a step may reach, and remove those behind."""
     kept = 0
     for n in range(whole[LISTED]):
         which = listed[n]
@@ -167,7 +168,7 @@ def _list(whole: Integers, pool: Doubles, touching: Any, listed: Any, s: float) 
 def _prepare(
     numbers: Doubles, whole: Integers, constants: Doubles, contacts: Doubles, longest: float, work: Doubles
 ) -> float:
-    """Fill the series of a step and return how long it may be, ``longest`` at most."""
+    """Fill the series of a step and return the step's largest duration, at most ``longest``."""
     series, pushed = work[WORK_SERIES : WORK_SERIES + ORDER + 1], work[WORK_PUSHED : WORK_PUSHED + ORDER + 1]
     sums, shares = work[WORK_SUMS : WORK_SUMS + 4], work[WORK_SHARES : WORK_SHARES + 4]
     powers = work[WORK_POWERS : WORK_POWERS + 4]
@@ -195,7 +196,7 @@ def _prepare(
 
 @compiled_bare
 def _begin_fresh(f_slope: float, f_bend: float, third: float, fourth: float, step: float) -> float:
-    """Return up to when the rate of an overlap that has just turned, 0 at first, cannot have come back to 0."""
+    """Return the time before which the rate of an overlap that has just turned cannot be 0 again."""
     begin = 1e-9 * step
     if f_slope < 0.0 and third > 0.0:
         begin = max(begin, -2.0 * f_slope / third)
@@ -217,7 +218,7 @@ def _next_event(  # noqa: C901, PLR0912  (two loops of compiled code, which shar
     step: float,
     series: Doubles,
 ) -> tuple[int, int, float]:
-    """Return what happens first within a step, to which encounter, and when; -1 if the pool is not deep enough."""
+    """Return the first event in a step, its encounter, and its time; -1 if the pool is not deep enough."""
     s, z, w, speed = numbers[S], numbers[Z], numbers[W], constants[SPEED]
     least, most, third, fourth = bounds(series, step)
     event, which, when = _NOTHING, -1, step
@@ -273,7 +274,7 @@ def _next_event(  # noqa: C901, PLR0912  (two loops of compiled code, which shar
 def _note_largest(
     numbers: Doubles, count: int, speed: float, contacts: Doubles, third: float, series: Doubles, when: float
 ) -> None:
-    """Keep the largest overlap that each encounter in contact has had, also where it stops growing within a step."""
+    """Update the largest overlap of each encounter in contact, also if it stops growing within the step."""
     s, z, w = numbers[S], numbers[Z], numbers[W]
     for n in range(count):
         ahead = contacts[PLACE, n] - s
@@ -301,9 +302,9 @@ def advance(  # noqa: C901, PLR0912, PLR0915  (one loop of compiled code: read f
     out: tuple[Doubles, Doubles, Doubles],
     work: Doubles,
 ) -> int:
-    """Move until the place ``end`` (c from the block's origin), and write the ticks before ``end_tick``.
+    """Move to the place ``end`` (c from the block's origin), and write the ticks before ``end_tick``.
 
-    Return DONE, or why it stopped before: then the state is that of the last event.
+    Return DONE, or the reason for stopping earlier; the state is then that of the last event.
     """
     ticks, touches, marks = out
     series, pushed = work[WORK_SERIES : WORK_SERIES + ORDER + 1], work[WORK_PUSHED : WORK_PUSHED + ORDER + 1]

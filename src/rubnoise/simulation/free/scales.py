@@ -1,4 +1,4 @@
-"""The units of free motion for a model: c, s_0, 1/omega_c and W, and what a run is in them; compiles nothing."""
+"""The units of free motion for a model, c, s_0, 1/omega_c and W, and the parameters of a run in them; no compiling."""
 
 from dataclasses import dataclass
 from math import sqrt
@@ -13,7 +13,7 @@ _FOUR_PER_PI: Final = float.fromhex("0x1.45f306dc9c883p+0")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scales:
-    """c and s_0 in um, omega_c in 1/s, W in uN; N; and in these units the tick and the speed v = V/(c omega_c)."""
+    """c and s_0 in um, omega_c in 1/s, W in uN; N; and, in these units, the tick and the speed v = V/(c omega_c)."""
 
     length: float
     height: float
@@ -40,5 +40,5 @@ class Scales:
         )
 
     def surface(self, seed: int) -> RoughSurface:
-        """Return the summits over which the slider goes."""
+        """Return the surface over which the slider moves."""
         return RoughSurface.of(self.live, seed, self.tick)

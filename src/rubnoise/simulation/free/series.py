@@ -1,9 +1,9 @@
-"""Power series of a step, in the time since its start, and first times at which something in it reaches 0.
+"""Power series of a step, in the time since its start, and the first time at which a function of it reaches 0.
 
 While the same encounters are in contact with the same weights, the force is linear in z and quadratic in s (with impact
-damping also bilinear in overlaps and their rates), so coefficients follow one from another. A step is so short that
-what they leave out is below rounding. A first time is found from the left: with f < 0 and f'' <= most, f stays below
-0 up to the root of f + f' x + most x^2/2, from which the search goes on; so none is passed over.
+damping also bilinear in overlaps and their rates), so that each coefficient follows from those before. A step is so
+short that the terms left out are below rounding. A first time is searched from the left: with f < 0 and f'' <= most, f
+stays below 0 up to the root of f + f' x + most x^2/2, where the search continues. So no time is missed.
 """
 
 from typing import Final
@@ -17,7 +17,8 @@ ORDER: Final = 16
 """Degree of the series."""
 
 TURN: Final = 0.5
-"""Omega times a step at most: coefficients of the linear motion fall at least as Omega^n/n!, the rest is 1e-20."""
+"""Largest value of Omega times a step: coefficients of the linear motion fall at least as Omega^n/n!, and the terms
+left out are 1e-20."""
 
 ROUNDING: Final = 2.0**-54
 
@@ -30,8 +31,8 @@ def motion_series(
 ) -> None:
     """Fill the coefficients of z - z(0): z'' = (P_linear + growth sum delta delta')/N - 1 - drag z'.
 
-    sums: of the overlaps in contact, weighed, the coefficients of 1, t, t^2 without the motion of z, and the sum of
-    weights; powers: four of their products with their rates.
+    sums: coefficients of 1, t, t^2 of the weighted overlaps in contact with constant z, and the sum of weights; powers:
+    four coefficients of their products with their rates.
     """
     series[0], series[1] = 0.0, velocity
     for n in range(ORDER - 1):
@@ -66,7 +67,7 @@ def pushed_series(
     z: Doubles,
     series: Doubles,
 ) -> None:
-    """Fill the coefficients of x: x'' + drag x' + spring x = the sum of shares times overlaps, over N."""
+    """Fill the coefficients of x, with x'' + drag x' + spring x = (1/N) sum of shares times overlaps."""
     series[0], series[1] = place, velocity
     for n in range(ORDER - 1):
         force = -sums[3] * z[n]
@@ -104,7 +105,7 @@ def value(series: Doubles, time: float) -> float:
 
 @inlined
 def rate(series: Doubles, time: float) -> float:
-    """Return its first derivative."""
+    """Return the first derivative of the series at a time."""
     total = float(ORDER) * series[ORDER]
     for n in range(ORDER - 1, 0, -1):
         total = total * time + float(n) * series[n]
@@ -113,7 +114,7 @@ def rate(series: Doubles, time: float) -> float:
 
 @compiled_bare
 def rate_of_rate(series: Doubles, time: float) -> float:
-    """Return its second derivative."""
+    """Return the second derivative of the series at a time."""
     total = float(ORDER * (ORDER - 1)) * series[ORDER]
     for n in range(ORDER - 1, 1, -1):
         total = total * time + float(n * (n - 1)) * series[n]
@@ -122,7 +123,7 @@ def rate_of_rate(series: Doubles, time: float) -> float:
 
 @compiled_bare
 def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
-    """Return the least and the largest z'' within a step, the largest |z'''|, and the largest |z''''|, or beyond."""
+    """Return bounds within a step: of z'' from below and above, of |z'''| and of |z''''|."""
     power, bend, third, fourth = 1.0, 0.0, 6.0 * abs(series[3]), 24.0 * abs(series[4])
     for n in range(3, ORDER + 1):
         size = abs(series[n]) * power
@@ -137,7 +138,7 @@ def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
 
 @inlined
 def _ahead(f: float, slope: float, most: float) -> float:
-    """Return the smallest x > 0 at which f + slope x + most x^2/2 reaches 0 from f <= 0; 0 if it is there."""
+    """Return the smallest x > 0 at which f + slope x + most x^2/2 reaches 0 from f <= 0; 0 if f is 0 and grows."""
     if f >= 0.0:
         if slope > 0.0:
             return 0.0
@@ -157,7 +158,7 @@ def overlap_zero(
 ) -> float:
     """Return when an overlap reaches 0 from below (way 1) or from above (way -1) within a step; inf if it does not.
 
-    ahead: x - s at the start; most: the largest second derivative of way times the overlap.
+    ahead: x - s at the start; most: an upper bound of the second derivative of way times the overlap.
     """
     time = 0.0
     for _ in range(_MOST_TRIES):
@@ -176,7 +177,7 @@ def overlap_zero(
 def rate_zero(
     ahead: float, level: float, speed: float, way: float, third: float, begin: float, series: Doubles, step: float
 ) -> float:
-    """Return when way times (r - level) reaches 0 from below, r the rate of an overlap, after ``begin`` in a step."""
+    """Return when way times (r - level) reaches 0 from below after ``begin`` in a step; r: the rate of an overlap."""
     time, most = begin, third
     if time >= step:
         return np.inf

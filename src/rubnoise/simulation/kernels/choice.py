@@ -1,4 +1,4 @@
-"""Which way lives are summed: the one door to the compiled loops."""
+"""The choice of the method by which lives are summed; all compiled loops are called from here."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -27,26 +27,26 @@ _NOTHING: Final = np.empty(0)
 _Way = Callable[[Grid, LiveRows, Doubles, Doubles, Doubles, "Scratch"], None]
 
 _LONG: Final = 1024
-"""Cells that cost as much as to look at two stretches of lives, and not at one."""
+"""Cells that cost about as much as summing two stretches of lives instead of one."""
 
 
 class Scratch:
-    """Memory that is used again from panel to panel: new memory would cost more than what is done in it."""
+    """Memory that is used again for each tick range: new memory would cost more than the work done in it."""
 
     def __init__(self, at_once: int) -> None:
-        """Ask for so many numbers when there is the first need of any."""
+        """Allocate nothing yet; the first use allocates at least ``at_once`` numbers."""
         self._at_once = at_once
         self._moments = np.empty(0)
         self._zeros = np.empty(0)
 
     def numbers(self, count: int) -> Doubles:
-        """Return so many numbers, whatever they are, in place of those returned before."""
+        """Return ``count`` numbers of any value; they share the memory of those returned before."""
         if self._moments.size < count:
             self._moments = np.empty(max(count, self._at_once))
         return self._moments[:count]
 
     def zeros(self, count: int) -> Doubles:
-        """Return so many zeros, to be left as zeros, in place of those returned before."""
+        """Return ``count`` zeros in the memory of those returned before; the caller must leave them zero."""
         if self._zeros.size < count:
             self._zeros = np.zeros(max(count, self._at_once))
         return self._zeros[:count]
@@ -54,10 +54,11 @@ class Scratch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Deposited:
-    """What lives add up to at the positions wanted of a grid.
+    """Sums over lives at the positions wanted of a grid.
 
     total: the sum of weight times area over d^2 at each; moments (3, positions): the Legendre moments of that sum,
-    int sum P_i(2y - 1) dy, over the cell that ends there, in units of the spacing. What was not asked for is empty.
+    int sum P_i(2y - 1) dy, over the cell that ends there, in units of the spacing. An array that is not wanted is
+    empty.
     """
 
     total: Doubles
@@ -67,11 +68,11 @@ class Deposited:
 def deposit(
     shape: Shape, grid: Grid, rows: LiveRows, weight: Doubles, scratch: Scratch | None, *, areas: bool = True
 ) -> Deposited:
-    """Add up lives of a shape, each with its weight, in order of birth.
+    """Sum lives of one shape, each with its weight, in order of birth.
 
     With the weight d^2 the total is the real contact area (um^2), with psi d^2 (MPa um^2) the friction force (uN). A
-    life counts while birth <= s < departure. ``scratch``: if moments are wanted; they hold until it is used again.
-    ``areas``: whether the total is wanted.
+    life counts while birth <= s < departure. ``scratch``: memory for the moments, if they are wanted; they are valid
+    until it is used again. ``areas``: whether the total is wanted.
     """
     size = grid.position.size
     total = np.empty(size if areas else 0)
@@ -87,7 +88,7 @@ def deposit(
 def _deposit_lenses(
     grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
-    """Lives of many positions that take their course are summed as series, all others position by position."""
+    """Sum whole lives of many positions as series, and all others position by position."""
     if not np.any(rows.diameter >= FINEST * grid.spacing):
         total[:] = 0.0
         _deposit_coarse(grid, grid.cells(), rows, weight, total, moments, scratch, added=0)
@@ -95,7 +96,7 @@ def _deposit_lenses(
     rest = _deposit_fine(grid, rows, weight, total, moments)
     if rest.size:
         others, other_weight = rows.at(rest), weight[rest]
-        # What would end a series early has no place in this way: its area is summed as that of the others.
+        # A series cannot end early, so the areas of fine lives that were ended early are summed like the others.
         narrow = others.diameter >= FINEST * grid.spacing
         if narrow.any():
             _deposit_with_narrow(grid, others, other_weight, narrow, total, moments, scratch)
@@ -106,7 +107,7 @@ def _deposit_lenses(
 
 
 def _deposit_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> NDArray[np.int64]:
-    """Begin with lives of many positions that take their course; return the rows of the others."""
+    """Start the sums with the whole lives of many positions; return the rows of the others."""
     return deposit_fine_lives(
         grid.position,
         grid.origin,
@@ -135,7 +136,7 @@ def _deposit_coarse(
     unit: float | None = None,
     added: int = 1,
 ) -> None:
-    """Add lives position by position, in the cells between some edges; the unit of moments is the spacing, or given."""
+    """Add lives position by position, in the cells between ``edges``; unit: of the moments, else the spacing."""
     deposit_coarse_lives(
         grid.position,
         unit or grid.spacing,
@@ -161,9 +162,9 @@ def _deposit_with_narrow(
     moments: Doubles,
     scratch: Scratch,
 ) -> None:
-    """Add lives of which some have many positions and ended early: their moments come from quadrature.
+    """Add lives; those marked ``narrow`` have many positions and were ended early: their moments come from quadrature.
 
-    Over a small part of a life differences of its integrals would lose what the cell is to gain.
+    A cell is so small a part of such a life that differences of its integrals would lose too many digits.
     """
     if total.size:
         _deposit_coarse(grid, grid.cells(), rows, weight, total, _NOTHING, scratch)
@@ -178,7 +179,7 @@ def _deposit_with_narrow(
 
 
 def _polynomial(lives: ModuleType) -> _Way:
-    """Return the way of lives that are polynomials but for their kinks, at any position and in any cell."""
+    """Return the method for lives that are polynomials except at kinks; it works at any position and in any cell."""
 
     def deposit_polynomials(
         grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
@@ -201,7 +202,7 @@ def _polynomial(lives: ModuleType) -> _Way:
 def _deposit_chords(
     grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
-    """Passes of parabolas off the centre line are parabolas of smaller diameters, sqrt(d^2 - b^2)."""
+    """Sum parabolas off the centre line: they are centred parabolas of smaller diameters, sqrt(d^2 - b^2)."""
     chord = rows.half_life
     share = weight * (chord / rows.diameter) * (chord / rows.diameter)
     _WAYS["parabola"](grid, replace(rows, diameter=chord, offset=None), share, total, moments, scratch)
@@ -210,9 +211,9 @@ def _deposit_chords(
 def _deposit_off_centre(
     grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
-    """Passes off the centre line are summed as series far from ends and turns, position by position elsewhere.
+    """Sum lenses off the centre line: as series far from ends and turns, position by position elsewhere.
 
-    Areas of lives of few positions are summed position by position: their series are for their moments alone.
+    Areas of lives of few positions are also summed position by position; series only give their moments.
     """
     del scratch
     if rows.offset is None:
@@ -234,9 +235,9 @@ def _deposit_off_centre(
 
 
 def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:
-    """Yield the rows by stretches between which nothing lives for long.
+    """Yield the rows in stretches, with long gaps between them in which none of them lives.
 
-    A few lives, as when some are coarser than others, should not cost a pass over all cells.
+    So a few lives, for example when only some are coarse, do not cost a pass over all cells.
     """
     last_death = np.maximum.accumulate(rows.death)
     borders = np.flatnonzero(rows.birth[1:] - last_death[:-1] > _LONG * grid.spacing) + 1
@@ -245,7 +246,7 @@ def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:
 
 
 def _edges_in_reach(grid: Grid, rows: LiveRows) -> slice:
-    """Return the indices of the edges of those cells wanted in which any of the lives can be."""
+    """Return the indices of the edges of those wanted cells in which any of the lives can be."""
     cells = grid.cells()
     edges = grid.position[cells]
     first = max(int(np.searchsorted(edges, rows.birth.min())) - 1, 0)

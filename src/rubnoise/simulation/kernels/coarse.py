@@ -1,8 +1,8 @@
 """Lenses position by position, eight positions together: for lives of few positions, and for those ended early.
 
-The area and its running integrals J1, J2, J3 are worked out at each position of a life from the polynomials of
-`rubnoise.simulation.kernels.lens`; differences of the integrals over a cell are its moments. As lives come in order of
-birth, cells that lie before a birth are complete, and are worked out while their integrals are still at hand.
+The area and its running integrals J1, J2, J3 are computed at each position of a life from the polynomials of
+`rubnoise.simulation.kernels.lens`; the moments over a cell are differences of the integrals. Lives come in order of
+birth, so the cells before a birth are complete, and their moments are computed while the integrals are in the cache.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ from rubnoise.simulation.kernels.lens import (
 )
 
 AT_ONCE = 1024
-"""Cells that are worked out at a time: so many integrals stay in the processor's cache."""
+"""Cells whose moments are computed at a time: few enough for the integrals to stay in the processor's cache."""
 
 
 @compiled_bare
@@ -52,12 +52,12 @@ def deposit_coarse_lives(
 ) -> None:
     """Add the weighted area fractions of lives at positions, and their moments over the cells that end there.
 
-    position (um), increasing and evenly spaced: what belongs to the indices from ``begin`` to ``end`` is added, and
-    there are eight positions more at least. birth, diameter, departure (um) and weight: one a junction, in order of
-    birth; a life counts while birth <= s < departure, and departure is infinite while it goes on. total receives
-    sum w a; moments (3 x positions, flat) the Legendre moments of it over the cell that ends at a position, divided by
-    ``unit`` (um); either may be empty. added: 1 if moments are added to, 0 if they are overwritten. gathered: six
-    times as long as position if moments are wanted, and zero; it is zero again afterwards.
+    position (um), increasing and evenly spaced: lives are added at the indices from ``begin`` to ``end``, and at least
+    eight more positions follow. birth, diameter, departure (um) and weight: one per junction, in order of birth; a life
+    counts while birth <= s < departure, and departure is infinite unless it was ended early. total receives sum w a;
+    moments (3 x positions, flat) the Legendre moments of it over the cell that ends at a position, divided by ``unit``
+    (um); either may be empty. added: 1 to add to the moments, 0 to overwrite them. gathered: six times as long as
+    position if moments are wanted; it must be zero, and is zero again afterwards.
     """
     edge = begin - 1 if len(moments) > 0 else begin
     edges = position[edge:end]
@@ -91,7 +91,7 @@ def deposit_coarse_lives(
 
 @inlined
 def _keep(base: int, new_base: int, high: int, gathered: Doubles) -> tuple[int, int]:
-    """Move what has been gathered from a cell on to the beginning, and leave zeros behind it."""
+    """Move the gathered integrals from the cell ``new_base`` on to the beginning, and set the rest to zero."""
     size = len(gathered) // 6
     shift, kept = new_base - base, max(high - new_base, 0)
     for n in range(6):
@@ -136,7 +136,7 @@ def _add_integrals(
     scale: float,
     gathered: Doubles,
 ) -> None:
-    """Add the running integrals; those of the falling half lack what `_pass_mid_life` restores."""
+    """Add the running integrals; those of the falling half lack a part, which `_pass_mid_life` adds."""
     birth, inverse, one, two, nothing = spread(born), spread(inverse_size), spread(1.0), spread(2.0), spread(0.0)
     rising, falling, length, end = spread(scale), spread(-scale), spread(size), spread(departure)
     count = len(gathered) // 6
@@ -169,13 +169,13 @@ def _pass_mid_life(
     scale: float,
     gathered: Doubles,
 ) -> None:
-    """Restore what the falling half leaves out of the integrals, in the first cell from ``cell`` on that ends in it.
+    """Add the part that the integrals of the falling half lack, in the first cell from ``cell`` on that ends in it.
 
-    They are I1 = 2/3 - J1 and, with t = s - 1, I2 = 2/3 t + J2 and I3 = 2 J3(1) + t^2/3 - J3.
+    The integrals are I1 = 2/3 - J1 and, with t = s - 1, I2 = 2/3 t + J2 and I3 = 2 J3(1) + t^2/3 - J3.
     """
     while cell < end and (position[cell] - born) * inverse <= 1.0:
         cell += 1
-    # Which half a place lies in is decided by one expression everywhere, lest rounding call mid-life itself both.
+    # The same expression decides everywhere in which half a place lies, or rounding could put mid-life into both.
     if cell <= begin or cell >= end or (departure - born) * inverse <= 1.0:
         return
     if (position[cell - 1] - born) * inverse > 1.0:
@@ -199,7 +199,7 @@ def _end_early(
     scale: float,
     gathered: Doubles,
 ) -> None:
-    """Carry the integrals of a life cut short from its departure to the end of that cell."""
+    """Continue the integrals of a life that was ended early from its departure to the end of that cell."""
     if cell <= begin or cell >= end or departure <= born:
         return
     s = (departure - born) * inverse
@@ -217,7 +217,7 @@ def _end_early(
 
 @inlined
 def _add_to_cell(position: Doubles, cell: int, base: int, i1: float, i2: float, i3: float, gathered: Doubles) -> None:
-    """Add the Legendre moments of a cell at whose end the force integrals are i1, i2, i3 more than gathered."""
+    """Add the Legendre moments of a cell at whose end the force integrals are larger than gathered by i1, i2, i3."""
     width = position[cell] - position[cell - 1]
     size, at = len(gathered) // 6, cell - base
     gathered[3 * size + at] += i1
@@ -229,9 +229,9 @@ def _add_to_cell(position: Doubles, cell: int, base: int, i1: float, i2: float, 
 def _work_out(
     position: Doubles, unit: float, base: int, end: int, gathered: Doubles, moments: Doubles, added: int
 ) -> int:
-    """Work out the moments of cells that are complete, those behind ``base`` up to ``end``, by eights; return where.
+    """Compute the moments of complete cells, from after ``base`` to ``end``, eight at a time; return the first left.
 
-    Over each cell they are differences of the integrals at its edges, and what has been gathered for the cell itself.
+    The moments are differences of the integrals at a cell's edges, plus the parts gathered for the cell itself.
     """
     size, count = len(position), len(gathered) // 6
     two, six, twelve, units = spread(2.0), spread(6.0), spread(12.0), spread(unit)
@@ -262,7 +262,7 @@ def _work_out(
 def _work_out_cell(
     position: Doubles, unit: float, cell: int, base: int, gathered: Doubles, moments: Doubles, added: int
 ) -> None:
-    """Work out the moments of one cell likewise."""
+    """Compute the moments of one cell in the same way."""
     size, count = len(position), len(gathered) // 6
     width = position[cell] - position[cell - 1]
     at, at2, at3 = cell - base, count + cell - base, 2 * count + cell - base

@@ -1,12 +1,12 @@
-"""The compiled heart for lives of many ticks: their ends tick by tick, all between them by the Taylor series of panels.
+"""Compiled sums over lives of many ticks: the ends of a life tick by tick, the rest by Taylor series in panels.
 
 Within a panel of eight ticks that is far enough from birth and death, the area of a junction is a short power series.
-So a life leaves at most fifteen numbers in each panel instead of an area and three integrals at each tick; what the
-series of all lives add up to is worked out once for each tick, and its moments over a cell follow from the same
+So a life adds at most fifteen numbers to each panel, instead of an area and three integrals to each tick. The series
+are summed over all lives; the sum is evaluated once for each tick, and its moments over a cell come from the same
 numbers.
 
-Positions are spaced evenly and come with those of whole blocks around them, so that nothing has to be cut: index 0 is a
-multiple of 64, and panel p holds the positions 8p + 1 ... 8p + 8 and the cells that end there.
+Positions are evenly spaced and have whole blocks around them, so that nothing has to be cut off: index 0 is a multiple
+of 64, and panel p holds the positions 8p + 1 ... 8p + 8 and the cells that end there.
 """
 
 from math import floor
@@ -56,9 +56,9 @@ NEAR_THIRD_INTEGRAL_COEFFICIENTS = (
 
 
 END = 24
-"""Positions from a panel's border to beyond the end of a life; the end itself lies behind at least 16 of them."""
+"""Positions from a panel's border to beyond an end of a life; at least 16 of them lie within the life."""
 
-# int_0^x sqrt(1 - y^2) dy = x sum_j _BEND_j x^2j, which is how a lens falls behind its peak, and its integrals.
+# int_0^x sqrt(1 - y^2) dy = x sum_j _BEND_j x^2j is the fall of a lens behind its peak; below are its integrals.
 _BEND = (1.0, -1.0 / 6.0, -1.0 / 40.0, -1.0 / 112.0, -5.0 / 1152.0, -7.0 / 2816.0, -21.0 / 13312.0)
 _BEND_FIRST = tuple(c / (2 * j + 2) for j, c in enumerate(_BEND))
 _BEND_SECOND = tuple(c / (2 * j + 3) for j, c in enumerate(_BEND_FIRST))
@@ -76,7 +76,7 @@ def add_rise(
     total: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add the first positions of a life, beginning before its birth, and the cells that end there."""
+    """Add the first positions of a life, from before its birth on, and the cells that end there."""
     birth, inverse, nothing = spread(born), spread(inverse_size), spread(0.0)
     share, size_in_cells = spread(weight), spread(size_in_spacings)
     first, second, third = nothing, nothing, nothing
@@ -110,13 +110,13 @@ def add_fall(
     total: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add the last positions of a life, from behind its death backwards, and the cells that end there."""
+    """Add the last positions of a life, backward from behind its death, and the cells that end there."""
     birth, inverse, nothing, two = spread(born), spread(inverse_size), spread(0.0), spread(2.0)
     share, size_in_cells = spread(weight), spread(size_in_spacings)
     first, second, third = nothing, nothing, nothing
     height, shape = nothing, nothing
     for at in range(start + END - PANEL, start - PANEL, -PANEL):
-        # At the cells' left edges, a place before the positions: theirs are the right neighbours.
+        # Values at the cells' left edges, one position earlier; those at the positions are the right neighbours.
         u = larger(two - (load(position, at - 1) - birth) * inverse, nothing)
         power = share * (u * root(u))
         if len(total) > 0:
@@ -148,7 +148,7 @@ def add_kink(
     total: Doubles,
     moments: Doubles,
 ) -> None:
-    """Take off what the series of the panel with the mid-life has too much on the other side of it."""
+    """Correct the panel with the mid-life: its series is too large on the other side of the mid-life."""
     inverse, nothing, one = spread(inverse_size), spread(0.0), spread(1.0)
     birth, share, size_in_cells = spread(born), spread(-2.0 * weight), spread(size_in_spacings)
     rising = (position[start + PANEL // 2 - 1] - born) * inverse_size <= 1.0
@@ -191,7 +191,7 @@ def add_risen(moments: Doubles, at: int, low1: Any, high1: Any, low2: Any, high2
 
 @inlined
 def add_fallen(moments: Doubles, at: int, low1: Any, high1: Any, low2: Any, high2: Any, low3: Any, high3: Any) -> None:
-    """Add the same where the integral runs from the right: the cells are those of a rise seen in a mirror."""
+    """Add the same for an integral that runs from the right: the cells are mirror images of those of a rise."""
     size = len(moments) // 3
     mean = low1 - high1
     slope = spread(2.0) * (low2 - high2) - (low1 + high1)
@@ -202,7 +202,7 @@ def add_fallen(moments: Doubles, at: int, low1: Any, high1: Any, low2: Any, high
 
 
 FINEST = 4 * END
-"""Spacings in a diameter from which on a life is fine: its ends then lie within a quarter of the diameter."""
+"""Spacings in a diameter from which on a life is fine: its ends then take at most a quarter of the diameter each."""
 
 
 def deposit_fine_lives(
@@ -221,13 +221,13 @@ def deposit_fine_lives(
 ) -> NDArray[np.int64]:
     """Sum the weighted area fractions of fine, whole lives at positions, and their moments over the cells.
 
-    Returns the rows of those lives that are not fine or were ended early, and have been left out.
+    Returns the rows of the lives that are left out, because they are not fine or were ended early.
 
-    position (um): ``origin`` spacings and on, whole blocks; only what belongs to the indices from ``begin`` to ``end``
-    is complete, with at least a block before and after them. birth, diameter, departure (um) and weight: one a
+    position (um): from ``origin`` spacings on, in whole blocks; only the sums at the indices from ``begin`` to ``end``
+    are complete, with at least a block before and after them. birth, diameter, departure (um) and weight: one per
     junction, in order of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long as
     position, the Legendre moments of it over the cell that ends at a position, in units of the spacing. Either may be
-    empty; whatever was in them is overwritten.
+    empty; old values in them are overwritten.
     """
     centre = np.zeros(MARGIN + position.size // PANEL + MARGIN)
     centre[MARGIN:-MARGIN] = position[PANEL // 2 :: PANEL]
@@ -259,15 +259,15 @@ def deposit_by_chunks(
     total: Doubles,
     moments: Doubles,
 ) -> int:
-    """Do what `deposit_fine_lives` does, in scratch that is given, and return how many it has put into ``other``.
+    """Do what `deposit_fine_lives` does, in scratch memory, and return how many rows were put into ``other``.
 
-    centre (um): the place amid each panel; series: for a chunk; alive, other: for as many as there are lives.
+    centre (um): the middle of each panel; series: memory for a chunk; alive, other: as long as there are lives.
     """
     count, others, row = 0, 0, 0
     per_spacing = 1.0 / spacing
     first = begin // BLOCK * BLOCK - BLOCK
     cleared = first
-    # Borders of chunks lie at multiples from the run's start: sums keep their order however a run is cut.
+    # Chunks begin at whole multiples from the run's start, so that sums keep their order wherever a run is cut.
     low = (origin + first) // CHUNK * CHUNK - origin
     while low < end:
         bottom, top = max(low, first), min(low + CHUNK, (end + BLOCK - 1) // BLOCK * BLOCK)
@@ -299,7 +299,7 @@ def deposit_by_chunks(
 
 @inlined
 def _clear(begin: int, end: int, total: Doubles, moments: Doubles) -> int:
-    """Set sums and moments from ``begin`` to ``end`` to zero, and return where that ends: while they are at hand."""
+    """Set sums and moments from ``begin`` to ``end`` to zero just before they are used, and return ``end``."""
     if len(total) > 0:
         total[begin:end] = 0.0
     if len(moments) > 0:
@@ -325,7 +325,7 @@ def _add_life(
     total: Doubles,
     moments: Doubles,
 ) -> bool:
-    """Add what a life leaves between two indices, and return whether it goes on beyond them."""
+    """Add the part of a life between two indices, and return whether the life reaches beyond them."""
     place = born * per_spacing
     rise = floor((place + 16.0) * 0.125) + 1 - origin // PANEL
     inverse, in_spacings = 1.0 / size, size * per_spacing

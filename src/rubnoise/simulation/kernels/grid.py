@@ -1,6 +1,6 @@
 """Evenly spaced positions, where a place lies among them, and how many junctions live at each; partly compiled.
 
-Whole blocks of positions lie around those wanted, for kernels that take many positions together.
+Whole blocks of positions lie around those wanted, because kernels process many positions together.
 """
 
 from dataclasses import dataclass
@@ -31,14 +31,14 @@ def first_at_or_after(positions: Doubles, distance: float) -> int:
 
 @inlined
 def per_um_of(positions: Doubles) -> float:
-    """Return how many positions there are to a um: roughly, if they are rounded or hardly any."""
+    """Return the number of positions per um, approximately if they are rounded; 0 if there are fewer than two."""
     count = len(positions)
     return (count - 1) / (positions[count - 1] - positions[0]) if count > 1 else 0.0
 
 
 @inlined
 def first_near(positions: Doubles, per_um: float, distance: float) -> int:
-    """Return what `first_at_or_after` does from a guess at it, which costs nothing but time if it is wrong."""
+    """Return the same as `first_at_or_after`, searched from a guess; a wrong guess only costs time."""
     count = len(positions)
     if count == 0 or positions[count - 1] < distance:
         return count
@@ -56,8 +56,8 @@ def first_near(positions: Doubles, per_um: float, distance: float) -> int:
 def count_live(positions: Doubles, birth: Doubles, departure: Doubles, count: NDArray[np.uint32]) -> None:
     """Count the junctions that live at each tick, birth <= s < departure.
 
-    positions (um, increasing) and count have one entry a tick, birth and departure (um) one a junction; departure is
-    infinite while a junction is alive.
+    positions (um, increasing) and count have one entry per tick, birth and departure (um) one per junction; departure
+    is infinite while a junction is alive.
     """
     ticks = len(positions)
     change = np.zeros(ticks + 1, np.int32)
@@ -73,7 +73,7 @@ def count_live(positions: Doubles, birth: Doubles, departure: Doubles, count: ND
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Grid:
-    """Positions i * spacing (um) from i = ``origin`` on, of which those at the indices ``wanted`` are asked for."""
+    """Positions i * spacing (um) from i = ``origin`` on; those at the indices ``wanted`` are to be computed."""
 
     origin: int
     spacing: float
@@ -95,5 +95,5 @@ class Grid:
         )
 
     def cells(self) -> slice:
-        """Return the indices of the positions wanted and the one before them: the edges of the cells that end there."""
+        """Return the indices of the wanted positions and the one before: the edges of the cells that end there."""
         return slice(self.wanted.start - 1, self.wanted.stop)

@@ -1,7 +1,8 @@
-"""What a change of slope, curvature or height puts beside the chord of its cell: Legendre moments, in closed form.
+"""How far a change of slope, curvature or height takes the force off the chord of its cell: Legendre moments.
 
-The chord joins the forces at both edges of a cell. y is the place in the cell over its width w, r the part of the cell
-behind the change. moments (3, positions): int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2.
+They have a closed form. The chord joins the forces at both edges of a cell. y is the place in the cell over its width
+w, r the part of the cell behind the change. moments (3, positions): int F P_i(2y - 1) ds for the cell that ends at a
+position, i = 0, 1, 2.
 """
 
 from rubnoise.arrays import Doubles
@@ -15,7 +16,7 @@ def add_kink(positions: Doubles, width: float, born: float, age: float, slope: f
     cell = first_at_or_after(positions, born + age)
     if cell == 0 or cell == len(positions):
         return
-    # From the birth and the age one after the other: their sum is rounded.
+    # Birth and age are subtracted one after the other, because their sum would be rounded.
     r = min(max((positions[cell] - born - age) / width, 0.0), 1.0)
     beside = slope * width * width * r * (1.0 - r)
     moments[0, cell] -= beside / 2.0

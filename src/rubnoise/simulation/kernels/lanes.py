@@ -1,8 +1,8 @@
-"""Eight doubles that go through every operation together: vectors that the compiler need not find by itself.
+"""Explicit vectors: eight doubles that go through every operation together.
 
-Inside a compiled function ``load`` and ``store`` move eight neighbours of a flat array, + - * / work lane by lane, and
-whatever the processor has becomes of it: one instruction of 512 bits, two of 256 or eight of one double, with the same
-bits. None of these may be called outside of what is compiled.
+Inside a compiled function ``load`` and ``store`` move eight neighbours of a flat array, and + - * / work lane by lane.
+The compiler uses what the processor has: one instruction of 512 bits, two of 256 or eight of one double, with the same
+bits. None of these functions may be called outside compiled code.
 """
 
 import operator
@@ -200,13 +200,13 @@ def summed(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
 
 @intrinsic
 def one_before(typing_context: Any, before: Any, lanes: Any) -> tuple[Any, Generate]:
-    """Return each lane's left neighbour, that of the first being the last of ``before``."""
+    """Return each lane's left neighbour; that of the first lane is the last lane of ``before``."""
     return _moved(typing_context, before, lanes, WIDTH - 1)
 
 
 @intrinsic
 def one_after(typing_context: Any, lanes: Any, after: Any) -> tuple[Any, Generate]:
-    """Return each lane's right neighbour, that of the last being the first of ``after``."""
+    """Return each lane's right neighbour; that of the last lane is the first lane of ``after``."""
     return _moved(typing_context, lanes, after, 1)
 
 

@@ -1,11 +1,11 @@
 """The lens: polynomials of its area and of its integrals, and its moments over narrow cells by quadrature.
 
-A rising junction of unit diameter has, with u its distance since birth, the area a and its successive integrals
+A rising junction of unit diameter at the distance u since its birth has the area a and its successive integrals
 
-    a = u^1.5 g0(u)    J1 = u^2.5 g1(u)    J2 = u^3.5 g2(u)    J3 = u^4.5 g3(u),
+    a = u^1.5 g0(u)    J1 = u^2.5 g1(u)    J2 = u^3.5 g2(u)    J3 = u^4.5 g3(u).
 
-and a falling one the same in u = 2 - s/d with the signs +, -, +, - (up to the polynomials that are restored at
-mid-life). The polynomials hold full precision where acos and sqrt cancel. No fastmath: the bits are part of the result.
+A falling one has the same in u = 2 - s/d, with the signs +, -, +, - and up to polynomials that are added at mid-life.
+The polynomials g keep full precision where acos and sqrt cancel. No fastmath: the bits are part of the result.
 """
 
 import numpy as np
@@ -74,7 +74,7 @@ def deposit_fine_moments(
     """Add every junction's Legendre moments of the force to cells that are too narrow for differences of integrals.
 
     moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2 (uN um), by
-    quadrature in w = sqrt(u), in which the area is w^3 times a polynomial: right to rounding however narrow the cell.
+    quadrature in w = sqrt(u), in which the area is w^3 times a polynomial: exact to rounding however narrow the cell.
     """
     ticks = len(positions)
     for row in range(len(birth)):
@@ -102,9 +102,9 @@ def _add_piece(
     moments: Doubles,
     cell: int,
 ) -> None:
-    """Add the part of a cell between two places in one half of a life, from the place nearer to its end.
+    """Add the part of a cell between two places in one half of a life; ``begin`` is nearer to the birth or death.
 
-    ``origin`` and ``far`` are the edges of the cell; for a falling half all runs backwards, and u with it.
+    ``origin`` and ``far`` are the edges of the cell; in a falling half everything runs backwards, also u.
     """
     direction = 1.0 if far > origin else -1.0
     if (end - begin) * direction <= 0.0:

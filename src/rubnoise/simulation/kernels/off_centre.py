@@ -3,10 +3,10 @@
 A life of 2h, h = sqrt(d^2 - b^2), has the area d^2 L(r) with r = sqrt(x^2 + b^2)/d and x = s - h. With u = 1 - r it is
 u^1.5 times the polynomial of the centred lens, and costs one root more. Its integrals over a cell have no closed form.
 
-Far from the ends of a life, and from the turn of its area at x = 0, which is the sharper the smaller b, there are the
-series of `off_centre_series`. Everywhere else the moments come from Gauss-Legendre nodes: five or six in each cell, in
-w = sqrt(s), s from the nearer end, in which the area is smooth. Cells close to the turn, and those of short lives, are
-cut up towards x = 0, with eight nodes in each piece.
+Far from the ends of a life and from the turn of its area at x = 0, the series of `off_centre_series` are used. The turn
+is the sharper the smaller b is. Everywhere else the moments come from Gauss-Legendre nodes: five or six in each cell,
+in w = sqrt(s), with s from the nearer end, because the area is smooth in w. Cells close to the turn, and cells of short
+lives, are cut into ever shorter pieces towards x = 0, with eight nodes in each piece.
 """
 
 import numpy as np
@@ -31,7 +31,7 @@ from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS, horner
 from rubnoise.simulation.kernels.off_centre_series import is_alone, panels_alone, panels_of
 from rubnoise.simulation.kernels.taylor import PANEL
 
-# Gauss-Legendre on [0, 1]: nodes and weights in a cell, in one of a life of few cells, in the pieces of one cut up.
+# Gauss-Legendre on [0, 1], nodes and weights: for a cell, for one in a life of few cells, for the pieces of a cut cell.
 _FIVE = (
     (0.04691007703066802, 0.23076534494715845, 0.5, 0.7692346550528415, 0.9530899229693319),
     (0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454),
@@ -48,21 +48,21 @@ FINE_NODES = np.array((
     0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100,
     0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813,
 ))  # fmt: skip
-"""Eight nodes and their weights: a piece goes through every operation at once, with a node in each lane."""
+"""Eight nodes and their weights: each lane has a node, so that a piece goes through every operation at once."""
 
 SHORT, FEW = 6.0, 24.0
-"""Cells in half of a life below which every cell of it is cut up, and below which a cell takes six nodes, not five.
+"""Numbers of cells in half a life: below SHORT every cell is cut up, below FEW a cell takes six nodes, not five.
 
-A life of fewer than FEW has no series: with the panels at its ends they take 24 cells and more."""
+A life below FEW has no series, because a series with the panels at its ends takes at least 24 cells."""
 
 NEAR = 3.5
-"""Cells between the middle of a cell and the turn at x = 0, y = b below which the cell is cut up."""
+"""Distance in cells between the middle of a cell and the turn at x = 0, y = b; below it the cell is cut up."""
 
 _ABOUT = 6
-"""Cells on either side of mid-life among which those close to the turn are."""
+"""Cells on either side of mid-life that may be close to the turn."""
 
 _SHARPEST = 2.0**-24
-"""Of half a life: how far from mid-life cells are cut at most."""
+"""Distance from mid-life, relative to half a life, at which cutting stops at the latest."""
 
 
 @compiled
@@ -93,9 +93,9 @@ def deposit_areas(
 ) -> None:
     """Add the weighted area fractions of lives at the positions from the index ``begin`` to ``end``.
 
-    position (um): ``origin`` spacings and on, eight more at least on either side. birth, diameter, offset, half_life,
-    departure (um) and weight: one a junction, in order of birth; a life counts while birth <= s < departure. finest:
-    the diameter (um) from which on the panels of whole lives that have series are left out.
+    position (um): from ``origin`` spacings on, with at least eight more on either side. birth, diameter, offset,
+    half_life, departure (um) and weight: one per junction, in order of birth; a life counts while
+    birth <= s < departure. finest: the diameter (um) from which on a whole life's panels with series are left out.
     """
     places = position[begin:end]
     per_um, per_spacing = per_um_of(places), 1.0 / spacing
@@ -158,7 +158,7 @@ def deposit_moments(
     nodes: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add the Legendre moments of weighted area fractions over cells, but for those of panels with series.
+    """Add the Legendre moments of weighted area fractions over cells, except in panels with series.
 
     Rows as in `deposit_areas`; index 0 is a multiple of eight spacings from the start of the run. moments (3 x
     positions, flat) receives int sum w a P_i(2y - 1) ds over the spacing for the cells that end at the positions from
@@ -204,7 +204,7 @@ def _add_cells(
     weight: float,
     moments: Doubles,
 ) -> None:
-    """Add a life to its cells from the first to the last, but for those that are close to the turn or have series."""
+    """Add a life to its cells from the first to the last, except those that are close to the turn or have series."""
     per_spacing, death = 1.0 / spacing, born + 2.0 * half
     panels = panels_of(born * per_spacing, half * per_spacing, abs(offset) * per_spacing)
     age = min(departure - born, 2.0 * half)
@@ -237,9 +237,9 @@ def _add_eight(
     weight: float,
     moments: Doubles,
 ) -> None:
-    """Add a life to eight cells, but for those that are close to the turn.
+    """Add a life to eight cells, except those that are close to the turn.
 
-    A cell behind mid-life is seen in a mirror: ages count backwards from the death, and the odd moment changes sign.
+    A cell behind mid-life is mirrored: ages count backwards from the death, and the odd moment changes its sign.
     """
     inverse_size, squared_offset = 1.0 / diameter, offset * offset
     one, nothing, two, middle = spread(1.0), spread(0.0), spread(2.0), spread(0.5)
@@ -249,7 +249,7 @@ def _add_eight(
     share = spread(2.0 * weight / spacing)
     low, high = load(position, at - 1) - birth, load(position, at) - birth
     x = middle * (low + high) - rise
-    # Either half of a life from its own end: from the cell's edge that is nearer to it.
+    # Each half of a life is measured from its own end, and a place in the cell from the edge nearer to that end.
     edge = where_above(nothing, x, life - high, low)
     begin = larger(where_above(nothing, x, life - smaller(high, ending), low), nothing)
     end = larger(where_above(nothing, x, life - low, smaller(high, ending)), begin)
@@ -291,7 +291,7 @@ def _add_cut_up(
     nodes: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add a life to the cell between two ages (um): either half from far to near mid-life, in ever shorter pieces."""
+    """Add a life to the cell between two ages (um): each half from far to near mid-life, in ever shorter pieces."""
     one, nothing, rise, inverse = spread(1.0), spread(0.0), spread(half), spread(1.0 / diameter)
     turn, per_width = spread(squared_offset / (diameter * diameter)), spread(2.0 / (high - low))
     node, node_weight = load(nodes, 0), load(nodes, WIDTH)

@@ -1,8 +1,8 @@
-"""Passes off the centre line amid their lives: Taylor series in panels of eight positions, as those of `fine`.
+"""The inner parts of passes off the centre line: Taylor series in panels of eight positions, as in `fine`.
 
 The area d^2 L(r), r = sqrt(x^2 + b^2)/d, has the slope -x g in units of d, where g = sqrt(q/p), p = x^2 + b^2 and
-q = 1 - p. As g' = -p' g / (2 p q), the terms of g follow from four before each by whole polynomials of x. They grow as
-the distance to the nearest of the ends of the life, x = +-sqrt(1 - b^2), and of the two turns x = +-ib allows.
+q = 1 - p. As g' = -p' g / (2 p q), each term of g follows from the four before it, by polynomials of x. How fast the
+terms grow depends on the distance to the nearest end of the life, x = +-sqrt(1 - b^2), or turn, x = +-ib.
 """
 
 from math import floor, sqrt
@@ -23,27 +23,29 @@ FROM_END = 16.0
 of the way to the end."""
 
 FROM_TURN = 28.0
-"""Positions between the middle of a panel and x = +-ib, at least: a root is steeper than the end, and falls slower."""
+"""Smallest number of positions between the middle of a panel and x = +-ib: terms fall more slowly there than near an
+end, because the root is steeper."""
 
 FINEST = 192.0
-"""Positions in a diameter from which on areas, too, come from series: below they cost no less than by themselves."""
+"""Positions in a diameter from which on areas also come from series; below, series would not be faster."""
 
 _FEWEST = 2
-"""Panels in a row that are worth a series."""
+"""Smallest number of adjacent panels that are worth a series."""
 
 _SOME, _FEW = 11, 9
-"""Terms that do as well where the nearest end is 45 and 100 positions away, and the turn 75 and 167."""
+"""Numbers of terms that are enough if the nearest end is 45 and 100 positions away, and the turn 75 and 167."""
 
 CONSTANTS = np.array([*(1.0 / (n + 1.0) for n in range(TERMS)), *(1.0 / unit for unit in UNITS[:TERMS])])
-"""1/(n + 1) of the recurrence, and what takes terms into the units in which `taylor` keeps them."""
+"""1/(n + 1) of the recurrence, and the factors that convert terms to the units of `taylor`."""
 
 
 @inlined
 def panels_of(place: float, half: float, offset: float) -> tuple[int, int, int, int]:
     """Return panels rise, low, high and fall of a life: those from rise to low and from high to fall have series.
 
-    place, half and offset: where it begins, half of its length and |b| in positions. It lives in panels rise - 3 to
-    fall + 2, panel p holding the positions 8 p + 1 ... 8 p + 8 of the run, and by itself in those that have no series.
+    place, half and offset: the begin of the life, half of its length and |b|, in positions. The life is in panels
+    rise - 3 to fall + 2, where panel p holds the positions 8 p + 1 ... 8 p + 8 of the run. In panels without a series
+    it is summed position by position.
     """
     rise = floor((place + FROM_END) * 0.125) + 1
     fall = floor((place + 2.0 * half - FROM_END) * 0.125)
@@ -68,7 +70,7 @@ def is_alone(panels: tuple[int, int, int, int]) -> bool:
 
 @inlined
 def panels_alone(n: int, panels: tuple[int, int, int, int]) -> tuple[int, int]:
-    """Return the n-th of three stretches of panels without a series, where others have one: the first, and the end."""
+    """Return first and end of the n-th of three stretches of panels without series, for a life that has series."""
     rise, low, high, fall = panels
     if n == 0:
         return rise - 3, rise
@@ -90,10 +92,10 @@ def deposit_series(
     total: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add whole lives in those panels in which they have series; total and moments, either may be empty, receive them.
+    """Add whole lives to total and moments (either may be empty), in the panels in which the lives have series.
 
-    position (um): ``origin`` spacings and on, whole blocks, with at least one before and after the indices from
-    ``begin`` to ``end``. birth, diameter, offset, half_life (um) and weight: one a junction, in order of birth.
+    position (um): from ``origin`` spacings on, in whole blocks, with at least one before and after the indices from
+    ``begin`` to ``end``. birth, diameter, offset, half_life (um) and weight: one per junction, in order of birth.
     weights: `cell_weights`, flat.
     """
     centre = np.zeros(MARGIN + position.size // PANEL + MARGIN)
@@ -165,7 +167,7 @@ def _add_life(
     constants: Doubles,
     series: Doubles,
 ) -> bool:
-    """Add a life's series to those of a chunk's panels, from ``bottom`` to ``top``; return whether it goes on."""
+    """Add a life's series to a chunk's panels, from ``bottom`` to ``top``; return whether the life reaches beyond."""
     per_spacing = 1.0 / spacing
     place, middle, aside = born * per_spacing, half * per_spacing, offset * per_spacing
     rise, low, high, fall = panels_of(place, middle, aside)
@@ -176,7 +178,7 @@ def _add_life(
             continue
         inverse = 1.0 / size
         lowest, highest = centre[MARGIN + begin] - spacing, centre[MARGIN + stop - 1] + spacing
-        # By eights from the first on, also if some weigh nothing: terms must not depend on where a run is cut.
+        # In eights from the first on, also if some have weight 0: terms must not depend on where a run is cut.
         skipped = (begin + origin - first) // WIDTH * WIDTH
         for panel in range(first + skipped, stop + origin, WIDTH):
             terms = _terms(panel, min(panel + WIDTH, end) - 1, place, middle, aside)
@@ -216,14 +218,14 @@ def _add_panels(
     constants: Doubles,
     series: Doubles,
 ) -> None:
-    """Add the series of eight panels, of which those with centres between two places (um) count."""
+    """Add the series of eight panels; only those with centres between ``lowest`` and ``highest`` (um) count."""
     one, nothing = spread(1.0), spread(0.0)
     across = offset * inverse_size
     reach = 0.5 * PANEL * spacing * inverse_size
     place = load(centre, MARGIN + panel)
     share = where_above(spread(lowest), place, where_above(place, spread(highest), spread(weight), nothing), nothing)
     x = ((place - spread(born)) - spread(half)) * spread(inverse_size)
-    # When panels do not count, anything will do that is a number.
+    # The values of panels that do not count only have to be finite.
     p = larger(fused(x, x, spread(across * across)), spread(reach * reach))
     q = larger(one - p, spread(reach * reach))
     u = larger(one - root(p), nothing)
@@ -240,8 +242,8 @@ def _add_terms(
     """Add the terms beyond the area: those of -x g, from the recurrence of g.
 
     With R = p q = R_0 + ... + R_4 t^4 and p = p_0 + p_1 t + p_2 t^2, R_0 (n + 1) g_(n+1) is minus the sum of
-    (n R_1 + p_1/2) g_n, ((n - 1) R_2 + p_2) g_(n-1), (n - 2) R_3 g_(n-2) and (n - 3) R_4 g_(n-3). Over n + 1 each of
-    the four is a number and another times 1/(n + 1).
+    (n R_1 + p_1/2) g_n, ((n - 1) R_2 + p_2) g_(n-1), (n - 2) R_3 g_(n-2) and (n - 3) R_4 g_(n-3). Divided by n + 1,
+    each of the four factors is one number plus another times 1/(n + 1).
     """
     square, step, two = spread(reach * reach), spread(reach), spread(2.0)
     inverse = spread(-1.0) / (p * q)

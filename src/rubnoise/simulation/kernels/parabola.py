@@ -1,8 +1,8 @@
-"""The compiled heart for the parabola: what every junction adds to area and force moments, tick by tick.
+"""Compiled sums for the parabola: what every junction adds to area and force moments, tick by tick.
 
-The force of a parabola bends evenly over its life, by -psi pi/2, with a kink of slope psi pi d/2 at birth and as much
-back at death. Over a cell it is the chord between its edges plus what bend and kinks put beside the chord: short
-polynomials of the place in the cell, from which nothing has to be subtracted, however narrow the cell.
+The force of a parabola has the constant curvature -psi pi/2 over its life, and its slope changes by psi pi d/2 at birth
+and again at death. Over a cell it is the chord between the edges plus the deviations that curvature and kinks make:
+short polynomials of the place in the cell, in which nothing cancels, however narrow the cell.
 """
 
 import numpy as np
@@ -52,9 +52,9 @@ def deposit_moments(
 ) -> None:
     """Add every junction's Legendre moments of the force to the cells between positions.
 
-    The cells are ``width`` um wide: positions far from the start are rounded, and their differences even more so.
+    ``width`` of the cells (um) is given, because positions far from the start are rounded, and their differences more.
     moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2 (uN um).
-    chords (2, positions) are zeros before and after: new memory would cost more than what is done in it.
+    chords (2, positions) are zeros before and after: new memory would cost more than the work done in it.
     """
     force, bend = chords[0], chords[1]
     deposit_areas(positions, birth, diameter, departure, strength * diameter * diameter, force)
@@ -79,7 +79,7 @@ def _add_bend(
     bend: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add what one life puts beside the chords; a life ended early falls to nothing where it ends."""
+    """Add the deviations of one life from its chords; a life that is ended early falls to zero there."""
     if departure <= born:
         return
     bent = 2.0 * _QUARTER_TURN * strength

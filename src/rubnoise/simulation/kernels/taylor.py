@@ -1,6 +1,7 @@
-"""The Taylor series of fine lives in panels of eight positions: added up there, and turned into areas and moments.
+"""The Taylor series of fine lives in panels of eight positions: their sums, and areas and moments from these.
 
-The coefficients follow from those of sqrt(2u - u^2), the slope of the lens, by a recurrence; compiled into others.
+The coefficients come from those of sqrt(2u - u^2), the slope of the lens, by a recurrence. Other kernels compile this
+code into theirs.
 """
 
 from typing import Any
@@ -31,21 +32,21 @@ TERMS = 15
 factors before it is 3e-16 of the squared diameter."""
 
 _SOME, _FEW = 10, 8
-"""Terms that do as well six and fourteen panels further from both ends: there they fall by 1/17 and 1/33."""
+"""Numbers of terms that are enough 6 and 14 panels further from both ends, where terms fall by 1/17 and 1/33."""
 
 CHUNK = 64 * BLOCK
-"""Positions whose series are held at a time."""
+"""Positions whose series are kept at a time."""
 
 MARGIN = WIDTH
-"""Panels on either side of those of a chunk or grid: a life's go by eights from its first one on."""
+"""Extra panels on either side of a chunk or grid: those of a life are processed in eights from its first one on."""
 
 ROW = MARGIN + CHUNK // PANEL + MARGIN
 
 SERIES = TERMS * ROW
-"""Numbers in the series of a chunk: one row a term."""
+"""Numbers in the series of a chunk: one row per term."""
 
-# With g' s series sum g_n t^n, g_(n+1) = (1/2 - n)/(n + 1) a g_n + (2 - n)/(n + 1) b g_(n-1); in units s_n that take
-# the first factor away, G_(n+1) = a G_n + c_n b G_(n-1).
+# If g has the series sum g_n t^n, then g_(n+1) = (1/2 - n)/(n + 1) a g_n + (2 - n)/(n + 1) b g_(n-1). In units s_n that
+# remove the first factor, G_(n+1) = a G_n + c_n b G_(n-1).
 UNITS = [1.0]
 for _n in range(TERMS - 1):
     UNITS.append(UNITS[-1] * (0.5 - _n) / (_n + 1))
@@ -88,8 +89,9 @@ def add_panels(
 ) -> None:
     """Add a life's series to those of its panels, from ``rise`` to ``fall``, that lie from ``low`` to ``high``.
 
-    They go by eights from ``rise`` on, also if the others weigh nothing: how many terms a panel has must not depend
-    on where a run is cut. series: row by row the terms of the panels from ``bottom`` on.
+    Panels are processed in eights from ``rise`` on, with weight 0 outside ``low`` and ``high``, because the number of
+    terms of a panel must not depend on where a run is cut. series: row by row the terms of the panels from ``bottom``
+    on.
     """
     one, two, nothing = spread(1.0), spread(2.0), spread(0.0)
     birth, inverse = spread(born), spread(inverse_size)
@@ -121,7 +123,7 @@ def add_panels(
 
 @inlined
 def add_terms(factors: tuple[float, ...], slope: Any, across: Any, back: Any, at: int, series: Doubles) -> None:
-    """Add the terms of eight panels beyond the area, by the recurrence: two more than factors."""
+    """Add the terms of eight panels after the area, by the recurrence: there are two more than ``factors``."""
     before, term = slope, across * slope
     store(series, at + ROW, load(series, at + ROW) + before)
     store(series, at + 2 * ROW, load(series, at + 2 * ROW) + term)

@@ -1,8 +1,8 @@
-"""The compiled heart for the triangle: what every junction adds to area and force moments, tick by tick.
+"""Compiled sums for the triangle: what every junction adds to area and force moments, tick by tick.
 
-The force of a triangle is straight but for a kink of slope psi pi d/4 at birth, twice that back at mid-life and once
-more at death. Over a cell it is the chord between its edges plus what its kinks put beside the chord: short polynomials
-of the place in the cell, from which nothing has to be subtracted, however narrow the cell.
+The force of a triangle is straight except for three kinks: its slope changes by psi pi d/4 at birth, by minus twice
+that at mid-life, and by psi pi d/4 at death. Over a cell it is the chord between the edges plus the deviations that
+the kinks make: short polynomials of the place in the cell, in which nothing cancels, however narrow the cell.
 """
 
 import numpy as np
@@ -51,7 +51,7 @@ def deposit_moments(
 ) -> None:
     """Add every junction's Legendre moments of the force to the cells between positions.
 
-    The cells are ``width`` um wide: positions far from the start are rounded, and their differences even more so.
+    ``width`` of the cells (um) is given, because positions far from the start are rounded, and their differences more.
     moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2 (uN um).
     chords (2, positions) are zeros before and after.
     """
@@ -70,7 +70,7 @@ def deposit_moments(
 def _add_kinks(
     positions: Doubles, width: float, born: float, size: float, departure: float, slope: float, moments: Doubles
 ) -> None:
-    """Add what one life puts beside the chords; a life ended early falls to nothing where it ends."""
+    """Add the deviations of one life from its chords; a life that is ended early falls to zero there."""
     if departure <= born:
         return
     add_kink(positions, width, born, 0.0, slope, moments)
