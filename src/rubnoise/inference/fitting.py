@@ -14,7 +14,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.periodogram import Bands, Expectation
-from rubnoise.inference.populations import EnergyTable, Population, energy_table
+from rubnoise.inference.populations import NARROWEST, EnergyTable, Population, energy_table
 from rubnoise.inference.sensor import OPEN, Sensor
 
 FLOOR: Final = 1e-13
@@ -80,7 +80,7 @@ class FitProblem:
         energy, slope, by_shape = self.expectation.population(self.table(place), place.diameter) * place.rate
         mean = energy + place.noise
         names, by = ["rate", "diameter"], [energy, slope]
-        if self.population.spread and place.shape > self.population.narrowest:
+        if self.population.spread and place.shape > NARROWEST:
             names.append("shape")
             by.append(by_shape * place.shape)
         if place.noise > self.floor:
@@ -110,7 +110,7 @@ class FitProblem:
             values[name] *= float(np.exp(by))
         population = self.population
         if population.spread:
-            values["shape"] = min(max(values["shape"], population.narrowest), population.widest)
+            values["shape"] = min(max(values["shape"], NARROWEST), population.widest)
         if values["noise"] <= self.floor:
             values["noise"] = 0.0
         if values["drift"] is not None and self.walk is not None:

@@ -24,6 +24,9 @@ _LOWEST, _HIGHEST = -7.0, 6.5  # of ln(k E[d])
 _SMALLEST, _LARGEST = -6.0, 8.0  # of ln(d / E[d])
 _FOLLOWED, _SETTLED = 400.0, 700.0  # phases between which the swing is faded out
 _BALANCE = 3.0  # power of k d that keeps all places of the convolution within the digits of a double
+NARROWEST: Final = 0.005
+"""The smallest shape that is looked for."""
+
 _SHAPE_STEP = 1e-3
 _NEGLIGIBLE = 1e-9
 _TINY = 1e-304
@@ -35,16 +38,19 @@ _SHOT_POWER = 12
 class Population:
     """A law of diameters of unit mean that one shape parameter s describes.
 
-    ``moment`` returns E[d^n] at n and s. ``spread`` is whether there is a shape to be found, between ``narrowest`` and
-    ``widest``; the shape of the normal law is std over centre before drawing again, of the others std over mean.
+    ``moment`` returns E[d^n] at n and s. The shape of the normal law is std over centre before drawing again, of the
+    others std over mean; it is to be found, up to ``widest``, or the one of ``starts``.
     """
 
     name: str
-    spread: bool
     moment: Callable[[int, float], float] = field(repr=False)
-    narrowest: float = 0.0
     widest: float = 0.0
-    starts: tuple[float, ...] = (0.0,)
+    starts: tuple[float, ...] = (0.08, 0.25, 0.6)
+
+    @property
+    def spread(self) -> bool:
+        """Whether there is a shape to be found, from `NARROWEST` on."""
+        return self.widest > 0.0
 
     def relative_spread(self, shape: float) -> float:
         """Return std over mean of the law as it is drawn."""
@@ -65,10 +71,6 @@ def _normal_mean(shape: float) -> float:
 
 
 # Functions with names, which an inference can be pickled with.
-def _fixed_moment(_power: int, _shape: float) -> float:
-    return 1.0
-
-
 def _normal_moment(power: int, shape: float) -> float:
     mean = _normal_mean(shape)
     before, here = 1.0, mean
@@ -85,69 +87,27 @@ def _gamma_moment(power: int, shape: float) -> float:
     return prod(1.0 + n * shape**2 for n in range(power))
 
 
-def _exponential_moment(power: int, _shape: float) -> float:
-    return _gamma_moment(power, 1.0)
-
-
-_SPREAD_STARTS = (0.08, 0.25, 0.6)
-
 POPULATIONS: Final[dict[str, Population]] = {
     each.name: each
     for each in (
-        Population(
-            name="fixed",
-            spread=False,
-            moment=_fixed_moment,
-        ),
-        Population(
-            name="normal",
-            spread=True,
-            moment=_normal_moment,
-            narrowest=0.005,
-            widest=2.0,
-            starts=_SPREAD_STARTS,
-        ),
-        Population(
-            name="lognormal",
-            spread=True,
-            moment=_lognormal_moment,
-            narrowest=0.005,
-            widest=1.2,
-            starts=_SPREAD_STARTS,
-        ),
-        Population(
-            name="exponential",
-            spread=False,
-            moment=_exponential_moment,
-            starts=(1.0,),
-        ),
-        Population(
-            name="gamma",
-            spread=True,
-            moment=_gamma_moment,
-            narrowest=0.005,
-            widest=1.6,
-            starts=_SPREAD_STARTS,
-        ),
+        Population(name="fixed", moment=_gamma_moment, starts=(0.0,)),
+        Population(name="normal", moment=_normal_moment, widest=2.0),
+        Population(name="lognormal", moment=_lognormal_moment, widest=1.2),
+        Population(name="exponential", moment=_gamma_moment, starts=(1.0,)),
+        Population(name="gamma", moment=_gamma_moment, widest=1.6),
     )
 }
 """The laws that a fit may choose from, by their names in a scenario."""
 
 
-@cache
-def _log_diameters() -> Doubles:
-    return np.arange(_SMALLEST, _LARGEST, STEP)
-
-
-@cache
-def _log_phases() -> Doubles:
-    return np.arange(_LOWEST, _HIGHEST, STEP)
+_LOG_DIAMETERS: Final = np.arange(_SMALLEST, _LARGEST, STEP)
+_LOG_PHASES: Final = np.arange(_LOWEST, _HIGHEST, STEP)
 
 
 @cache
 def _single_energies(pulse: Pulse) -> tuple[Doubles, Doubles]:
     """Return all phases k d that the tables meet, at even steps of their logarithm, and a^(k d)^2 there."""
-    places = _log_phases().size + _log_diameters().size - 1
+    places = _LOG_PHASES.size + _LOG_DIAMETERS.size - 1
     phases = np.exp(_LOWEST + _SMALLEST + STEP * np.arange(places))
     return phases, life_energy(phases, pulse)
 
@@ -209,8 +169,7 @@ def life_energy(phase: Doubles, pulse: Pulse = LENS) -> Doubles:
 
 def _weights(population: Population, shape: float) -> Doubles:
     """Return the density of ln d times the step, which is the probability of each place."""
-    y = _log_diameters()
-    x = np.exp(y)
+    x = np.exp(_LOG_DIAMETERS)
     with np.errstate(under="ignore"):
         return STEP * np.maximum(population.law(1.0, shape).density(x), _TINY) * x
 
@@ -263,7 +222,7 @@ class EnergyTable:
 def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
     """Return the mean energies of a population with a shape."""
     population = POPULATIONS[name]
-    z = np.exp(_log_phases())
+    z = np.exp(_LOG_PHASES)
     if name == "fixed":
         energy, by_shape = life_energy(z, pulse), np.zeros_like(z)
     elif not population.spread:
@@ -302,9 +261,9 @@ def _averaged(weights: Doubles, pulse: Pulse) -> Doubles:
     from scipy.fft import irfft, rfft
 
     transform, length = _balanced_transform(pulse)
-    balanced = weights * np.exp((6.0 - _BALANCE) * _log_diameters())
-    sums = irfft(transform * np.conj(rfft(balanced, length, axis=-1)), length, axis=-1)[:, : _log_phases().size]
-    averaged: Doubles = sums * np.exp(-_BALANCE * _log_phases())
+    balanced = weights * np.exp((6.0 - _BALANCE) * _LOG_DIAMETERS)
+    sums = irfft(transform * np.conj(rfft(balanced, length, axis=-1)), length, axis=-1)[:, : _LOG_PHASES.size]
+    averaged: Doubles = sums * np.exp(-_BALANCE * _LOG_PHASES)
     return averaged
 
 
@@ -323,14 +282,13 @@ def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles, 
     """
     if population.name == "fixed":
         return np.ones(1), np.ones(1), 0.0
-    y = _log_diameters()
     weight = _weights(population, shape)
     ends = []
     for power in (1, _SHOT_POWER):
-        share = np.log(np.maximum(weight, 1e-300)) + power * y
+        share = np.log(np.maximum(weight, 1e-300)) + power * _LOG_DIAMETERS
         held = np.flatnonzero(share > share.max() + log(_NEGLIGIBLE))
         ends.append((held[0], held[-1]))
-    places = np.linspace(y[ends[0][0]], y[ends[1][1]], _SHOT_NODES)
+    places = np.linspace(_LOG_DIAMETERS[ends[0][0]], _LOG_DIAMETERS[ends[1][1]], _SHOT_NODES)
     x = np.exp(places)
     with np.errstate(under="ignore"):
         probability = np.maximum(population.law(1.0, shape).density(x), _TINY) * x
