@@ -80,15 +80,15 @@ class InferenceResult:
     ``other_offset`` and ``other_shape`` are how other passes and other lives fit, if they were tried.
     """
 
-    estimates: Mapping[str, Estimate]
-    not_identified: Mapping[str, str]
-    law: str
-    laws: tuple[LawFit, ...]
-    tests: tuple[HonestyTest, ...]
-    law_free: Mapping[str, float]
-    parameters: tuple[str, ...]
-    covariance: Doubles = field(repr=False)
-    refused_because: str | None
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)
+    not_identified: Mapping[str, str] = field(default_factory=dict)
+    law: str = ""
+    laws: tuple[LawFit, ...] = ()
+    tests: tuple[HonestyTest, ...] = ()
+    law_free: Mapping[str, float] = field(default_factory=dict)
+    parameters: tuple[str, ...] = ()
+    covariance: Doubles = field(repr=False, default_factory=lambda: np.empty((0, 0)))
+    refused_because: str | None = None
     signal: Signal = field(repr=False)
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
@@ -129,13 +129,15 @@ def infer_signal(
         raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
     values = np.asarray(signal.values, dtype=np.float64)
     if values.size < _SHORTEST:
-        return _refusal(signal, f"the record has {values.size} samples; it needs at least {_SHORTEST}")
+        return InferenceResult(
+            signal=signal, refused_because=f"the record has {values.size} samples; it needs at least {_SHORTEST}"
+        )
     scale = float(values.std())
     if not scale > 1e-12 * float(np.abs(values).max()):
-        return _refusal(signal, "the trace is constant; a sensor that moves is needed")
+        return InferenceResult(signal=signal, refused_because="the trace is constant; a sensor that moves is needed")
     both = min(signal.ways) > 0
     if not both and (reason := strokes(values, zero)):
-        return _refusal(signal, reason)
+        return InferenceResult(signal=signal, refused_because=reason)
     if both:
         zero = "known"
     values = values / scale
@@ -156,7 +158,7 @@ def infer_signal(
     fits = fitted(assumed.pulse)
     best = min(fits, key=_criterion)
     if reason := _too_little(best, signal):
-        return _refusal(signal, reason)
+        return InferenceResult(signal=signal, refused_because=reason)
     compared = len(fits) > 1
     laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
     of_best = laws[names.index(best.problem.population.name)].estimates
@@ -177,28 +179,12 @@ def infer_signal(
         law_free=_law_free(best, signal),
         parameters=best.names,
         covariance=best.covariance,
-        refused_because=None,
         signal=signal,
         fit=best,
         assumptions=sentences(assumed, best, signal),
         other_offset=tried(pulse.shape, OTHER_OFFSETS[pulse.offset], asked=pulse.offset != "none"),
         other_shape=tried(OTHER_SHAPES[pulse.shape], pulse.offset, asked=pulse.shape != "lens"),
         by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
-    )
-
-
-def _refusal(signal: Signal, reason: str) -> InferenceResult:
-    return InferenceResult(
-        estimates={},
-        not_identified={},
-        law="",
-        laws=(),
-        tests=(),
-        law_free={},
-        parameters=(),
-        covariance=np.empty((0, 0)),
-        refused_because=reason,
-        signal=signal,
     )
 
 
