@@ -29,6 +29,9 @@ SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
 )
 """The units of spectra over frequency, and how many of them a working unit is."""
 
+LabelledColumns = tuple[str, str, Doubles, Mapping[str, tuple[Doubles, str]]]
+"""Name, unit and values of places, and by name the values at them with their unit."""
+
 SHORT: Final[Mapping[str, str]] = MappingProxyType({"area": "real_contact_area", "force": "friction_force"})
 """Quantities by the words that pictures have for them."""
 
@@ -74,11 +77,11 @@ class PowerSpectrum:
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return density, standard error and, if theory knows it, the exact density, over the places."""
-        return _frame(*self._labelled_columns())
+        return frame_of(*self._labelled_columns())
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the same as an xarray Dataset with units."""
-        return _dataset(*self._labelled_columns(), {"title": self.name})
+        return dataset_of(*self._labelled_columns(), {"title": self.name})
 
     def plot(self) -> "Figure":
         """Draw the density with the exact one, if theory knows it, on logarithmic axes, and return the figure."""
@@ -89,7 +92,7 @@ class PowerSpectrum:
         labels = f"{place} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
         return drawn_estimate(self.place[1:], curves, labels, logarithmic=True)
 
-    def _labelled_columns(self) -> tuple[str, str, Doubles, dict[str, tuple[Doubles, str]]]:
+    def _labelled_columns(self) -> LabelledColumns:
         columns = {"density": (self.density, self.units), "standard_error": (self.standard_error, self.units)}
         if self.exact is not None:
             columns["exact"] = (self.exact, self.units)
@@ -126,11 +129,11 @@ class Autocovariance:
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return covariance and correlation over the lags."""
-        return _frame("lag", self.lag_units, self.lag, self._columns())
+        return frame_of(*self._labelled_columns())
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the same as an xarray Dataset with units."""
-        return _dataset("lag", self.lag_units, self.lag, self._columns(), {"title": self.name})
+        return dataset_of(*self._labelled_columns(), {"title": self.name})
 
     def plot(self) -> "Figure":
         """Draw the covariance over the lag, and return the figure."""
@@ -139,8 +142,9 @@ class Autocovariance:
         labels = f"lag ({self.lag_units})", f"autocovariance of {self.name}\n({self.units})"
         return drawn_estimate(self.lag, {"estimated": self.covariance}, labels, logarithmic=False)
 
-    def _columns(self) -> dict[str, tuple[Doubles, str]]:
-        return {"covariance": (self.covariance, self.units), "correlation": (self.correlation, "1")}
+    def _labelled_columns(self) -> LabelledColumns:
+        columns = {"covariance": (self.covariance, self.units), "correlation": (self.correlation, "1")}
+        return "lag", self.lag_units, self.lag, columns
 
     def __repr__(self) -> str:
         return (
@@ -149,7 +153,7 @@ class Autocovariance:
         )
 
 
-def _frame(place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]]) -> "pd.DataFrame":
+def frame_of(place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]]) -> "pd.DataFrame":
     """Return columns over their places as pandas has them; units are in ``attrs["units"]``."""
     with needing("analysis", "to_pandas"):
         import pandas as pd
@@ -158,7 +162,7 @@ def _frame(place: str, units: str, places: Doubles, columns: Mapping[str, tuple[
     return frame
 
 
-def _dataset(
+def dataset_of(
     place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]], attributes: Mapping[str, str]
 ) -> "xr.Dataset":
     """Return columns over their places as xarray has them."""
@@ -193,24 +197,19 @@ def power_spectrum(
     for chunk in chunks:
         total.add(np.asarray(chunk, dtype=np.float64))
     seen = total.spectrum()
-    if place_units != "s":
-        return PowerSpectrum(
-            name=name,
-            place=seen.wavenumber,
-            place_units=f"rad/{place_units}",
-            density=seen.density,
-            units=f"{_squared(units)} per rad/{place_units}",
-            standard_error=seen.standard_error,
-            segments=seen.segments,
-        )
-    shown, scale = SI.get(units, (units, 1.0))
-    factor = 2.0 * scale**2
+    if place_units == "s":
+        shown, scale = SI.get(units, (units, 1.0))
+        factor = 2.0 * scale**2
+        place, over, per = seen.wavenumber / (2.0 * pi), "Hz", f"{_squared(shown)}/Hz"
+    else:
+        factor, place, over = 1.0, seen.wavenumber, f"rad/{place_units}"
+        per = f"{_squared(units)} per {over}"
     return PowerSpectrum(
         name=name,
-        place=seen.wavenumber / (2.0 * pi),
-        place_units="Hz",
+        place=place,
+        place_units=over,
         density=factor * seen.density,
-        units=f"{_squared(shown)}/Hz",
+        units=per,
         standard_error=factor * seen.standard_error,
         segments=seen.segments,
     )

@@ -16,10 +16,17 @@ from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.api import keywords
-from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
+from rubnoise.api.estimates import (
+    Autocovariance,
+    LabelledColumns,
+    PowerSpectrum,
+    dataset_of,
+    frame_of,
+    power_spectrum,
+)
 from rubnoise.api.given_columns import given_columns
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused, needing
+from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
 from rubnoise.regular_file import is_hdf5
 from rubnoise.storage.measured import refusing_files
@@ -27,25 +34,15 @@ from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
 from rubnoise.tables import as_html, shortened
-from rubnoise.units import FREQUENCY, KINDS, parse_unit
+from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
     from matplotlib.figure import Figure
 
-WORKING: Final[Mapping[tuple[int, ...], str]] = MappingProxyType(
-    {
-        (1, 0, 0): "um",
-        (2, 0, 0): "um^2",
-        (1, 0, -1): "um/s",
-        (0, 0, 1): "s",
-        (1, 1, -2): "uN",
-        (-1, 1, -2): "MPa",
-        (0, 1, 0): "kg",
-    }
-)
-"""Working units by their powers of length, mass and time."""
+CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
+"""Kinds whose units are converted to the working unit."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)
@@ -270,24 +267,15 @@ class Trace:
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a DataFrame over the place, its units in ``frame.attrs["units"]``; else raises ExtraMissing."""
-        with needing("analysis", "to_pandas"):
-            import pandas as pd
-        rest = {name: values for name, values in self.columns.items() if name != self.place}
-        frame = pd.DataFrame(rest, index=pd.Index(self.columns[self.place], name=self.place))
-        frame.attrs["units"] = dict(self.units)
-        return frame
+        return frame_of(*self._labelled_columns())
 
     def to_xarray(self) -> "xr.Dataset":
         """Return an xarray Dataset over the place, each variable with its unit; else raises ExtraMissing."""
-        with needing("analysis", "to_xarray"):
-            import xarray as xr
-        place = xr.Variable((self.place,), self.columns[self.place], {"units": self.units[self.place]})
-        rest = {
-            name: xr.Variable((self.place,), values, {"units": self.units[name]})
-            for name, values in self.columns.items()
-            if name != self.place
-        }
-        return xr.Dataset(rest, coords={self.place: place}, attrs={"title": self.name})
+        return dataset_of(*self._labelled_columns(), {"title": self.name})
+
+    def _labelled_columns(self) -> LabelledColumns:
+        rest = {name: (values, self.units[name]) for name, values in self.columns.items() if name != self.place}
+        return self.place, self.units[self.place], self.columns[self.place], rest
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column over the place, all of them without a name, and return the figure."""
@@ -350,7 +338,5 @@ def _in_working_units(unit: str, what: str) -> tuple[str, float]:
     if unit in OTHERS:
         return unit, 1.0
     read = parse_unit(unit)
-    working = WORKING.get(tuple(read.dimension))
-    if working is None:
-        return unit, 1.0
-    return working, float(read.size / parse_unit(working).size)
+    kind = next((each for each in CONVERTED if each.dimension == read.dimension), None)
+    return (unit, 1.0) if kind is None else (kind.unit, float(read.size))
