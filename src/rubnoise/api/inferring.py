@@ -1,5 +1,6 @@
 """From a measured trace to its junctions: numbers with intervals, and a scenario that simulates what was found."""
 
+import json
 import os
 from dataclasses import replace
 from math import sqrt
@@ -15,7 +16,6 @@ from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.inference import inference
 from rubnoise.inference.assumed import Assumed
@@ -26,6 +26,7 @@ from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
+from rubnoise.scenario.writing import text_of
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.measured import read_measured, refusing_files
 from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column
@@ -335,43 +336,26 @@ def found_scenario(found: inference.InferenceResult, *, speed: Any = None, stren
     if law == "normal":
         # The scenario's centre is that before drawing again, and N_jm counts lives of that length.
         count *= fit.problem.population.law(diameter, shape).centre / diameter  # type: ignore[attr-defined]
-    strength = []
-    if psi is not None:
-        spread = sqrt(max(fit.contact.inequality - 1.0, 0.0))  # E[psi^2] / E[psi]^2 is 1 for equal strengths
-        unequal = ['law = "lognormal"', f'spread = "{100.0 * spread:.6g} %"'] if spread else []
-        strength = ["[strength]", f'mean = "{psi:.6g} MPa"', *unequal, ""]
-    lines = [
-        "# What `rubnoise infer` found. Values are estimates; `infer` prints their intervals.",
-        "format = 1",
-        'title = "What was found in a measured trace"',
-        "",
-        "[interface]",
-        f'mean_real_contact_area = "{found.estimates["mean_real_contact_area"].value:.6g} um^2"',
-        f"mean_junction_count = {count:.6g}",
-        'calibration = "matched"',
-        "",
-        "[diameter]",
-        f'law = "{law}"',
-        *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
-        "",
-        *strength,
-        *_pulse(fit.problem.pulse),
-        "[sliding]",
-        *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
-        f'distance = "{signal.tick * signal.values.size:.6g} um"',
-        "",
-        "[output]",
-        f'tick = "{signal.tick:.6g} um"',
-        "",
-        "[run]",
-        'engine = "batch"',
-        "",
-    ]
-    return "\n".join(lines)
-
-
-def _pulse(pulse: Pulse) -> list[str]:
-    """Return the lines of a scenario for another pulse than the lens that passes through both centres."""
-    keys = {"shape": (pulse.shape, "lens"), "offset": (pulse.offset, "none")}
-    lines = [f'{key} = "{value}"' for key, (value, default) in keys.items() if value != default]
-    return ["[pulse]", *lines, ""] if lines else []
+    strength = {} if psi is None else {"mean": f"{psi:.6g} MPa"}
+    spread = sqrt(max(fit.contact.inequality - 1.0, 0.0))  # E[psi^2] / E[psi]^2 is 1 for equal strengths
+    if strength and spread:
+        strength |= {"law": "lognormal", "spread": f"{100.0 * spread:.6g} %"}
+    pulse = {"shape": fit.problem.pulse.shape, "offset": fit.problem.pulse.offset}
+    keys: dict[str, Any] = {
+        "format": 1,
+        "title": "What was found in a measured trace",
+        "interface": {
+            "mean_real_contact_area": f"{found.estimates['mean_real_contact_area'].value:.6g} um^2",
+            "mean_junction_count": json.loads(f"{count:.6g}"),
+            "calibration": "matched",
+        },
+        "diameter": {"law": law} | ({"spread": f"{100.0 * shape:.6g} %"} if LAWS[law].takes_spread else {}),
+        "strength": strength,
+        "pulse": {key: value for key, value in pulse.items() if value not in {"lens", "none"}},
+        "sliding": ({} if velocity is None else {"speed": f"{velocity:.6g} um/s"})
+        | {"distance": f"{signal.tick * signal.values.size:.6g} um"},
+        "output": {"tick": f"{signal.tick:.6g} um"},
+        "run": {"engine": "batch"},
+    }
+    about = "# What `rubnoise infer` found. Values are estimates; `infer` prints their intervals.\n"
+    return about + text_of({name: value for name, value in keys.items() if value})
