@@ -3,14 +3,18 @@
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
+from math import inf
+from numbers import Integral, Real
 from operator import index
 from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.api.column_group import GROUP_HEADS, Columns, group_rows, listed
 from rubnoise.api.junction import Junction
+from rubnoise.api.keywords import shown
 from rubnoise.contact.pulses import Pulse
-from rubnoise.errors import Refused, needing
+from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
@@ -44,6 +48,16 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
     def __str__(self) -> str:
         """Return the message as it is, not in quotation marks as KeyError does."""
         return Exception.__str__(self)
+
+
+@contextmanager
+def _calculating(source: str) -> Iterator[None]:
+    """Say of values that no run has which result holds them, and what says more."""
+    try:
+        yield
+    except (ArithmeticError, ValueError, IndexError) as problem:
+        reason = " ".join(str(problem).split())
+        raise RunFileRefused(f"{source}: {reason}; run.verify() says which values are wrong") from problem
 
 
 class Contents(ABC):
@@ -137,9 +151,13 @@ class Contents(ABC):
 
         ``bound``: the largest |z|, by default what all in 99.9 % of right runs keep. Refuses unfinished and short runs.
         """
-        from rubnoise.api.answers import compared
+        from rubnoise.analysis.comparison import compare
 
-        return compared(self.reader(), self._called, bound)
+        reader = self.reader()
+        if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
+            raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
+        with _calculating(self._called):
+            return replace(compare(self.model(), reader, bound), heading=f"{self._called}: compared with theory")
 
     def verify(self, regenerate: int = 0) -> "Verification":
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
@@ -147,10 +165,13 @@ class Contents(ABC):
         ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
         random numbers cannot be drawn again. A run in memory is saved first. Raises Refused for an unfinished run.
         """
-        from rubnoise.api.answers import verified
+        from rubnoise.analysis.verification import verify
 
         with self._file_of() as file:
-            return verified(file, self._called, regenerate)
+            if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
+                raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
+            with _calculating(self._called):
+                return replace(verify(file, regenerate), heading=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
         """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.

@@ -2,10 +2,11 @@
 
 import json
 import os
-from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
@@ -93,10 +94,13 @@ class Record(MemoryRecord, Contents):
             self.extent, self.groups, self.pulse, attributes={"title": scenario.title}, provenance=origin
         )
 
-    def _file_of(self) -> "AbstractContextManager[ResultFile]":
-        from rubnoise.api.answers import saved
-
-        return saved(self)
+    @contextmanager
+    def _file_of(self) -> "Iterator[ResultFile]":
+        with TemporaryDirectory(prefix="rubnoise-") as folder:
+            path = Path(folder) / "record.h5"
+            self.save(path).close()
+            with open_run(path) as file:
+                yield file
 
     @property
     def _called(self) -> str:
