@@ -1,48 +1,36 @@
 """Event-driven simulation of the vibrations excited by adhesive micro-junctions during sliding."""
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from rubnoise.api import (
-        Agreement,
-        Autocovariance,
-        Column,
-        Columns,
-        Comparison,
-        Exact,
-        Inference,
-        Junction,
-        JunctionState,
-        LiveJunctions,
-        Observer,
-        PowerSpectrum,
-        Record,
-        Refused,
-        RubnoiseError,
-        Run,
-        Scenario,
-        Surface,
-        SweepResult,
-        Trace,
-        Verification,
-        build,
-        draw_figures,
-        exact,
-        example,
-        examples,
-        expand,
-        greenwood_williamson,
-        infer,
-        load,
-        load_sweep,
-        open,  # noqa: A004  (rubnoise.open reads like h5py.File)
-        open_sweep,
-        resume,
-        run,
-        run_sweep,
-        simulate,
-    )
+    from rubnoise.analysis.agreement import Agreement
+    from rubnoise.analysis.comparing.findings import Comparison
+    from rubnoise.analysis.verifying.findings import Verification
+    from rubnoise.api.column_group import Columns
+    from rubnoise.api.columns import Column
+    from rubnoise.api.estimates import Autocovariance, PowerSpectrum
+    from rubnoise.api.fit import Inference
+    from rubnoise.api.inferring import infer
+    from rubnoise.api.junction import Junction
+    from rubnoise.api.pictures import draw_figures
+    from rubnoise.api.record import Record
+    from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.resuming import resume
+    from rubnoise.api.running import exact, run, simulate
+    from rubnoise.api.scenarios import build, example, examples, load, load_sweep
+    from rubnoise.api.surface import Surface
+    from rubnoise.api.sweep_result import SweepResult, open_sweep
+    from rubnoise.api.sweeping import run_sweep
+    from rubnoise.api.trace import Trace
+    from rubnoise.errors import Refused, RubnoiseError
+    from rubnoise.record.rows import JunctionState
+    from rubnoise.scenario import Scenario
+    from rubnoise.scenario.sweep import expand
+    from rubnoise.simulation.intervention import LiveJunctions
+    from rubnoise.simulation.observer import Observer
+    from rubnoise.theory.asperities import greenwood_williamson
+    from rubnoise.theory.exact import Exact
 
 __version__ = "0.1.0"
 __all__ = [
@@ -86,17 +74,50 @@ __all__ = [
     "simulate",
 ]
 
+HOMES: Final = {
+    "rubnoise.analysis.agreement": ("Agreement",),
+    "rubnoise.analysis.comparing.findings": ("Comparison",),
+    "rubnoise.analysis.verifying.findings": ("Verification",),
+    "rubnoise.api.column_group": ("Columns",),
+    "rubnoise.api.columns": ("Column",),
+    "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
+    "rubnoise.api.fit": ("Inference",),
+    "rubnoise.api.inferring": ("infer",),
+    "rubnoise.api.pictures": ("draw_figures",),
+    "rubnoise.api.record": ("Record",),
+    "rubnoise.api.junction": ("Junction",),
+    "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.resuming": ("resume",),
+    "rubnoise.api.running": ("exact", "run", "simulate"),
+    "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
+    "rubnoise.api.surface": ("Surface",),
+    "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
+    "rubnoise.api.sweeping": ("run_sweep",),
+    "rubnoise.api.trace": ("Trace",),
+    "rubnoise.errors": ("Refused", "RubnoiseError"),
+    "rubnoise.record.rows": ("JunctionState",),
+    "rubnoise.scenario": ("Scenario",),
+    "rubnoise.scenario.sweep": ("expand",),
+    "rubnoise.simulation.intervention": ("LiveJunctions",),
+    "rubnoise.simulation.observer": ("Observer",),
+    "rubnoise.theory.asperities": ("greenwood_williamson",),
+    "rubnoise.theory.exact": ("Exact",),
+}
+"""The module of each public name."""
+
 
 def __getattr__(name: str) -> object:
-    """Return a public name on its first use, so that importing rubnoise costs nothing (PEP 562)."""
-    if name not in __all__:
+    """Return a public name on its first use: nobody waits for what is not used (PEP 562)."""
+    home = next((module for module, names in HOMES.items() if name in names), None)
+    if home is None:
         message = f"module {__name__!r} has no attribute {name!r}"
         if name.startswith("read_"):
             message += '; rubnoise.Trace("trace.csv") reads a measurement, rubnoise.open a result'
         elif near := next((each for each in __all__ if each in name.split("_")), ""):
             message += f"; did you mean rubnoise.{near}?"
         raise AttributeError(message)
-    return getattr(import_module("rubnoise.api"), name)
+    value = globals()[name] = getattr(import_module(home), name)
+    return value
 
 
 def __dir__() -> list[str]:

@@ -180,7 +180,7 @@ def test_the_bars_are_those_of_poisson(page: Any, mean: float) -> None:
 
 # A run on the page: its own rows, its own slider, until a knob of the contact leaves it.
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[rubnoise.api.Run]:
+def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[rubnoise.Run]:
     """Return a short run with a slider."""
     path = tmp_path_factory.mktemp("run") / "short <i>run.h5"
     with rubnoise.run(scenario_of(world_with(seed=11), distance=300.0), path) as found:
@@ -188,7 +188,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[rubnoise.api.Run]:
 
 
 @pytest.fixture
-def replaying(browser: Any, run: rubnoise.api.Run, tmp_path: Path) -> Iterator[Any]:
+def replaying(browser: Any, run: rubnoise.Run, tmp_path: Path) -> Iterator[Any]:
     """Return the page that replays the run, standing still."""
     file = tmp_path / "replay.html"
     file.write_text(page_text("a run", settings_of(run.scenario), record_of(run)), encoding="utf-8")
@@ -196,7 +196,7 @@ def replaying(browser: Any, run: rubnoise.api.Run, tmp_path: Path) -> Iterator[A
         yield found
 
 
-def test_it_is_the_run(replaying: Any, run: rubnoise.api.Run) -> None:
+def test_it_is_the_run(replaying: Any, run: rubnoise.Run) -> None:
     replaying.evaluate("rub.run.goTo(rub.run.end)")
     assert replaying.evaluate("rub.run.end") == 300.0
     assert replaying.evaluate("rub.run.rows.map((row) => row.birth)") == run.junctions["birth_distance"][:].tolist()
@@ -217,7 +217,7 @@ def test_the_slider_may_change_and_the_run_stays(replaying: Any) -> None:
     assert set(replaying.evaluate("rub.run.rows.map((row) => row.strength)")) == {500}
 
 
-def test_a_knob_of_the_contact_leaves_the_run_and_reset_returns(replaying: Any, run: rubnoise.api.Run) -> None:
+def test_a_knob_of_the_contact_leaves_the_run_and_reset_returns(replaying: Any, run: rubnoise.Run) -> None:
     first = run.junctions["birth_distance"][0]
     replaying.evaluate("rub.set({ meanCount: 30 })")
     assert replaying.evaluate("rub.replaying") is False

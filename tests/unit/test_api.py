@@ -12,9 +12,9 @@ import pytest
 import xarray as xr
 
 import rubnoise
+from rubnoise import Junction
 from rubnoise.analysis.agreement import from_attributes
 from rubnoise.analysis.run_summary import CURVES
-from rubnoise.api import Junction
 from rubnoise.api.sweeping import keep_summary, summary_theory
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import OutputRefused, RunFileRefused, RunStopped, ScenarioRefused

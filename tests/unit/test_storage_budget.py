@@ -33,7 +33,7 @@ DENSE = ("interface.mean_junction_count=300000", "sliding.distance=10 um")
 SIZES = {"a slider": WHOLE, "the contact alone": BARE, "hardly any births": BARE.replace("count = 20", "count = 0.01")}
 PEAK = """
 import sys
-from rubnoise.api import load, run
+from rubnoise import load, run
 run(load(sys.argv[1], sys.argv[3:]), sys.argv[2]).close()
 status = dict(line.split(":", 1) for line in open("/proc/self/status"))
 print(int(status["VmHWM"].split()[0]) * 1024)

@@ -22,7 +22,7 @@ from time import process_time
 import numpy as np
 
 import rubnoise
-from rubnoise.api import run
+from rubnoise import run
 from rubnoise.scenario import Scenario, load
 from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, MachineSpeed, machine_speed, seconds
 from rubnoise.storage.forecast import Budget, counted

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import rubnoise
 from rubnoise.cli.layout import agreement_table, finite, grouped, json_text, line, printable, sentence, size
 from rubnoise.cli.options import AsJson
 from rubnoise.cli.sweep import format_failures
@@ -16,7 +17,7 @@ from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.analysis.replicates import PooledEstimate
-    from rubnoise.api import Run
+    from rubnoise.api.result import Run
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.storage.layout import RunDescription
 
@@ -49,7 +50,6 @@ def command(
 
     Example: rubnoise info fig5.h5
     """
-    from rubnoise import api
     from rubnoise.storage.resume import SUFFIX, refusal
 
     if is_folder(file):
@@ -61,7 +61,7 @@ def command(
         answer = part_as_json(file)
         print(json_text(answer) if as_json else "\n".join(format_part(answer)))
         return
-    with api.open(file) as run:
+    with rubnoise.open(file) as run:
         if not run.provenance["finished"]:
             raise refusal(file)
         answer = run_as_json(run, file)
@@ -69,12 +69,9 @@ def command(
 
 
 def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
-
-    from rubnoise import api
-
     if over is not None and figures is None:
         raise typer.BadParameter("--over is for --figures")
-    with api.open_sweep(folder) as sweep:
+    with rubnoise.open_sweep(folder) as sweep:
         answer = sweep_as_json(sweep, folder)
         if figures is not None:
             answer["estimates"] = estimates_as_json(sweep, [name.strip() for name in figures.split(",")], over)

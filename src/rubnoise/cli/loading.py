@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import rubnoise
 from rubnoise.api.scenarios import sizes_of
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import is_hdf5
@@ -63,9 +64,7 @@ def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool =
         return scenario_of(file, changes, quiet=quiet)
     if changes:
         raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
-    from rubnoise import api
-
-    with api.open(file) as run:
+    with rubnoise.open(file) as run:
         return run.scenario
 
 

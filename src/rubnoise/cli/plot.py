@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, cast, get_args
 
 import typer
 
+import rubnoise
 from rubnoise.api.kinds import Kind
 from rubnoise.cli.layout import printable
 from rubnoise.cli.options import ReplaceFile
@@ -185,14 +186,13 @@ def _plot_run(
 def _plot_sweep(
     folder: Path, what: str | None, of: SpectrumOf, output: Path | None, look: "Appearance", *, force: bool
 ) -> None:
-    from rubnoise import api
     from rubnoise.figures.catalogue import SPECTRA, first_quantity, sweep_drawing
     from rubnoise.figures.style import as_bytes, house_style
 
     heard = _heard(of)
     if heard is not None and what != SPECTRA:
         raise typer.BadParameter(f"--of is for psd, not for {what or 'a quantity of a sweep'}")
-    with api.open_sweep(folder) as sweep, house_style(look.style):
+    with rubnoise.open_sweep(folder) as sweep, house_style(look.style):
         shown = what or first_quantity(sweep)
         path = output or Path(f"{folder.resolve().name}_{shown}{_ending(heard)}.png")
         kind = check_picture(path, force=force)

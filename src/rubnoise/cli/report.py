@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+import rubnoise
 from rubnoise.cli.options import ReplaceFile
 
 
@@ -28,7 +29,6 @@ def command(
 
     Example: rubnoise report fig5.h5 -o fig5_report.html
     """
-    from rubnoise import api
     from rubnoise.cli.layout import sentence, size
     from rubnoise.cli.loading import finished_run
     from rubnoise.cli.progress import stoppable
@@ -42,7 +42,7 @@ def command(
     check_output(path, force=force, reads=[file])
     with stoppable() as between:
         if is_folder(file):
-            with api.open_sweep(file) as sweep:
+            with rubnoise.open_sweep(file) as sweep:
                 text = sweep_report(sweep, between)
         else:
             with finished_run(file) as run:

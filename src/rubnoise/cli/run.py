@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import rubnoise
 from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, json_text, line, remark, sentence, size
@@ -17,7 +18,7 @@ from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
-    from rubnoise.api import Run
+    from rubnoise.api.result import Run
     from rubnoise.scenario import Scenario
 
 
@@ -65,8 +66,6 @@ def command(
 
 
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
-
-    from rubnoise import api
     from rubnoise.storage.output import check_output
 
     check_output(path, force=force, unfinished=True, reads=scenario.files)
@@ -85,7 +84,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     began = time.monotonic()
     with watching(scenario.model().distance, shown=shown) as watcher:
         watcher.counting()
-        result = api.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
+        result = rubnoise.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
     with result:
         seconds, warnings = time.monotonic() - began, [*scenario.warnings, *doubts]
         print_result(result, path, seconds, warnings=warnings, as_json=as_json, quiet=quiet)
@@ -137,7 +136,6 @@ def resume(
 
     Example: rubnoise resume fig5.h5.part
     """
-    from rubnoise import api
     from rubnoise.api.resuming import unfinished_scenario
 
     prepare_kernels()
@@ -148,7 +146,7 @@ def resume(
     if not quiet and not as_json:
         announce_compilation()
     with watching(scenario.model().distance, shown=shown) as watcher:
-        result = api.resume(part, force=force, watch=watcher)
+        result = rubnoise.resume(part, force=force, watch=watcher)
     with result:
         seconds = time.monotonic() - began
         print_result(result, part.with_suffix(""), seconds, warnings=doubts, as_json=as_json, quiet=quiet)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import rubnoise
 from rubnoise.cli.layout import sentence, size
 from rubnoise.cli.options import ReplaceFile
 
@@ -49,11 +50,10 @@ def command(
 
 def _scenario_and_junctions(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":
     """Return the scenario, and of a finished result its junctions too."""
-    from rubnoise import api
     from rubnoise.cli.loading import finished_run, is_result, scenario_of
     from rubnoise.lesson.page import record_of
 
     if not is_result(source):
         return scenario_of(source), None
-    with finished_run(source), api.open(source) as run:
+    with finished_run(source), rubnoise.open(source) as run:
         return run.scenario, record_of(run)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import rubnoise
 from rubnoise.cli.options import ReplaceFile
 
 if TYPE_CHECKING:
@@ -41,7 +42,6 @@ def command(
 
     Example: rubnoise view fig5.h5 --from 1mm --to 2mm
     """
-    from rubnoise import api
     from rubnoise.cli.layout import sentence, size
     from rubnoise.cli.loading import finished_run
     from rubnoise.cli.plot import distance
@@ -60,7 +60,7 @@ def command(
     if is_folder(file):
         if ends != (None, None):
             raise typer.BadParameter("--from and --to are for one run")
-        with api.open_sweep(file) as sweep:
+        with rubnoise.open_sweep(file) as sweep:
             text, what = sweep_page(sweep, str(file)), f"{sweep.count('done'):,} runs"
     elif file.suffix == SUFFIX:
         with committed_run(file) as part:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.api import simulate
+from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.figures.paper_sources import Sources

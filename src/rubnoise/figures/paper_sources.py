@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeVar
 
-from rubnoise.api import simulate
+from rubnoise.api.running import simulate
 from rubnoise.figures.stretch import Stretch
 from rubnoise.record.sink import Sink
 from rubnoise.scenario import Scenario, load

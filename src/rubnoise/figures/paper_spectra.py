@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.analysis.spectra import Spectrum, hann, welch
-from rubnoise.api import simulate
+from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.paper_sources import Sources
 from rubnoise.figures.style import BLUE, INK, SERIES, VERMILION, logarithmic, new_figure
