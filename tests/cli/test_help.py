@@ -18,7 +18,7 @@ from rubnoise.cli import export, info, listen, plot, version
 from rubnoise.cli.app import COMMANDS, program
 from rubnoise.cli.commands import literal
 from rubnoise.cli.figures import PICTURES
-from rubnoise.cli.options import engines
+from rubnoise.cli.options import ENGINES
 from rubnoise.cli.version import commit_of_checkout, version_line
 from rubnoise.figures.style import FORMATS
 from rubnoise.scenario import json_schema
@@ -77,8 +77,8 @@ def test_brackets_in_help_are_no_styles(monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.parametrize(
     ("command", "option", "choices"),
     [
-        ("run", "--engine", engines()),
-        ("sweep", "--engine", engines()),
+        ("run", "--engine", ENGINES),
+        ("sweep", "--engine", ENGINES),
         ("figures", "--format", PICTURES),
         ("export", "--to", tuple(export.ExportFormat)),
         ("export", "--group", tuple(export.ExportedGroup)),
@@ -101,7 +101,7 @@ def test_an_option_with_fixed_choices_names_them_all(
 
 def test_choices_are_those_of_scenarios_and_pictures() -> None:
     engine = json_schema()["$defs"]["Run"]["properties"]["engine"]
-    assert set(engines()) == set(engine["enum"])
+    assert set(ENGINES) == set(engine["enum"])
     assert PICTURES == FORMATS
 
 

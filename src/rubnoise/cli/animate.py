@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rubnoise.cli.layout import printable, sentence, size
-from rubnoise.cli.options import ReplaceFile
+from rubnoise.cli.options import ReplaceFile, ResultFile, StretchEnd, StretchStart
 from rubnoise.cli.plot import distance
 from rubnoise.cli.progress import stoppable
 
@@ -15,19 +15,14 @@ if TYPE_CHECKING:
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: ResultFile,
     *,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="A gif or mp4 file; default: RUN.gif, in this folder.", metavar="FILM"),
     ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S", show_default=False),
-    ] = None,
-    stop: Annotated[
-        str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)
-    ] = None,
+    start: StretchStart = None,
+    stop: StretchEnd = None,
     seconds: Annotated[float, typer.Option(help="Length of the film.", metavar="T", min=0.1, max=600.0)] = 8.0,
     rate: Annotated[int, typer.Option("--fps", help="Frames a second.", metavar="N", min=1, max=50)] = 20,
     force: ReplaceFile = False,

@@ -9,7 +9,7 @@ import typer
 
 from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
 from rubnoise.cli.layout import FIGURE_HEADS, agreement_row, json_text, printable, remark, table_row
-from rubnoise.cli.options import AsJson
+from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.errors import Refused, RunOutside
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: ResultFile,
     *,
     bound: Annotated[
         float | None,

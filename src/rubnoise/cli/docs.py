@@ -1,19 +1,14 @@
 """`rubnoise docs`: the documentation as one web page."""
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from rubnoise.cli.layout import sentence, size
-from rubnoise.cli.options import ReplaceFile
+from rubnoise.cli.options import PageFile, ReplaceFile
 
 
 def command(
     *,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")] = Path(
-        "rubnoise.html"
-    ),
+    output: PageFile = Path("rubnoise.html"),
     force: ReplaceFile = False,
 ) -> None:
     """Write the documentation of this version as one web page, which needs no network.

@@ -8,9 +8,13 @@ from typing import Annotated
 import typer
 
 from rubnoise.cli.layout import grouped, size
+from rubnoise.cli.options import ReplaceFiles, ResultFile
 from rubnoise.cli.progress import stoppable
 
 STANDARD_OUTPUT = Path("-")
+
+ExportedGroup = StrEnum("ExportedGroup", "junctions trace slider load landmarks")
+"""The groups of a run that are tables."""
 
 
 class ExportFormat(StrEnum):
@@ -21,18 +25,8 @@ class ExportFormat(StrEnum):
     NETCDF = "netcdf"
 
 
-class ExportedGroup(StrEnum):
-    """The groups of a run that are tables."""
-
-    JUNCTIONS = "junctions"
-    TRACE = "trace"
-    SLIDER = "slider"
-    LOAD = "load"
-    LANDMARKS = "landmarks"
-
-
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: ResultFile,
     *,
     kind: Annotated[
         ExportFormat, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT", show_default=False)
@@ -52,7 +46,7 @@ def command(
             metavar="OUT",
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: ReplaceFiles = False,
 ) -> None:
     """Write a result as CSV (units in the names), Parquet or netCDF (units beside them).
 

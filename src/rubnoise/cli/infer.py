@@ -11,12 +11,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import json_text, line, printable, remark
-from rubnoise.cli.options import AsJson
+from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
     from rubnoise.inference.inference import InferenceResult, OtherPulse
+
+Shape = StrEnum("Shape", "lens parabola")
+Offset = StrEnum("Offset", "none uniform")
+LawChoice = StrEnum("LawChoice", "auto fixed normal lognormal exponential gamma")
+"""Lives that can be read, how far passes miss the centre line, laws of sizes."""
 
 
 class Zero(StrEnum):
@@ -24,31 +29,6 @@ class Zero(StrEnum):
 
     KNOWN = "known"
     UNKNOWN = "unknown"
-
-
-class Shape(StrEnum):
-    """Lives that can be read."""
-
-    LENS = "lens"
-    PARABOLA = "parabola"
-
-
-class Offset(StrEnum):
-    """How far passes miss the centre line."""
-
-    NONE = "none"
-    UNIFORM = "uniform"
-
-
-class LawChoice(StrEnum):
-    """Laws of sizes."""
-
-    AUTO = "auto"
-    FIXED = "fixed"
-    NORMAL = "normal"
-    LOGNORMAL = "lognormal"
-    EXPONENTIAL = "exponential"
-    GAMMA = "gamma"
 
 
 def command(
@@ -89,10 +69,10 @@ def command(
         str | None,
         typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
     ] = None,
-    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens, parabola.", metavar="SHAPE")] = Shape.LENS,
+    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens, parabola.", metavar="SHAPE")] = Shape.lens,
     offset: Annotated[
         Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
-    ] = Offset.NONE,
+    ] = Offset.none,
     bandwidth: Annotated[
         str | None,
         typer.Option(help='Corner of the sensor\'s filter: "200 Hz".', metavar="F", show_default=False),
@@ -101,7 +81,7 @@ def command(
     law: Annotated[
         LawChoice,
         typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
-    ] = LawChoice.AUTO,
+    ] = LawChoice.auto,
     mask: Annotated[
         list[str] | None,
         typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F", show_default=False),
@@ -129,7 +109,7 @@ def command(
         typer.Option("-o", "--output", help="Write a scenario that simulates what was found.", metavar="TOML"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: ReplaceFiles = False,
 ) -> None:
     """Find number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.cli.layout import filled, grouped, json_text, number, printable, table_row
-from rubnoise.cli.options import AsJson
+from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
+from rubnoise.cli.plot import check_picture, write_picture
 
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
@@ -20,7 +21,7 @@ SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: ResultFile,
     number: Annotated[
         str,
         typer.Argument(help="Row number of the junction, from 0 in order of birth.", metavar="N", show_default=False),
@@ -35,7 +36,7 @@ def command(
     as_csv: Annotated[bool, typer.Option("--csv", help="Print its curve: distance, time, area and force.")] = False,
     as_json: AsJson = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png file.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
+    force: ReplacePlot = False,
 ) -> None:
     """Show the life of one junction: birth, mid-life, death, its share of the contact, the others alive.
 
@@ -111,13 +112,9 @@ def _row(number: str) -> int:
 
 def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
     from rubnoise.figures.life import life_png
-    from rubnoise.storage.output import check_output, whole_file
 
-    check_output(path, force=force, reads=[file])
-    picture = life_png(life, printable(file.name))
-    with whole_file(path, force=force) as part:
-        part.write_bytes(picture)
-    print(path)
+    check_picture(path, force=force, reads=[file])
+    write_picture(path, lambda _: life_png(life, printable(file.name)), force=force)
 
 
 UNITS = {"distance": "um", "time": "s", "area": "um^2", "force": "uN"}

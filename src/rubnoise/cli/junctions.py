@@ -9,7 +9,7 @@ import typer
 
 from rubnoise.cli.junction import state_names
 from rubnoise.cli.layout import grouped, groups_that_fit, json_text, number, printable
-from rubnoise.cli.options import AsJson
+from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ ROWS_SHOWN = 20
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: ResultFile,
     *,
     where: Annotated[
         str | None,

@@ -5,7 +5,7 @@ from enum import StrEnum
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -18,24 +18,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rubnoise.analysis.hearing import Hearing
-    from rubnoise.analysis.sound import Level, Sound
+    from rubnoise.analysis.sound import Heard, Level, Sound
 
-
-class What(StrEnum):
-    """What can be heard."""
-
-    VELOCITY = "velocity"
-    FORCE = "force"
-    DISPLACEMENT = "displacement"
-    NORMAL_VELOCITY = "normal-velocity"
-    LOAD = "load"
-
-
-class Rate(StrEnum):
-    """Samples a second."""
-
-    CD = "44100"
-    VIDEO = "48000"
+What = StrEnum("What", "velocity force displacement normal-velocity load")
+Rate = StrEnum("Rate", {"CD": "44100", "VIDEO": "48000"})
+"""What can be heard, and samples a second."""
 
 
 def command(
@@ -47,7 +34,7 @@ def command(
     ] = None,
     what: Annotated[
         What, typer.Option(help="The sound: velocity, force, displacement, normal-velocity or load.", metavar="WHAT")
-    ] = What.VELOCITY,
+    ] = What.velocity,
     speed_up: Annotated[
         float | None,
         typer.Option(
@@ -81,11 +68,12 @@ def command(
         raise typer.BadParameter("-o names one file; several runs are written as RUN_WHAT.wav in this folder")
     with ExitStack() as opened, stoppable() as between:
         runs = [opened.enter_context(finished_run(file)) for file in files]
-        sounds = [Sound.of(run, what.value, rate=int(rate), speed_up=speed_up or 1.0, seconds=None) for run in runs]
+        choose = partial(Sound.of, what=cast("Heard", what.value), rate=int(rate))
+        sounds = [choose(run, speed_up=speed_up or 1.0, seconds=None) for run in runs]
         paths = [output or Path(f"{sound.file.path.stem}_{sound.what}.wav") for sound in sounds]
         _check_paths(files, paths, force=force)
         faster = speed_up or (audible(sounds[0], between) if len(sounds) > 1 else 1.0)
-        choose = partial(Sound.of, what=what.value, rate=int(rate), speed_up=faster)
+        choose = partial(choose, speed_up=faster)
         sounds = [choose(run, seconds=seconds) for run in runs]
         shortest = min(sound.seconds for sound in sounds)
         sounds = [sound if sound.seconds == shortest else choose(sound.file, seconds=shortest) for sound in sounds]

@@ -1,24 +1,41 @@
-"""Options that several commands have."""
+"""Arguments and options that several commands have."""
 
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Final
 
 import typer
 
-
-def engines() -> tuple[str, ...]:
-    """Return the values of --engine, which shells complete; loading the scenario refuses others."""
-    return ("events", "batch")
-
-
+ResultFile = Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)]
+ResultOrSweep = Annotated[
+    Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False)
+]
+ResultOfAnyKind = Annotated[
+    Path,
+    typer.Argument(
+        help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
+    ),
+]
+StretchStart = Annotated[
+    str | None,
+    typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S", show_default=False),
+]
+StretchEnd = Annotated[str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)]
+PageFile = Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
 ReplaceFile = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
+ReplaceFiles = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
+ReplaceResult = Annotated[bool, typer.Option("--force", help="Replace an existing result.")]
+ReplacePlot = Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")]
 Changes = Annotated[list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")]
+ENGINES: Final = ("events", "batch")
+"""What shells complete; loading the scenario refuses others."""
+
 EngineName = Annotated[
     str | None,
     typer.Option(
         help="events or batch, instead of the file's; both give the same bits.",
         metavar="ENGINE",
-        autocompletion=engines,
+        autocompletion=lambda: ENGINES,
     ),
 ]

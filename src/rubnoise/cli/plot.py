@@ -13,7 +13,7 @@ import typer
 import rubnoise
 from rubnoise.api.kinds import Kind
 from rubnoise.cli.layout import printable
-from rubnoise.cli.options import ReplaceFile
+from rubnoise.cli.options import ReplaceFile, ResultOrSweep
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
@@ -26,17 +26,8 @@ if TYPE_CHECKING:
 PICTURES: tuple[Kind, ...] = get_args(Kind)
 """The pictures of a run."""
 
-
-class SpectrumOf(StrEnum):
-    """What a spectrum and a histogram can be of."""
-
-    AREA = "area"
-    FORCE = "force"
-    DISPLACEMENT = "displacement"
-    VELOCITY = "velocity"
-    NORMAL_VELOCITY = "normal-velocity"
-    LOAD = "load"
-
+SpectrumOf = StrEnum("SpectrumOf", "area force displacement velocity normal-velocity load")
+"""What a spectrum and a histogram can be of."""
 
 RECORDS = (".csv", ".tsv", ".txt")
 """Ends of names of records of the user's own, which are laid over spectra."""
@@ -50,9 +41,7 @@ def complete(incomplete: str) -> list[str]:
 
 
 def command(
-    file: Annotated[
-        Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False)
-    ],
+    file: ResultOrSweep,
     what: Annotated[
         str | None,
         typer.Argument(
@@ -82,7 +71,7 @@ def command(
             " or load.",
             metavar="QUANTITY",
         ),
-    ] = SpectrumOf.AREA,
+    ] = SpectrumOf.area,
     beside: Annotated[
         Path | None,
         typer.Option(
@@ -204,7 +193,7 @@ def _plot_sweep(
 
 
 def _heard(of: SpectrumOf) -> "Heard | None":
-    return None if of is SpectrumOf.AREA else cast("Heard", of.value)
+    return None if of is SpectrumOf.area else cast("Heard", of.value)
 
 
 def _ending(heard: "Heard | None") -> str:

@@ -7,13 +7,11 @@ from typing import Annotated
 import typer
 
 import rubnoise
-from rubnoise.cli.options import ReplaceFile
+from rubnoise.cli.options import ReplaceFile, ResultOrSweep
 
 
 def command(
-    file: Annotated[
-        Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False)
-    ],
+    file: ResultOrSweep,
     *,
     output: Annotated[
         Path | None,

@@ -10,23 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from rubnoise.cli.layout import json_text, line, number, printable, remark, sentence
-from rubnoise.cli.options import AsJson
+from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
     from rubnoise.api.surface import Surface
     from rubnoise.surface.sliding import SlidingContact
 
-
-class Form(StrEnum):
-    """Forms that can be removed."""
-
-    NONE = "none"
-    TILT = "tilt"
-    POLYNOMIAL = "polynomial"
-    CYLINDER = "cylinder"
-    SPHERE = "sphere"
-
+Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
+"""Forms that can be removed."""
 
 _SYNTHETIC: Final = ("points", "spacing", "roughness", "hurst", "rolloff", "seed")
 _SCENARIO: Final = ("speed", "distance", "mass", "damping_ratio")
@@ -58,7 +50,7 @@ def command(
     ] = None,
     form: Annotated[
         Form, typer.Option(help="Form to remove: none, tilt, polynomial, cylinder, sphere.", metavar="FORM")
-    ] = Form.TILT,
+    ] = Form.tilt,
     unit: Annotated[
         str | None, typer.Option(help="Unit of a scan that names none: um.", metavar="UNIT", show_default=False)
     ] = None,
@@ -86,7 +78,7 @@ def command(
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write a page with maps and curves.", metavar="HTML")] = None,
     as_json: AsJson = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: ReplaceFiles = False,
     synthesise: Annotated[bool, typer.Option("--synthesise", help="Make a self-affine surface instead.")] = False,
     points: Annotated[int, typer.Option(help="Its points a side.", metavar="N")] = 512,
     spacing: Annotated[str, typer.Option(help="Their distance.", metavar="LENGTH")] = "1 um",

@@ -7,7 +7,7 @@ import typer
 
 import rubnoise
 from rubnoise.cli.layout import sentence, size
-from rubnoise.cli.options import ReplaceFile
+from rubnoise.cli.options import PageFile, ReplaceFile
 
 if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
@@ -23,9 +23,7 @@ def command(
         ),
     ] = None,
     *,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")] = Path(
-        "lesson.html"
-    ),
+    output: PageFile = Path("lesson.html"),
     force: ReplaceFile = False,
 ) -> None:
     """Write a web page for a class: births and deaths of junctions, controls, exact predictions and lessons.

@@ -21,7 +21,7 @@ from rubnoise.cli.layout import (
     words,
 )
 from rubnoise.cli.load import format_load, load_notes
-from rubnoise.cli.options import AsJson, Changes
+from rubnoise.cli.options import AsJson, Changes, ReplacePlot
 from rubnoise.cli.plot import check_picture, write_picture
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def command(
     as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV, one row per number.")] = False,
     as_json: AsJson = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
+    force: ReplacePlot = False,
 ) -> None:
     """Print the exact values of a scenario: moments, spectrum, autocovariance, distribution, slider response.
 

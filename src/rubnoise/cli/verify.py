@@ -8,7 +8,7 @@ import typer
 
 from rubnoise.cli.commands import Command
 from rubnoise.cli.layout import grouped, json_text, printable, remark
-from rubnoise.cli.options import AsJson
+from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.cli.progress import StatusLine, on_terminal, watching_reads
 from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
@@ -36,7 +36,7 @@ SETTINGS: Final = {"cls": BareCount}
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: ResultFile,
     *,
     regenerate: Annotated[
         int | None,

@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import rubnoise
-from rubnoise.cli.options import ReplaceFile
+from rubnoise.cli.options import ReplaceFile, ResultOfAnyKind, StretchEnd, StretchStart
 
 if TYPE_CHECKING:
     from rubnoise.pages.run_view import RunView
 
 
 def command(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
-        ),
-    ],
+    file: ResultOfAnyKind,
     *,
     output: Annotated[
         Path | None,
@@ -27,13 +22,8 @@ def command(
             "-o", "--output", help="The page to write; default: RUN.html, in this folder.", metavar="OUT.html"
         ),
     ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S", show_default=False),
-    ] = None,
-    stop: Annotated[
-        str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)
-    ] = None,
+    start: StretchStart = None,
+    stop: StretchEnd = None,
     force: ReplaceFile = False,
 ) -> None:
     """Write a page to explore a result: curves to zoom into, a bar for the life of each junction, and filters.
