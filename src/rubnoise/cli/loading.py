@@ -1,10 +1,10 @@
 """Open what a command is about: a scenario with its overrides and warnings, a sweep, or a finished result."""
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import rubnoise
 from rubnoise.api.scenarios import sizes_of
@@ -18,6 +18,8 @@ from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
 
+Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
+
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
     """Return KEY=VALUE changes, those of the options that stand for a key among them."""
@@ -27,35 +29,28 @@ def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine:
 
 def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
     """Load a scenario, from a file or by its shipped name, and print its warnings; raises ScenarioRefused."""
-    file = named(file)
-    _refuse_result(file)
-    scenario = load(file, changes, sizes_of)
-    _warn(scenario.warnings, quiet=quiet)
-    return scenario
+    return _loaded(load, file, changes, quiet=quiet)
 
 
 def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Sweep:
     """Load a sweep and print its warnings; raises ScenarioRefused, also for a file that is one run."""
-    file = named(file)
-    _refuse_result(file)
-    sweep = load_sweep(file, changes, sizes_of)
-    _warn(sweep.warnings, quiet=quiet)
-    return sweep
+    return _loaded(load_sweep, file, changes, quiet=quiet)
 
 
 def scenario_or_sweep(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario | Sweep:
     """Load a scenario or a sweep, whichever a file is, and print its warnings; raises ScenarioRefused."""
+    return _loaded(load_either, file, changes, quiet=quiet)
+
+
+def _loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str], *, quiet: bool) -> Loaded:
     file = named(file)
-    _refuse_result(file)
-    found = load_either(file, changes, sizes_of)
-    _warn(found.warnings, quiet=quiet)
-    return found
-
-
-def _warn(warnings: Iterable[str], *, quiet: bool) -> None:
+    if is_result(file):
+        raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
+    found = read(file, changes, sizes_of)
     if not quiet:
-        for warning in warnings:
+        for warning in found.warnings:
             print(warning, file=sys.stderr)
+    return found
 
 
 def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
@@ -66,12 +61,6 @@ def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool =
         raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
     with rubnoise.open(file) as run:
         return run.scenario
-
-
-def _refuse_result(file: Path) -> None:
-    """Refuse a result when a scenario is wanted."""
-    if is_result(file):
-        raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
 
 
 def is_result(file: Path) -> bool:
