@@ -53,16 +53,12 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
         answer["friction_force"] = {"mean": theory.force.mean, "std": theory.force.std}
         if model.load is not None:
             answer["friction_coefficient"] = theory.force.mean / model.load
-    if model.slider is not None and theory.slider is not None:
+    if model.slider is not None and (motion := motion_as_json(theory)):
         missing = missing_for_motion(model)
         answer["slider"] = {
             "natural_frequency": model.slider.natural_frequency,
             "damping_ratio": model.slider.damping_ratio,
-            "displacement_mean": theory.slider.mean_displacement,
-            "displacement_std": theory.slider.displacement_std,
-            "velocity_std": theory.slider.velocity_std,
-            "one_way_validity": theory.slider.one_way_validity,
-            **coupling_as_json(theory),
+            **motion,
         }
         answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
         answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
@@ -109,8 +105,8 @@ COST: Final[tuple[LineWords, ...]] = (
     ("events", "{events:about}"),
     ("file size", "{bytes:size}{before}"),
     ("free disk", "{free_disk:size}"),
-    ("memory", "about {peak_memory:size}, {working_memory:size} beside the program's own"),
-    ("time", "{seconds:duration} on this machine, engine {engine}"),
+    ("memory", "about {peak_memory:size}, {working_memory:size} beside the program's own", "about {peak_memory:size}"),
+    ("time", "{seconds:duration} on this machine, engine {engine}", "{seconds:duration}"),
 )
 """The lines of a scenario, of its slider's motion and of a run's cost."""
 
@@ -125,18 +121,21 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[st
     yield from format_load(answer["load"])
     yield line("births", f"{grouped(answer['expected_births'])} expected")
     if "cost" in answer:
-        cost = dict(answer["cost"])
-        if cost["free_disk"] <= cost["bytes"]:
-            del cost["free_disk"]
         known = {
             "counted_by": "this seed" if model.free is None else "an estimate, at constant separation",
             "before": "" if scenario.output.compression == "none" else " before compression",
             "engine": scenario.run.engine,
         }
-        yield from lines(cost | known, COST)
+        yield from format_cost(answer["cost"] | known)
     # Those of the scenario are printed when it is loaded.
     yield from (remark(f"warning: {warning}") for warning in answer["warnings"][len(scenario.warnings) :])
     yield from (remark(f"note: {note}") for note in answer["notes"])
+
+
+def format_cost(cost: dict[str, Any]) -> Iterator[str]:
+    """Yield what a run takes, as lines to print; free disk only if it needs more of it than for its file."""
+    shown = {name: value for name, value in cost.items() if name != "free_disk" or value > cost["bytes"]}
+    yield from lines({"before": ""} | shown, COST)
 
 
 def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
@@ -169,21 +168,29 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]
 
 
-def coupling_as_json(theory: Exact) -> dict[str, Any]:
-    """Return by name what judges one-way coupling, of a model with a slider; a change not known is None, with why.
+def motion_as_json(theory: Exact) -> dict[str, Any]:
+    """Return by name how a slider moves, and what judges one-way coupling; a change not known is None, with why.
 
-    Nothing of a slider that a base drives.
+    Nothing if the model has no slider; nothing judges one that a base drives.
     """
-    slider = theory.model.slider
-    if slider is not None and slider.excitation == "base":
-        return {}  # a base does not feel the motion
-    found = theory.coupling()
+    slider, motion = theory.model.slider, theory.slider
+    if slider is None or motion is None:
+        return {}
     figures: dict[str, Any] = {
+        "displacement_mean": motion.mean_displacement,
+        "displacement_std": motion.displacement_std,
+        "velocity_std": motion.velocity_std,
+        "one_way_validity": motion.one_way_validity,
+    }
+    if slider.excitation == "base":
+        return figures  # a base does not feel the motion
+    found = theory.coupling()
+    figures |= {
         "coupling_strength": found.strength,
         "stick_number": found.stick_number,
-        "expected_change": found.expected_change,
+        "expected_change": found.expected_change if found.unknown is None else None,
     }
-    return figures if found.unknown is None else figures | {"expected_change": None, "change_unknown": found.unknown}
+    return figures if found.unknown is None else figures | {"change_unknown": found.unknown}
 
 
 def budget_as_json(budget: Budget) -> dict[str, float]:

@@ -2,19 +2,27 @@
 
 import sys
 import time
-from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import rubnoise
+from rubnoise.analysis.agreement import as_json as figures_as_json
 from rubnoise.analysis.one_way import one_way_warnings
-from rubnoise.cli import layout
-from rubnoise.cli.layout import duration, grouped, json_text, line, remark, sentence, size
-from rubnoise.cli.options import AsJson, EngineName, Quiet
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
+from rubnoise.cli.layout import (
+    agreement_table,
+    grouped,
+    json_text,
+    line,
+    remark,
+    sentence,
+    size,
+    too_short_for_motion,
+)
+from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
+from rubnoise.cli.progress import Watcher, announce_compilation, interrupted_at_once, on_terminal, watching
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -43,7 +51,7 @@ def command(
         typer.Option("--set", help="Change a key, e.g. --set sliding.distance=5mm.", metavar="KEY=VALUE"),
     ] = None,
     engine: EngineName = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
+    force: ReplaceResult = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Check everything, run nothing, write nothing.")] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -55,20 +63,19 @@ def command(
     Example: rubnoise run scenarios/paper/fig5.toml -o fig5.h5 --seed 7
     """
     from rubnoise.cli.loading import overrides, scenario_of
+    from rubnoise.storage.output import check_output
 
     scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
     stem = "rubnoise" if str(file) == STANDARD_INPUT else file.stem
     path = Path(f"{stem}.h5") if output is None else output
+    check_output(path, force=force, unfinished=True, reads=scenario.files)
     if dry_run:
-        _print_forecast(scenario, path, force=force, as_json=as_json, quiet=quiet)
+        _print_forecast(scenario, path, as_json=as_json, quiet=quiet)
     else:
         _run(scenario, path, force=force, as_json=as_json, quiet=quiet)
 
 
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
-    from rubnoise.storage.output import check_output
-
-    check_output(path, force=force, unfinished=True, reads=scenario.files)
     prepare_kernels()
     if not force and not quiet:
         from rubnoise.api.resuming import interrupted
@@ -78,25 +85,19 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
             part = f"{path}{SUFFIX}"
             print(f"{part}: resumes an unfinished run at {look(part).share:.0%}", file=sys.stderr)
     doubts = _doubts(scenario, quiet=quiet or as_json)
-    shown = on_terminal() and not quiet and not as_json
-    if not quiet and not as_json:
-        announce_compilation()
     began = time.monotonic()
-    with watching(scenario.model().distance, shown=shown) as watcher:
+    with _watching(scenario, quiet=quiet or as_json) as watcher:
         watcher.counting()
         result = rubnoise.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
     with result:
         seconds, warnings = time.monotonic() - began, [*scenario.warnings, *doubts]
-        print_result(result, path, seconds, warnings=warnings, as_json=as_json, quiet=quiet)
+        _print_result(result, path, seconds, warnings, as_json=as_json, quiet=quiet)
 
 
-def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
-
-    from rubnoise.cli.derivation import FREE_ROWS, budget_as_json
+def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: bool) -> None:
+    from rubnoise.cli.derivation import FREE_ROWS, budget_as_json, format_cost
     from rubnoise.storage.forecast import check_disk_space, counted, expected
-    from rubnoise.storage.output import check_output
 
-    check_output(path, force=force, unfinished=True, reads=scenario.files)
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)
@@ -110,15 +111,7 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
         print(line("ticks", grouped(budget.ticks)))
-        if budget.slider_rows_at_most is not None:
-            print(line("slider", f"{grouped(budget.slider_rows_at_most)} rows at most"))
-        print(line("file size", size(budget.result_bytes)))
-        if budget.disk_bytes > budget.result_bytes:
-            print(line("free disk", size(budget.disk_bytes)))
-        print(line("memory", f"about {size(forecast['peak_memory'])}"))
-        print(line("time", duration(forecast["seconds"])))
-        for note in notes:
-            print(remark(f"note: {note}"))
+        print("\n".join([*format_cost(forecast), *(remark(f"note: {note}") for note in notes)]))
 
 
 @interrupted_at_once
@@ -128,7 +121,7 @@ def resume(
         typer.Argument(help="The part file of an unfinished run.", metavar="RUN.h5.part", show_default=False),
     ],
     *,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
+    force: ReplaceResult = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -139,35 +132,41 @@ def resume(
     from rubnoise.api.resuming import unfinished_scenario
 
     prepare_kernels()
-    shown = on_terminal() and not quiet and not as_json
     began = time.monotonic()
     scenario = unfinished_scenario(part)
     doubts = _doubts(scenario, quiet=quiet or as_json)
-    if not quiet and not as_json:
-        announce_compilation()
-    with watching(scenario.model().distance, shown=shown) as watcher:
+    with _watching(scenario, quiet=quiet or as_json) as watcher:
         result = rubnoise.resume(part, force=force, watch=watcher)
     with result:
         seconds = time.monotonic() - began
-        print_result(result, part.with_suffix(""), seconds, warnings=doubts, as_json=as_json, quiet=quiet)
+        _print_result(result, part.with_suffix(""), seconds, doubts, as_json=as_json, quiet=quiet)
 
 
-def print_result(
-    result: "Run", path: Path, seconds: float, *, warnings: Sequence[str], as_json: bool, quiet: bool
+def _watching(scenario: "Scenario", *, quiet: bool) -> AbstractContextManager[Watcher]:
+    if not quiet:
+        announce_compilation()
+    return watching(scenario.model().distance, shown=on_terminal() and not quiet)
+
+
+def _print_result(
+    result: "Run", path: Path, seconds: float, warnings: list[str], *, as_json: bool, quiet: bool
 ) -> None:
     """Print what became of a run that took so many seconds and lies at a path."""
+    rows, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
     if as_json:
-        _print_json(result, path, warnings)
+        answer = {
+            "output": str(path),
+            "seed": result.provenance["seed"],
+            "junctions": rows,
+            "ticks": ticks,
+            "bytes": count,
+            "summary": figures_as_json(result.summary),
+            "warnings": warnings,
+        }
+        print(json_text(answer))
     elif not quiet:
-        _print_result(result, path, seconds)
-
-
-def _print_result(result: "Run", path: Path, seconds: float) -> None:
-
-    rows, ticks = layout.grouped(len(result.junctions)), layout.grouped(len(result.trace))
-    size = layout.size(path.stat().st_size)
-    print(sentence(f"{path}: {rows} junctions, {ticks} ticks, {size}, in {seconds:.1f} s"))
-    print("\n".join(layout.agreement_table(result.summary)))
+        print(sentence(f"{path}: {grouped(rows)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s"))
+        print("\n".join(agreement_table(result.summary)))
 
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
@@ -185,27 +184,11 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     if model.separation is not None:
         doubts += load_warnings(load_as_json(exact(model)))
     if missing := missing_for_motion(model):
-        doubts.append(layout.too_short_for_motion(missing.decays, missing.needed))
+        doubts.append(too_short_for_motion(missing.decays, missing.needed))
     if not quiet:
         for doubt in doubts:
-            print(layout.remark(f"warning: {doubt}"), file=sys.stderr)
+            print(remark(f"warning: {doubt}"), file=sys.stderr)
     return doubts
-
-
-def _print_json(result: "Run", path: Path, warnings: Sequence[str]) -> None:
-
-    from rubnoise.analysis.agreement import as_json
-
-    answer = {
-        "output": str(path),
-        "seed": result.provenance["seed"],
-        "junctions": len(result.junctions),
-        "ticks": len(result.trace),
-        "bytes": path.stat().st_size,
-        "summary": as_json(result.summary),
-        "warnings": list(warnings),
-    }
-    print(json_text(answer))
 
 
 _BLAS = "scipy.linalg.cython_blas"

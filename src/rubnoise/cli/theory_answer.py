@@ -10,7 +10,7 @@ from typing import Any, Final, Self
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.cli.derivation import coupling_as_json
+from rubnoise.cli.derivation import motion_as_json
 from rubnoise.cli.layout import finite, printable
 from rubnoise.cli.load import load_as_json
 from rubnoise.errors import Refused
@@ -162,7 +162,9 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None, *, 
     }
     if theory.force is not None:
         answer["force"] = _moments(theory.force)
-    answer |= _motion(theory) | _load(theory) | _other_models(model, white=white)
+    if motion := motion_as_json(theory):
+        answer["slider"] = motion
+    answer |= _load(theory) | _other_models(model, white=white)
     answer["diameter"] = {
         "calibrated": model.calibrated_diameter,
         "mean": theory.mean_diameter,
@@ -183,19 +185,6 @@ def _moments(cumulants: Cumulants) -> dict[str, Any]:
         "excess_kurtosis": cumulants.excess_kurtosis,
         "cumulants": [each for each in cumulants.values if isfinite(each)],
     }
-
-
-def _motion(theory: Exact) -> dict[str, Any]:
-    if theory.slider is None:
-        return {}
-    slider = {
-        "displacement_mean": theory.slider.mean_displacement,
-        "displacement_std": theory.slider.displacement_std,
-        "velocity_std": theory.slider.velocity_std,
-        "one_way_validity": theory.slider.one_way_validity,
-        **coupling_as_json(theory),
-    }
-    return {"slider": slider}
 
 
 def _load(theory: Exact) -> dict[str, Any]:
