@@ -10,8 +10,8 @@ import typer
 
 import rubnoise
 from rubnoise.cli.layout import agreement_table, finite, grouped, json_text, line, printable, sentence, size
-from rubnoise.cli.options import AsJson
-from rubnoise.cli.sweep import format_failures
+from rubnoise.cli.options import AsJson, ResultOfAnyKind
+from rubnoise.cli.sweep import format_failures, states_in_words, values_in_words
 from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder
 
@@ -23,12 +23,7 @@ if TYPE_CHECKING:
 
 
 def command(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
-        ),
-    ],
+    file: ResultOfAnyKind,
     *,
     figures: Annotated[
         str | None,
@@ -291,13 +286,12 @@ def _interval(estimate: "PooledEstimate") -> dict[str, float | int | None]:
 
 def format_sweep(answer: Mapping[str, Any]) -> list[str]:
     """Return the same as lines to print."""
-    states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
     lines = [
         sentence(f"{answer['folder']}: {printable(answer['title'])}"),
         line("written by", f"{answer['source']}, {answer['written']}"),
         line("command", answer["command"], whole=True),
         line("points", grouped(answer["points"])),
-        line("runs", f"{grouped(answer['runs'])}: {states}"),
+        line("runs", f"{grouped(answer['runs'])}: {states_in_words(answer)}"),
         line("size", size(answer["bytes"])),
         *(line("swept", key) for key in answer["grid"]),
         *(line("swept in parallel", key) for key in answer["side_by_side"]),
@@ -310,7 +304,7 @@ def format_sweep(answer: Mapping[str, Any]) -> list[str]:
 def _estimate_lines(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield a line for each figure of each point, below the swept values."""
     for point in points:
-        yield sentence(printable(", ".join(f"{key} = {value}" for key, value in point["values"].items())))
+        yield sentence(values_in_words(point["values"]))
         for name, estimate in point["figures"].items():
             over = point.get("over", {}).get(name, {"runs": 0})
             # A point over itself is 1, which needs no telling.

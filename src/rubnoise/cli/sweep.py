@@ -1,6 +1,7 @@
 """`rubnoise sweep`: every run of a sweep that is not done yet, and an index of them all."""
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -126,7 +127,6 @@ def _merged(folder: Path) -> Path:
 def _print_outcome(
     sweep: "Sweep", folder: Path, ending: "SweepOutcome", *, merged: Path | None, as_json: bool, quiet: bool
 ) -> None:
-
     answer = outcome_as_json(sweep, folder, ending, merged)
     if as_json:
         print(json_text(answer))
@@ -169,12 +169,12 @@ def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged
 
 def format_outcome(answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print; failed runs have a table of their own."""
-    states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
-    lines = [f"{answer['folder']}: {grouped(answer['points'])} points, {grouped(answer['runs'])} runs: {states}"]
+    points, runs = grouped(answer["points"]), grouped(answer["runs"])
+    lines = [f"{answer['folder']}: {points} points, {runs} runs: {states_in_words(answer)}"]
     if answer["merged"]:
         lines.append(remark(f"everything in one file: {answer['merged']}"))
     for short in answer["imprecise"]:
-        reached = f"{_values(short['values'])}: relative standard error {short['reached']:.2g}"
+        reached = f"{values_in_words(short['values'])}: relative standard error {short['reached']:.2g}"
         lines.append(remark(f"precision not reached: {reached} with {grouped(short['replicates'])} replicates"))
     return lines
 
@@ -183,11 +183,16 @@ def format_failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
     """Return a table of runs that failed."""
     lines = [f"{grouped(len(failed))} {'run' if len(failed) == 1 else 'runs'} failed; the same command tries again:"]
     for each in failed[:most]:
-        where = ", ".join(part for part in (_values(each["values"]), f"replicate {each['replicate']}") if part)
+        where = ", ".join(part for part in (values_in_words(each["values"]), f"replicate {each['replicate']}") if part)
         lines += [f"  {each['run_id']}  {where}", f"    {printable(each['reason'])}"]
     return lines + ([f"  and {grouped(len(failed) - most)} more"] if len(failed) > most else [])
 
 
-def _values(values: dict[str, Any]) -> str:
+def states_in_words(answer: Mapping[str, Any]) -> str:
+    """Return how many runs are done, failed and planned."""
+    return ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
 
+
+def values_in_words(values: Mapping[str, Any]) -> str:
+    """Return the swept values of a point."""
     return printable(", ".join(f"{key} = {value}" for key, value in values.items()))
