@@ -16,6 +16,8 @@ from typing import Any, TextIO
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from rubnoise.cli.layout import printable
+
 _TAG = re.compile(r"(\\*)(\[[a-z#/@][^\[]*?\])")
 """What the library that draws help takes for a style or a colour, and leaves out: `[sweep]`."""
 
@@ -92,8 +94,7 @@ def escaped(text: str) -> str:
     if text.replace("\n", "").isprintable():
         return text
     start = "\r" if text.startswith("\r") else ""
-    kept = (c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text[len(start) :])
-    return start + "".join(kept)
+    return start + "\n".join(map(printable, text[len(start) :].split("\n")))
 
 
 class Escaping:
