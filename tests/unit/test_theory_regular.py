@@ -18,12 +18,11 @@ from rubnoise.theory.correlation import (
     autocovariance,
     force_autocovariance,
     lag_edges,
-    longest_life,
     unphased_covariance,
 )
 from rubnoise.theory.exact import exact
 from rubnoise.theory.occupancy import count_covariance, count_variance, mean_count, mean_count_error
-from rubnoise.theory.quadrature import panels
+from rubnoise.theory.quadrature import longest_life, panels
 from rubnoise.theory.regular_births import line_covariance, spectral_lines
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import (

@@ -13,11 +13,19 @@ from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance, covariance_reach, lag_edges, longest_life
+from rubnoise.theory.correlation import autocovariance, covariance_reach, lag_edges
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.mean_life import age_table
 from rubnoise.theory.occupancy import area_from_empty, count_covariance, mean_count, mean_count_error
-from rubnoise.theory.quadrature import complementary_error, cut_size_rule, panels, size_edges, size_range, size_rule
+from rubnoise.theory.quadrature import (
+    complementary_error,
+    cut_size_rule,
+    longest_life,
+    panels,
+    size_edges,
+    size_range,
+    size_rule,
+)
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
 from rubnoise.theory.spectrum import density_at_zero, spectral_density

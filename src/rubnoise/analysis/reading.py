@@ -11,7 +11,7 @@ from rubnoise.arrays import CHUNK_ROWS
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, chunks
-from rubnoise.theory.correlation import longest_life
+from rubnoise.theory.quadrature import longest_life
 
 
 class Ahead:

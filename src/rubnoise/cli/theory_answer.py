@@ -17,10 +17,11 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.base_excitation import base_response
 from rubnoise.theory.campbell import Cumulants, area_cumulants
-from rubnoise.theory.correlation import autocovariance, covariance_reach, longest_life
+from rubnoise.theory.correlation import autocovariance, covariance_reach
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.load import third_octaves
+from rubnoise.theory.quadrature import longest_life
 from rubnoise.theory.spectrum import spectral_density, visible_lines
 from rubnoise.theory.velocity_weakening import velocity_weakening
 from rubnoise.theory.white_noise import white_noise

@@ -4,9 +4,7 @@ y is a sum of triangles, one for each junction, that last as long as its life an
 """
 
 from dataclasses import dataclass, replace
-from math import sqrt
 
-from rubnoise.contact.laws import Fixed
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -34,13 +32,11 @@ def base_response(model: Model) -> BaseResponse:
     slider = model.slider
     if slider is None or model.sliding_speed is None or slider.excitation != "base":
         raise Refused('this needs slider.excitation = "base" with its asperity_height')
-    if not isinstance(model.sizes, Fixed):
-        raise Refused("excitation by the base is known for equal diameters alone (diameter.law)")
     triangles = replace(model, pulse=TRIANGLE)
-    area, motion = area_cumulants(triangles), response(triangles)
+    motion, area = response(triangles), area_cumulants(triangles)
     return BaseResponse(
         base_mean=model.base_per_area * area.mean,
-        base_std=model.base_per_area * sqrt(area.variance),
+        base_std=model.base_per_area * area.std,
         displacement_std=motion.displacement_std,
         velocity_std=motion.velocity_std,
     )

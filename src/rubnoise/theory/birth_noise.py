@@ -4,20 +4,20 @@ Births of density S_N(k) make the spectrum lam E[|A^|^2] + (S_N - lam) |E[A^]|^2
 that of births at random; this file has the rest.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import comb, nan, pi
-from typing import Any, cast
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births import ClusteredBirths, JitteredBirths, PoissonBirths, RegularBirths
+from rubnoise.contact.births import BirthLaw, ClusteredBirths, JitteredBirths, PoissonBirths, RegularBirths
+from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.mean_life import ORDERS, area_by_age, cumulants_by_age
-from rubnoise.theory.quadrature import size_range
+from rubnoise.theory.quadrature import is_one_size, longest_life, size_range
 from rubnoise.theory.transform import mean_energy, mean_life_transform, mean_transform
 
 _MOST, _MOST_OF_ONE_SIZE = 2**14, 2**17
@@ -36,7 +36,7 @@ def excess_density(model: Model, wavenumber: Doubles, *, exact: bool = True) -> 
     Source: Bartlett's spectrum of a point process whose points are marked independently (Daley and Vere-Jones 2003,
     section 8.2).
     """
-    if np.ptp(size_range(model.sizes)) == 0.0:
+    if is_one_size(model.sizes):
         energy = mean_energy(model.sizes, model.pulse, wavenumber, exact=exact)
     else:
         energy = np.square(np.abs(mean_transform(model.sizes, model.pulse, wavenumber)))
@@ -63,22 +63,21 @@ class Excess:
 
 def excess_of_area(model: Model) -> Excess:
     """Return what births add to the covariance of real contact area, in um^4; error some 1e-9 of the variance."""
-    return _excess(cast("Hashable", model.sizes), cast("Hashable", model.births), model.pulse)
+    return _excess(model.sizes, model.births, model.pulse)
 
 
 def excess_of_count(model: Model) -> Excess:
     """Return what births add to the covariance of the live count; error some 1e-6 of it, since a count jumps."""
-    return _excess(cast("Hashable", model.sizes), cast("Hashable", model.births), None)
+    return _excess(model.sizes, model.births, None)
 
 
 @lru_cache(maxsize=16)
-def _excess(sizes: Any, births: Any, pulse: Pulse | None) -> Excess:
+def _excess(sizes: Law, births: BirthLaw, pulse: Pulse | None) -> Excess:
     """Return the excess of the area; of the count where no pulse is given."""
     from scipy.interpolate import CubicSpline
 
-    one_size = np.ptp(size_range(sizes)) == 0.0
     reach = 2.0 * size_range(sizes)[1] + births.memory
-    modes = _MOST_OF_ONE_SIZE if one_size else _MOST
+    modes = _MOST_OF_ONE_SIZE if is_one_size(sizes) else _MOST
     k = pi / reach * np.arange(modes + 1, dtype=np.float64)
     k[0] = _FINEST * k[1]
     transform = mean_transform(sizes, pulse, k) if pulse else mean_life_transform(sizes, k)
@@ -117,28 +116,34 @@ def jittered_lines(model: Model, *, of_count: bool) -> tuple[Doubles, Doubles]:
         return np.empty(0), np.empty(0)
     first = 2.0 * pi * model.birth_rate
     k = first * np.arange(1.0, min(_FAINT / (model.births.width * first), _MOST) + 1.0)
-    transform = mean_life_transform(model.sizes, k) if of_count else mean_transform(model.sizes, model.pulse, k)
-    return k, model.births.line_share(k) * np.square(model.birth_rate * np.abs(transform))
+    return k, model.births.line_share(k) * line_power(model, k, of_count=of_count)
+
+
+def line_power(model: Model, wavenumber: Doubles, *, of_count: bool) -> Doubles:
+    """Return lam^2 |E[A^(k)]|^2 in um^4, or that of the live count: the power in lines at k, births regular."""
+    sizes, pulse = model.sizes, model.pulse
+    transform = mean_life_transform(sizes, wavenumber) if of_count else mean_transform(sizes, pulse, wavenumber)
+    return np.square(model.birth_rate * np.abs(transform))
 
 
 def _of_clusters(model: Model, births: ClusteredBirths, strength_moments: tuple[float, ...]) -> list[float]:
-    longest = 2.0 * size_range(model.sizes)[1]
+    longest = longest_life(model)
     period, points = longest + 20.0 * births.width, 2**15
     step = period / points
     ages = step * np.arange(points, dtype=np.float64)
     alive = ages < longest
     own = np.zeros((ORDERS, points))
     moments = area_by_age(model.sizes, model.pulse, np.maximum(ages[alive], 1e-12 * longest))
-    own[:, alive] = _raw(cumulants_by_age(moments, strength_moments))
+    own[:, alive] = raw_moments(cumulants_by_age(moments, strength_moments))[1:]
     spread = np.exp(-0.5 * np.square(2.0 * pi * np.fft.rfftfreq(points, step) * births.width))
     together = births.cluster_size * np.fft.irfft(np.fft.rfft(own) * spread, points)
-    return (_raw(together).sum(axis=-1) * step * model.birth_rate / births.cluster_size).tolist()
+    return (raw_moments(together)[1:].sum(axis=-1) * step * model.birth_rate / births.cluster_size).tolist()
 
 
-def _raw(cumulants_: Doubles) -> Doubles:
-    """Return the raw moments of order 1 to 6 that belong to cumulants, the first axis."""
+def raw_moments(cumulants_: Doubles) -> Doubles:
+    """Return the raw moments of order 0 to 6, the first axis, that belong to cumulants of order 1 to 6."""
     rows = [np.ones_like(cumulants_[0])]
     for n in range(1, ORDERS + 1):
         terms = (comb(n - 1, i) * cumulants_[i] * rows[n - 1 - i] for i in range(n))
         rows.append(sum(terms, np.zeros_like(rows[0])))
-    return np.array(rows[1:])
+    return np.array(rows)

@@ -14,7 +14,7 @@ from rubnoise.model import Model
 from rubnoise.theory import off_centre
 from rubnoise.theory.birth_noise import excess_of_area, has_noise_of_its_own
 from rubnoise.theory.mean_life import mean_life_overlap
-from rubnoise.theory.quadrature import cut_size_rule, distinct, hard_ends, panels, size_range
+from rubnoise.theory.quadrature import cut_size_rule, distinct, hard_ends, is_one_size, longest_life, panels
 from rubnoise.theory.regular_births import are_at_random, line_covariance, spectral_lines
 
 Powers = tuple[int, int]
@@ -58,7 +58,7 @@ def unphased_covariance(model: Model, lag: ArrayLike, square: float = 1.0, squar
         return square * shot
     if has_noise_of_its_own(model):
         return square * shot + squared_mean * excess_of_area(model).covariance(lags)
-    if np.ptp(size_range(model.sizes)) == 0.0:
+    if is_one_size(model.sizes):
         return (square - squared_mean) * shot
     return square * shot - squared_mean * model.birth_rate * mean_life_overlap(model.sizes, model.pulse, lags)
 
@@ -135,11 +135,6 @@ _FEW_TICKS = 64
 _MOST_TICKS = 512
 _WIDE = 2.0  # longest over typical life of a law whose lags are taken in octaves
 _FINEST = 2.0**-6  # of a typical life
-
-
-def longest_life(model: Model) -> float:
-    """Return 2 d of the largest diameter that counts, in um: beyond it nothing of the contact is left."""
-    return 2.0 * size_range(model.sizes)[1]
 
 
 def _reach(model: Model) -> float:

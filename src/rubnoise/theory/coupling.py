@@ -15,10 +15,9 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.birth_noise import excess_of_area, has_noise_of_its_own
 from rubnoise.theory.campbell import strengths_of
-from rubnoise.theory.correlation import longest_life
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.log_table import log_table
-from rubnoise.theory.quadrature import cut_size_rule, size_edges
+from rubnoise.theory.quadrature import cut_size_rule, longest_life, size_edges
 from rubnoise.theory.regular_births import are_at_random, phase_rule, spectral_lines
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.sampling import MotionErrors, motion_errors

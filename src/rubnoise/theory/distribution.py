@@ -4,16 +4,17 @@ If at most two junctions are alive the density has a singular birth and cusps, a
 smoother comes from the characteristic function, see `rubnoise.theory.inversion`.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import exp
-from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Complexes, Doubles
+from rubnoise.contact.laws import Law
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import at_each, real_numbers
@@ -199,7 +200,7 @@ def distribution(model: Model) -> Distribution:
     Source: Rice (1944), section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x.
     """
     need_random_births(model, _NAME)
-    return _distribution(cast("Hashable", model.sizes), cast("Hashable", model.pulse), mean_count(model))
+    return _distribution(model.sizes, model.pulse, mean_count(model))
 
 
 def characteristic_function(model: Model, wavenumber: ArrayLike) -> Complexes:
@@ -213,7 +214,7 @@ def characteristic_function(model: Model, wavenumber: ArrayLike) -> Complexes:
 
 
 @lru_cache(maxsize=16)
-def _distribution(sizes: Any, pulse: Any, count: float) -> Distribution:
+def _distribution(sizes: Law, pulse: Pulse, count: float) -> Distribution:
     live = live_area(sizes, pulse)
     tails = area_tails(live, count)
     few = None

@@ -21,8 +21,8 @@ from rubnoise.model import Model
 from rubnoise.real_numbers import real_number
 from rubnoise.tables import fields_as_text
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.quadrature import size_range, size_rule
-from rubnoise.theory.regular_births import are_at_random, need_centred_passes, need_random_births
+from rubnoise.theory.quadrature import longest_life, size_rule
+from rubnoise.theory.regular_births import are_at_random, need_random_births
 from rubnoise.theory.spectrum import spectral_density
 
 _LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
@@ -47,7 +47,7 @@ def correlation_reach(model: Model) -> float:
     """
     if not isinstance(model.births, PoissonBirths):
         return np.inf
-    lags = 2.0 * size_range(model.sizes)[1] * _NEARER ** np.arange(_TRIALS)
+    lags = longest_life(model) * _NEARER ** np.arange(_TRIALS)
     correlated = autocovariance(model, lags) > _NOTHING * autocovariance(model, np.zeros(1))
     return float(lags[max(int(np.argmax(correlated)) - 1, 0)])
 
@@ -283,8 +283,7 @@ def welch_errors(model: Model, segments: Segments) -> tuple[Doubles, Doubles]:
     wavenumbers are those of `expected_periodogram`; inf if a bin holds nothing. Raises Refused unless births are a
     Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem.
     """
-    need_random_births(model, "the error of a spectrum")
-    need_centred_passes(model, "the error of a spectrum")
+    need_random_births(model, "the error of a spectrum", centred=True)
     window, n = segments.window, segments.window.size
     covariance, reach = _covariance(model, segments)
     mean = cross_spectrum(covariance, window, 0, detrend=segments.detrend).real
@@ -309,8 +308,7 @@ def welch_covariance(model: Model, segments: Segments, bins: NDArray[np.int64]) 
     life and leaks little. Raises Refused unless births are a Poisson process.
     Source: Isserlis's theorem; cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
-    need_random_births(model, "the error of a spectrum")
-    need_centred_passes(model, "the error of a spectrum")
+    need_random_births(model, "the error of a spectrum", centred=True)
     covariance, reach = _covariance(model, segments)
     energies, probabilities = _energies(model, segments, bins)
     total = _shared_weight(segments) / (model.birth_rate * segments.tick) * (energies * probabilities) @ energies.T

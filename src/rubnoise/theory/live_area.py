@@ -4,10 +4,10 @@ Read it from above: smooth functions kept as polynomials, how long a pulse of un
 the law for junctions of all sizes.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -232,17 +232,13 @@ def _split(pieces: NDArray[np.int64]) -> Doubles:
     return np.append(places, float(pieces.size))
 
 
+@lru_cache(maxsize=32)
 def live_area(sizes: Law, pulse: Pulse) -> LiveArea:
     """Return the law of the area of a junction found alive: diameter of density d f(d) / m_1, age uniform on its life.
 
     G'(a) = E[g(a/d^2) / d] / m_1 over diameters whose peak is above a, g the density of the area of a live junction of
     unit diameter. Source: length-biased sampling (Cox 1962, Renewal Theory, section 5.4), for the pulse of Eq. (2).
     """
-    return _live_area(cast("Hashable", sizes), cast("Hashable", pulse))
-
-
-@lru_cache(maxsize=32)
-def _live_area(sizes: Any, pulse: Any) -> LiveArea:
     if parts_of(sizes) and has_single_values(sizes):
         raise Refused("the distribution of area is not known for several single diameters (diameter.law)")
     cuts, edges = _cuts_and_edges(sizes)

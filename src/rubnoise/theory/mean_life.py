@@ -1,9 +1,7 @@
 """What a junction of a given age is on average: its area and the cumulants about it, over all sizes."""
 
-from collections.abc import Hashable
 from functools import lru_cache
 from math import comb
-from typing import Any, cast
 
 import numpy as np
 
@@ -11,7 +9,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.log_table import LogTable, log_table
-from rubnoise.theory.quadrature import cut_size_rule, panels, size_edges, size_range
+from rubnoise.theory.quadrature import cut_size_rule, is_one_size, panels, size_edges, size_range
 
 ORDERS = 6
 _NODES = 24
@@ -27,20 +25,16 @@ def area_by_age(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
 
     Ages a >= 0 of any shape; a junction past its life has no area. Lives of one size have no moments but the first.
     """
-    if size_edges(law)[0].size == 1:
+    if is_one_size(law):
         moments = np.zeros((ORDERS, *age.shape))
         moments[0] = pulse.area(age, size_range(law)[1])
         return moments
     return age_table(law, pulse)(age)
 
 
+@lru_cache(maxsize=8)
 def age_table(law: Law, pulse: Pulse) -> LogTable:
     """Return E[A] and central moments by age as a table, for a law of more than one size."""
-    return _age_table(cast("Hashable", law), cast("Hashable", pulse))
-
-
-@lru_cache(maxsize=8)
-def _age_table(law: Any, pulse: Any) -> LogTable:
     edges = size_edges(law)[0]
     turns = np.append(_YOUNGEST * edges[0], np.union1d(edges, 2.0 * edges))
     sample = np.abs(_moments(law, pulse, panels(turns, _NODES)[0])).max(axis=1)

@@ -17,7 +17,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_range
-from rubnoise.theory.regular_births import need_centred_passes, need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import mean_displacement
 
 _SMALL = 1e-2
@@ -245,8 +245,7 @@ def motion_cumulants(model: Model) -> MotionCumulants:
     Poisson process, and if the slider swings too often in one life (see `junction_response`).
     Source: cumulants of filtered shot noise (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
-    need_random_births(model, "the joint law of displacement and velocity")
-    need_centred_passes(model, "the joint law of displacement and velocity")
+    need_random_births(model, "the joint law of displacement and velocity", centred=True)
     if model.separation is not None:
         raise Refused("the joint law of displacement and velocity is known without a table [load] alone")
     drive = drive_of(model)

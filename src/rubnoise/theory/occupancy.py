@@ -13,8 +13,8 @@ from rubnoise.model import Model
 from rubnoise.theory import off_centre
 from rubnoise.theory.birth_noise import excess_of_count, has_noise_of_its_own
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import lag_edges, lag_rule, longest_life
-from rubnoise.theory.quadrature import cut_size_rule, panels
+from rubnoise.theory.correlation import lag_edges, lag_rule
+from rubnoise.theory.quadrature import cut_size_rule, longest_life, panels
 from rubnoise.theory.regular_births import (
     are_at_random,
     count_lines,

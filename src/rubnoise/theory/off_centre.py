@@ -25,7 +25,7 @@ from rubnoise.contact.off_centre import OFF_CENTRE_LENS, overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.live_area import Piecewise, series
 from rubnoise.theory.quadrature import panels
-from rubnoise.theory.transform_lens import hankel_modulus, hankel_without_swing
+from rubnoise.theory.transform_lens import chebyshev_series, hankel_modulus, hankel_without_swing
 from rubnoise.theory.transform_parabola import settled_square
 
 Powers = tuple[int, int]
@@ -104,11 +104,7 @@ def _places() -> Doubles:
 
 
 def _fitted(values: NDArray[Any]) -> Chebyshev:
-    nodes = np.polynomial.chebyshev.chebpts1(_FAR_DEGREE + 1)
-    vander = np.polynomial.chebyshev.chebvander(nodes, _FAR_DEGREE)
-    coefficients = (2.0 / nodes.size) * (values @ vander)
-    coefficients[0] *= 0.5
-    return Chebyshev(coefficients, domain=[0.0, 1.0])
+    return Chebyshev(chebyshev_series(values), domain=[0.0, 1.0])
 
 
 def _hankel(place: NDArray[Any]) -> tuple[Complexes, Complexes]:

@@ -1,9 +1,7 @@
 """Gauss-Legendre rules over panels and over any size law, and the complementary error function of arrays."""
 
-from collections.abc import Hashable
 from functools import cache, lru_cache
 from math import erfc, exp, log
-from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +9,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.laws.discrete import parts_of
+from rubnoise.model import Model
 
 
 def complementary_error(x: Doubles) -> Doubles:
@@ -62,6 +61,7 @@ def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubl
     return (middle + half * x).reshape(shape), np.broadcast_to(half * w, (middle + half * x).shape).reshape(shape)
 
 
+@lru_cache(maxsize=64)
 def size_range(law: Law) -> tuple[float, float]:
     """Return the diameters in um between which averages of d g(d) are taken, g growing no faster than d^12.
 
@@ -69,11 +69,6 @@ def size_range(law: Law) -> tuple[float, float]:
     law too narrow to resolve sizes is drawn together to its middle: a spread of 1e-10 of the diameter changes no
     average by more than 1e-19, but its density is lost in rounding.
     """
-    return _size_range(cast("Hashable", law))
-
-
-@lru_cache(maxsize=64)
-def _size_range(law: Any) -> tuple[float, float]:
     if parts := parts_of(law):
         ends = [size_range(part) for _, part in parts]
         return min(low for low, _ in ends), max(high for _, high in ends)
@@ -90,6 +85,17 @@ def _size_range(law: Any) -> tuple[float, float]:
     while _density(law, 2.0 * low) * 4.0 * low * low <= _LEFT_OUT * law.moment(1) and 4.0 * low < high:
         low *= 2.0
     return low, high
+
+
+def is_one_size(law: Law) -> bool:
+    """Return whether a law counts as a single size."""
+    low, high = size_range(law)
+    return low == high
+
+
+def longest_life(model: Model) -> float:
+    """Return 2 d of the largest diameter that counts, in um: beyond it nothing of the contact is left."""
+    return 2.0 * size_range(model.sizes)[1]
 
 
 def hard_ends(law: Law) -> tuple[float | None, float | None]:
@@ -141,16 +147,12 @@ def cut_size_rule(law: Law, cuts: Doubles, count: int, *, rooted: bool = False) 
     return diameters, shares * (law.moment(1) / np.sum(shares * diameters, axis=-1, keepdims=True))
 
 
+@lru_cache(maxsize=64)
 def size_edges(law: Law) -> tuple[Doubles, bool]:
     """Return the edges in um of panels that resolve a law, and whether to take them in log d; one edge for one size.
 
     Panels in log d are halved until the averages of d, d^7 and d^13 of each agree with those of its halves.
     """
-    return _size_edges(cast("Hashable", law))
-
-
-@lru_cache(maxsize=64)
-def _size_edges(law: Any) -> tuple[Doubles, bool]:
     low, high = size_range(law)
     if low == high:
         return np.array([high]), False

@@ -3,10 +3,9 @@
 The phase of regular births is uniform over one spacing. What holds for births at random alone refuses them here.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from functools import lru_cache
 from math import ceil, comb, floor, pi, sqrt
-from typing import Any, cast
 
 import numpy as np
 
@@ -15,22 +14,27 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.birth_noise import has_noise_of_its_own, jittered_lines
+from rubnoise.theory.birth_noise import has_noise_of_its_own, jittered_lines, line_power, raw_moments
 from rubnoise.theory.log_table import LogTable, log_table
 from rubnoise.theory.mean_life import ORDERS, age_table, area_by_age, cumulants_by_age
-from rubnoise.theory.quadrature import complementary_error, cut_size_rule, panels, size_edges, size_range
-from rubnoise.theory.transform import mean_life_transform, mean_transform
+from rubnoise.theory.quadrature import (
+    complementary_error,
+    cut_size_rule,
+    is_one_size,
+    longest_life,
+    panels,
+    size_edges,
+)
 
 
-def need_random_births(model: Model, quantity: str) -> None:
-    """Raise Refused unless births are a Poisson process, as every formula made of filtered shot noise takes them."""
+def need_random_births(model: Model, quantity: str, *, centred: bool = False) -> None:
+    """Raise Refused unless births are a Poisson process, as every formula made of filtered shot noise takes them.
+
+    With ``centred`` also for passes off the centre line, whose single lives differ more than their sizes say.
+    """
     if not isinstance(model.births, PoissonBirths):
         raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
-
-
-def need_centred_passes(model: Model, quantity: str) -> None:
-    """Raise Refused for passes off the centre line, whose single lives differ more than their sizes say."""
-    if model.pulse.offset != "none":
+    if centred and model.pulse.offset != "none":
         raise Refused(f"{quantity} is known for passes through both centres alone (pulse.offset)")
 
 
@@ -62,11 +66,7 @@ def spectral_lines(model: Model) -> Lines:
     births keep the part of each that their law says, and others none.
     Source: the Fourier series of E[A_r | phase]; Cox and Lewis, The Statistical Analysis of Series of Events (1966).
     """
-    if are_at_random(model):
-        return np.empty(0), np.empty(0)
-    if has_noise_of_its_own(model):
-        return jittered_lines(model, of_count=False)
-    return _area_lines(model)
+    return _lines(model, of_count=False)
 
 
 def count_lines(model: Model) -> Lines:
@@ -74,11 +74,21 @@ def count_lines(model: Model) -> Lines:
 
     They fall off as 1/k_n^2, since the count jumps.
     """
+    return _lines(model, of_count=True)
+
+
+@lru_cache(maxsize=16)
+def _lines(model: Model, *, of_count: bool) -> Lines:
     if are_at_random(model):
         return np.empty(0), np.empty(0)
     if has_noise_of_its_own(model):
-        return jittered_lines(model, of_count=True)
-    return _count_lines(model)
+        return jittered_lines(model, of_count=of_count)
+    most = _MOST_OF_ONE_SIZE if is_one_size(model.sizes) else _MOST
+    sparseness = model.births.mean / (4.0 * model.sizes.moment(1))
+    count = min(_FEWEST * max(1, ceil(sparseness)), most)
+    k = 2.0 * pi * model.birth_rate * np.arange(1.0, count + 1.0)
+    power = line_power(model, k, of_count=of_count)
+    return k, power if of_count else np.where(power > _NO_POWER * model.stationary_mean_area**2, power, 0.0)
 
 
 def line_covariance(lines: Lines, lag: Doubles) -> Doubles:
@@ -113,26 +123,6 @@ def resolved_error(variance: float, mean: float) -> float:
     return error if error > _ROUNDING * mean else 0.0
 
 
-def _wavenumbers(model: Model) -> Doubles:
-    most = _MOST_OF_ONE_SIZE if np.ptp(size_range(model.sizes)) == 0.0 else _MOST
-    sparseness = model.births.mean / (4.0 * model.sizes.moment(1))
-    count = min(_FEWEST * max(1, ceil(sparseness)), most)
-    return 2.0 * pi * model.birth_rate * np.arange(1.0, count + 1.0)
-
-
-@lru_cache(maxsize=8)
-def _area_lines(model: Model) -> Lines:
-    k = _wavenumbers(model)
-    power = np.square(model.birth_rate * np.abs(mean_transform(model.sizes, model.pulse, k)))
-    return k, np.where(power > _NO_POWER * model.stationary_mean_area**2, power, 0.0)
-
-
-@lru_cache(maxsize=8)
-def _count_lines(model: Model) -> Lines:
-    k = _wavenumbers(model)
-    return k, np.square(model.birth_rate * np.abs(mean_life_transform(model.sizes, k)))
-
-
 _NODES = 20
 _WINDOW = 3.0  # width of the step that leaves old lives out, in spacings
 _WINDOW_REACH = 9.0  # widths of the step from its middle to its end
@@ -147,8 +137,8 @@ def phase_rule(model: Model) -> tuple[Doubles, Doubles]:
     life's panels that lie closer together than a spacing.
     """
     spacing = model.births.mean
-    if _one_size(model):
-        turns = 0.5 * _longest(model) * np.arange(3.0)
+    if is_one_size(model.sizes):
+        turns = 0.5 * longest_life(model) * np.arange(3.0)
     else:
         ages = np.exp(age_table(model.sizes, model.pulse).edges)
         narrow = np.diff(ages) < spacing
@@ -160,8 +150,8 @@ def phase_rule(model: Model) -> tuple[Doubles, Doubles]:
 
 def mean_cumulants(model: Model, strength_moments: tuple[float, ...]) -> Doubles:
     """Return the means over the phase of the cumulants given it, lam int kappa_n[psi A(a; d)] da, n = 1 ... 6."""
-    if _one_size(model):
-        ages, weights = panels(0.5 * _longest(model) * np.arange(3.0), _NODES, rooted=True)
+    if is_one_size(model.sizes):
+        ages, weights = panels(0.5 * longest_life(model) * np.arange(3.0), _NODES, rooted=True)
     else:
         logs, weights = panels(age_table(model.sizes, model.pulse).edges, _NODES)
         ages = np.exp(logs)
@@ -179,8 +169,8 @@ def cumulant_ripple(model: Model, phases: Doubles, strength_moments: tuple[float
     """
     sharp = _sharp_until(model)
     width = _WINDOW * model.births.mean
-    if sharp + 2.0 * _WINDOW_REACH * width > _longest(model):
-        return _summed(model, phases, strength_moments, reach=_longest(model), window=None)
+    if sharp + 2.0 * _WINDOW_REACH * width > longest_life(model):
+        return _summed(model, phases, strength_moments, reach=longest_life(model), window=None)
     centre = sharp + _WINDOW_REACH * width
 
     def window(ages: Doubles) -> Doubles:
@@ -209,19 +199,11 @@ def _summed(
 
 def _sharp_until(model: Model) -> float:
     """Return the age in um beyond which the mean life has no feature as narrow as a spacing."""
-    if _one_size(model):
-        return _longest(model)
+    if is_one_size(model.sizes):
+        return longest_life(model)
     ages = np.exp(age_table(model.sizes, model.pulse).edges)
     narrow = np.diff(ages) < _SMOOTH * model.births.mean
     return float(ages[1:][narrow].max(initial=0.0))
-
-
-def _longest(model: Model) -> float:
-    return 2.0 * size_range(model.sizes)[1]
-
-
-def _one_size(model: Model) -> bool:
-    return size_edges(model.sizes)[0].size == 1
 
 
 _NODES_OF_SIZE = 24
@@ -237,7 +219,7 @@ def unphased_count_covariance(model: Model, lag: Doubles) -> Doubles:
 
     Lags tau >= 0 in um of any shape; 0 for one size, whose lives the phase fixes.
     """
-    if _one_size(model):
+    if is_one_size(model.sizes):
         return np.zeros_like(lag)
     reach = lag[..., None]
     diameters, probabilities = cut_size_rule(model.sizes, 0.5 * reach, _NODES_OF_SIZE)
@@ -254,10 +236,10 @@ def phased_count_covariance(model: Model, lag: Doubles) -> Doubles:
     """
     turns = lag / model.births.mean
     part = turns - np.floor(turns)
-    if _one_size(model):
-        f = _fraction(2.0 * size_range(model.sizes)[1] / model.births.mean)
+    if is_one_size(model.sizes):
+        f = _fraction(longest_life(model) / model.births.mean)
         return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
-    most = ceil(2.0 * size_range(model.sizes)[1] / model.births.mean)
+    most = ceil(longest_life(model) / model.births.mean)
     if most > _MOST_SUMMED:
         return _from_lines(model, lag, part)
     total = np.zeros_like(lag)
@@ -282,12 +264,12 @@ def _fraction(lives: float) -> float:
 
 def _shared(law: Law, lag: Doubles) -> Doubles:
     """Return int G(a) G(a + tau) da = E[min(2d, (2d' - tau)+)] in um, d and d' independent."""
-    table = _shared_table(cast("Hashable", law))
+    table = _shared_table(law)
     return np.asarray(table(np.maximum(lag, np.exp(table.edges[0])))[0])
 
 
 @lru_cache(maxsize=8)
-def _shared_table(law: Any) -> LogTable:
+def _shared_table(law: Law) -> LogTable:
     edges = size_edges(law)[0]
     turns = np.append(_YOUNGEST * edges[0], np.union1d(edges, 2.0 * edges))
     mean = np.array([law.moment(1)])
@@ -330,17 +312,14 @@ def regular_cumulants(model: Model, strength_moments: tuple[float, ...]) -> tupl
 
 def _ripples(model: Model) -> bool:
     """Return whether the mean given the phase varies; lives of many sizes are not asked, since they vary anyhow."""
-    if np.ptp(size_range(model.sizes)) > 0.0:
+    if not is_one_size(model.sizes):
         return True
     return 2.0 * float(spectral_lines(model)[1].sum()) > (CONSTANT * model.stationary_mean_area) ** 2
 
 
 def _mixture(cumulants: Doubles, probabilities: Doubles) -> Doubles:
     """Return the cumulants of a mixture of laws whose own cumulants of order 1 to 6 are the rows."""
-    rows = [np.ones(probabilities.size)]
-    for n in range(1, ORDERS + 1):
-        rows.append(sum((comb(n - 1, i) * cumulants[i] * rows[n - 1 - i] for i in range(n)), np.zeros_like(rows[0])))
-    moments = np.array(rows) @ probabilities
+    moments = raw_moments(cumulants) @ probabilities
     found = np.zeros(ORDERS)
     for n in range(1, ORDERS + 1):
         found[n - 1] = moments[n] - sum(comb(n - 1, i) * found[i] * moments[n - 1 - i] for i in range(n - 1))

@@ -84,7 +84,9 @@ def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles
     and without damping, if nothing is stationary.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
-    drive = _damped_drive(model)
+    drive = motion_drive_of(model)
+    if drive.slider.damping == 0.0:
+        raise Refused("without damping the slider's motion is not stationary and has no spectrum")
     k = np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed
     return force_spectral_density(model, drive.strengths, k) / drive.speed * drive.gain(k)
 
@@ -98,13 +100,6 @@ def velocity_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
 def displacement_spectrum_per_hertz(model: Model, frequency: ArrayLike) -> Doubles:
     """Return the one-sided density 2 S_x(2 pi f) in um^2 per Hz at f >= 0 in Hz, so that int_0^inf df gives Var x."""
     return 2.0 * displacement_spectrum(model, 2.0 * pi * np.asarray(frequency, dtype=np.float64))
-
-
-def _damped_drive(model: Model) -> Drive:
-    drive = motion_drive_of(model)
-    if drive.slider.damping == 0.0:
-        raise Refused("without damping the slider's motion is not stationary and has no spectrum")
-    return drive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,10 +1,11 @@
 """The Fourier transform of one junction's life: itself, its square, its means over a swing and over sizes."""
 
 import operator
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, reduce
-from typing import Any, Protocol, cast
+from types import ModuleType
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,8 @@ _STEP_FROM = 32.0
 _STEP_CENTRE = 90.0
 _STEP_WIDTH = 8.5
 STEP_END = 160.0
+
+Value = TypeVar("Value", np.float64, np.complex128)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,37 +56,11 @@ class PulseTransform:
         It is the transform below z = 32, what begins at birth above 160, and a smooth blend between. Its integral
         against anything smooth on the scale z = 10 is that of exp(i z) a^(z) to 1e-15.
         """
-        z, amplitude, upper, kept = self._blended(phase)
-        result = np.asarray(np.exp(1j * np.minimum(z, STEP_END)) * amplitude, dtype=np.complex128)
-        result[upper] = kept * result[upper] + (1.0 - kept) * self.birth_level(z[upper])
-        return result
+        return _settled(phase, self.from_birth, self.birth_level)
 
     def mean_square(self, phase: ArrayLike) -> Doubles:
         """Return a^(z)^2 with its swing averaged out for large z, as integrals over z need it; as `mean_from_birth`."""
-        z, result, upper, kept = self._blended(phase)
-        beyond = z[upper]
-        settled = np.square(self.level(beyond)) + self.swing(beyond)
-        result = np.square(result)
-        result[upper] = kept * result[upper] + (1.0 - kept) * settled
-        return result
-
-    def _blended(self, phase: ArrayLike) -> tuple[Doubles, Doubles, NDArray[np.bool_], Doubles]:
-        """Return z, a^(min(z, 160)), where z is beyond the beginning of the step, and what it leaves of a^ there."""
-        z = np.asarray(phase, dtype=np.float64)
-        upper = z > _STEP_FROM
-        return z, self.amplitude(np.minimum(z, STEP_END)), upper, swing_left(z[upper])
-
-
-class Energy(Protocol):
-    """The energy spectrum of a pulse of unit diameter, itself and without its swing, for z of any shape."""
-
-    def square(self, phase: ArrayLike) -> Doubles:
-        """Return the mean of |a^(z)|^2."""
-        ...
-
-    def mean_square(self, phase: ArrayLike) -> Doubles:
-        """Return it with its swing averaged out for large z, as `PulseTransform.mean_square`."""
-        ...
+        return _settled(phase, self.square, lambda z: np.square(self.level(z)) + self.swing(z))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,41 +72,37 @@ class OffCentreEnergy:
 
     def mean_square(self, phase: ArrayLike) -> Doubles:
         """Return it with its swing averaged out for large z, as `PulseTransform.mean_square`."""
-        z = np.asarray(phase, dtype=np.float64)
-        result = self.square(np.minimum(z, STEP_END))
-        upper = z > _STEP_FROM
-        kept = swing_left(z[upper])
-        result[upper] = kept * result[upper] + (1.0 - kept) * self.level(z[upper])
-        return result
+        return _settled(phase, self.square, self.level)
 
 
-def energy_of(pulse: Pulse) -> Energy:
+def _settled(
+    phase: ArrayLike, followed: Callable[[Doubles], NDArray[Value]], level: Callable[[Doubles], NDArray[Value]]
+) -> NDArray[Value]:
+    """Return what is followed below z = 32, its level above 160, and a smooth blend of both between."""
+    z = np.asarray(phase, dtype=np.float64)
+    result = followed(np.minimum(z, STEP_END))
+    upper = z > _STEP_FROM
+    kept = swing_left(z[upper])
+    result[upper] = kept * result[upper] + (1.0 - kept) * level(z[upper])
+    return result
+
+
+def energy_of(pulse: Pulse) -> PulseTransform | OffCentreEnergy:
     """Return the energy spectrum of a pulse."""
     return transform_of(pulse) if pulse.offset == "none" else _OFF_CENTRE[pulse.shape]
 
 
+_SHAPES: dict[Shape, ModuleType] = {
+    "lens": transform_lens,
+    "triangle": transform_triangle,
+    "parabola": transform_parabola,
+}
 _TRANSFORMS: dict[Shape, PulseTransform] = {
-    "lens": PulseTransform(
-        amplitude=transform_lens.amplitude,
-        level=transform_lens.level,
-        swing=transform_lens.swing,
-        birth_level=transform_lens.birth_level,
-    ),
-    "triangle": PulseTransform(
-        amplitude=transform_triangle.amplitude,
-        level=transform_triangle.level,
-        swing=transform_triangle.swing,
-        birth_level=transform_triangle.birth_level,
-    ),
-    "parabola": PulseTransform(
-        amplitude=transform_parabola.amplitude,
-        level=transform_parabola.level,
-        swing=transform_parabola.swing,
-        birth_level=transform_parabola.birth_level,
-    ),
+    shape: PulseTransform(amplitude=of.amplitude, level=of.level, swing=of.swing, birth_level=of.birth_level)
+    for shape, of in _SHAPES.items()
 }
 
-_OFF_CENTRE: dict[Shape, Energy] = {
+_OFF_CENTRE: dict[Shape, OffCentreEnergy] = {
     "lens": OffCentreEnergy(square=off_centre.mean_square, level=off_centre.level),
     "parabola": OffCentreEnergy(
         square=transform_parabola.off_centre_mean_square, level=transform_parabola.off_centre_level
@@ -201,12 +174,12 @@ def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = Tr
     if k.size > _MOST_KEPT:
         return _mean_energy(law, pulse, k, exact=exact)
     # Spreads, errors and cumulants of one motion ask at the nodes of one rule.
-    kept = _kept_energy(cast("Hashable", law), cast("Hashable", pulse), k.tobytes(), exact=exact)
+    kept = _kept_energy(law, pulse, k.tobytes(), exact=exact)
     return kept.reshape(k.shape).copy()
 
 
 @lru_cache(maxsize=8)
-def _kept_energy(law: Any, pulse: Any, wavenumbers: bytes, *, exact: bool) -> Doubles:
+def _kept_energy(law: Law, pulse: Pulse, wavenumbers: bytes, *, exact: bool) -> Doubles:
     return _mean_energy(law, pulse, np.frombuffer(wavenumbers), exact=exact)
 
 

@@ -7,9 +7,10 @@ longer to be imported than a short run takes to run.
 from fractions import Fraction
 from functools import cache
 from math import factorial, prod
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Complexes, Doubles
 
@@ -65,9 +66,13 @@ def _chebyshev(segment: int) -> Doubles:
     low, high = _SEGMENTS[segment]
     nodes = np.polynomial.chebyshev.chebpts1(_DEGREE + 1)
     phases = 0.5 * (high + low) + 0.5 * (high - low) * nodes
-    values = np.array([_power_series(z) for z in phases.tolist()])
-    polynomials: Doubles = np.asarray(np.polynomial.chebyshev.chebvander(nodes, _DEGREE), dtype=np.float64)
-    coefficients: Doubles = (2.0 / nodes.size) * (values @ polynomials)
+    return chebyshev_series(np.array([_power_series(z) for z in phases.tolist()]))
+
+
+def chebyshev_series(values: NDArray[Any]) -> NDArray[Any]:
+    """Return the coefficients of the series through values at as many Chebyshev nodes."""
+    nodes = np.polynomial.chebyshev.chebpts1(values.size)
+    coefficients = (2.0 / nodes.size) * (values @ np.polynomial.chebyshev.chebvander(nodes, nodes.size - 1))
     coefficients[0] *= 0.5
     return coefficients
 

@@ -13,6 +13,10 @@ class BirthLaw(Protocol):
     S_N(k) is the spectral density of births per um, lam = 1/mean their rate; it is lam for a Poisson process.
     """
 
+    def __hash__(self) -> int:
+        """Laws of equal parameters are one: tables are kept by law."""
+        ...
+
     @property
     def mean(self) -> float:
         """Mean gap in um."""

@@ -20,6 +20,10 @@ LEAST = 2.0**-100
 class Law(Protocol):
     """A law of a positive quantity x, in whatever unit its parameters have."""
 
+    def __hash__(self) -> int:
+        """Laws of equal parameters are one: tables are kept by law."""
+        ...
+
     @property
     def mean(self) -> float:
         """E[x]."""
