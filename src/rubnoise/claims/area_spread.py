@@ -47,8 +47,7 @@ def claims(report: Report) -> Sequence[Claim]:
     ]
 
 
-def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
-    del model
+def _measured(_model: Model, record: MemoryRecord) -> dict[str, float]:
     return {"std": float(record["trace"]["real_contact_area"].std())}
 
 

@@ -1,20 +1,19 @@
 """Claims about the contact of Figure 5: mean area, live count, and how much the slider vibrates."""
 
 from collections.abc import Sequence
-from math import nan, sqrt
+from math import nan
 
 import numpy as np
 
-from rubnoise.analysis.replicates import ratio
 from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, nearness, verdict_if_agreed
-from rubnoise.claims.evidence import Evidence, Found, Report, gather
+from rubnoise.claims.evidence import Evidence, Found, Report, gather, quotient
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
+from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.exact import exact
 from rubnoise.theory.response import response
 
 SCENARIO = "claims/vibration.toml"
-"""The phase of a slider that sticks."""
 
 
 def claims(report: Report) -> Sequence[Claim]:
@@ -106,22 +105,13 @@ def _live_count(paper: Found) -> Claim:
 
 def _few_or_many(found: Evidence) -> Claim:
     many, few = found.at(count=50), found.at(count=10)
-    force = ClaimedNumber(
-        name="std of the friction force, 50 junctions over 10",
-        simulated=ratio(many.numbers["force_std"], few.numbers["force_std"]),
-        exact=_force_std(many.model) / _force_std(few.model),
+    both_ways = [found.at(count=count, coupling="two-way") for count in (50, 10)]
+    force, motion = "std of the friction force, 50 junctions over 10", "std of the displacement, 50 junctions over 10"
+    quantities = (
+        quotient(force, many, few, "force_std", lambda model: force_cumulants(model).std),
+        quotient(motion, many, few, "displacement_std", lambda model: response(model).displacement_std),
+        quotient("the same, with two-way coupling", both_ways[0], both_ways[1], "displacement_std"),
     )
-    motion = ClaimedNumber(
-        name="std of the displacement, 50 junctions over 10",
-        simulated=ratio(many.numbers["displacement_std"], few.numbers["displacement_std"]),
-        exact=response(many.model).displacement_std / response(few.model).displacement_std,
-    )
-    pushing_back = ClaimedNumber(
-        name="the same, with two-way coupling",
-        simulated=ratio(*(found.at(count=count, coupling="two-way").numbers["displacement_std"] for count in (50, 10))),
-        exact=nan,
-    )
-    quantities = (force, motion, pushing_back)
     holds = all(quantity.below(1.0) for quantity in quantities)
     return Claim(
         name="few_or_many",
@@ -150,11 +140,7 @@ def _constant_speed(found: Evidence) -> Claim:
         simulated=two_way.numbers["velocity_ratio"],
         exact=nan,
     )
-    change = ClaimedNumber(
-        name="std of its displacement, two-way over one-way",
-        simulated=ratio(two_way.numbers["displacement_std"], paper.numbers["displacement_std"]),
-        exact=nan,
-    )
+    change = quotient("std of its displacement, two-way over one-way", two_way, paper, "displacement_std")
     quantities = (one_way, pushing_back, change)
     steady = all(quantity.below(0.1) for quantity in (one_way, pushing_back))
     return Claim(
@@ -170,8 +156,3 @@ def _constant_speed(found: Evidence) -> Claim:
         f"{change.simulated.value:.2f} times as far as in Fig. 5.",
         scenario=SCENARIO,
     )
-
-
-def _force_std(model: Model) -> float:
-    force = exact(model).force
-    return sqrt(force.variance) if force is not None else np.nan

@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import nan
 from typing import Any
 
-from rubnoise.analysis.replicates import PooledEstimate, estimate
+from rubnoise.analysis.replicates import PooledEstimate, estimate, ratio
+from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
+from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.sweep.execution import Measurement, run_points
@@ -65,23 +68,32 @@ class Evidence:
         return found
 
 
-def gather(name: str, read: Read, report: Report) -> Evidence:
-    """Run every point of a sweep that comes with rubnoise, in memory, and measure each run."""
-    found: dict[int, list[dict[str, float]]] = {}
-    cases: dict[int, tuple[Model, Mapping[str, Any]]] = {}
-    measure = Measurement(sink=MemoryRecord, read=read)
-    points = expand(load_sweep(shipped(name)))
-    for number, (point, numbers) in enumerate(run_points(points, measure), 1):
-        report(f"{name}: run {number} of {len(points)}")
-        case = number - 1 - point.replicate
-        cases.setdefault(case, (point.scenario.model(), point.values))
-        found.setdefault(case, []).append(numbers)
-    return Evidence(
-        tuple(
-            Found(model=model, values=values, numbers=_together(found[case])) for case, (model, values) in cases.items()
-        )
+def quotient(
+    name: str, one: Found, other: Found, number: str, exact: Callable[[Model], float] | None = None
+) -> ClaimedNumber:
+    """Return a number of one point over that of another; without ``exact`` theory has none."""
+    return ClaimedNumber(
+        name=name,
+        simulated=ratio(one.numbers[number], other.numbers[number]),
+        exact=nan if exact is None else exact(one.model) / exact(other.model),
     )
 
 
-def _together(runs: list[dict[str, float]]) -> dict[str, PooledEstimate]:
-    return {name: estimate([run[name] for run in runs]) for name in runs[0]}
+def gather(name: str, read: Read, report: Report) -> Evidence:
+    """Run every point of a sweep that comes with rubnoise, in memory, and measure each run."""
+    cases: dict[int, tuple[Point, list[dict[str, float]]]] = {}
+    measure = Measurement(sink=MemoryRecord, read=read)
+    points = expand(load_sweep(shipped(name)))
+    for number, (point, numbers) in enumerate(run_points(points, measure)):
+        report(f"{name}: run {number + 1} of {len(points)}")
+        cases.setdefault(number - point.replicate, (point, []))[1].append(numbers)
+    return Evidence(
+        tuple(
+            Found(
+                model=point.scenario.model(),
+                values=point.values,
+                numbers={each: estimate([run[each] for run in runs]) for each in runs[0]},
+            )
+            for point, runs in cases.values()
+        )
+    )

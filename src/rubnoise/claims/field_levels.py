@@ -1,12 +1,13 @@
 """Published laws of level against roughness, speed, area and damping, the identity that the model obeys, and a peak."""
 
 from collections.abc import Sequence
-from math import inf, log10, nan
+from dataclasses import replace
+from math import inf, log, log10, nan
 
-from rubnoise.analysis.replicates import PooledEstimate, ratio
+from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.claims import sources
 from rubnoise.claims.claim import ClaimedNumber
-from rubnoise.claims.evidence import Evidence, Found, Report, gather
+from rubnoise.claims.evidence import Evidence, Found, Report, gather, quotient
 from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -39,7 +40,7 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     fast, slow = gather(FAST, measured, report), gather(SLOW, measured, report)
     damping = gather(DAMPING, measured, report)
     return [
-        *_identity(slow),
+        _identity(slow),
         *_against_speed(fast, slow),
         *_sums(slow),
         _damping(damping),
@@ -81,20 +82,18 @@ def _speed(point: Found) -> float:
     return point.model.sliding_speed or nan
 
 
-def _identity(slow: Evidence) -> list[FieldClaim]:
-    return [
-        FieldClaim(
-            id="identity_one_way",
-            label="$n$ + exponent of $d$",
-            source=sources.THIS_MODEL,
-            statement="At constant A_rm and psi, the exponents of junction diameter and speed add up to 1.",
-            conditions="one-way, births at random, any pulse, any laws that scale with d, any linear structure",
-            quantity=_sum_of_exponents(slow, "one-way"),
-            published=(1.0 - 1e-6, 1.0 + 1e-6),
-            because="Every amplitude is d h(V/d); docs/theory.md has the proof.",
-            scenario=SLOW,
-        ),
-    ]
+def _identity(slow: Evidence) -> FieldClaim:
+    return FieldClaim(
+        id="identity_one_way",
+        label="$n$ + exponent of $d$",
+        source=sources.THIS_MODEL,
+        statement="At constant A_rm and psi, the exponents of junction diameter and speed add up to 1.",
+        conditions="one-way, births at random, any pulse, any laws that scale with d, any linear structure",
+        quantity=_sum_of_exponents(slow, "one-way"),
+        published=(1.0 - 1e-6, 1.0 + 1e-6),
+        because="Every amplitude is d h(V/d); docs/theory.md has the proof.",
+        scenario=SLOW,
+    )
 
 
 def _sums(slow: Evidence) -> list[FieldClaim]:
@@ -193,33 +192,31 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
     ]
 
 
-def _damping(found: Evidence) -> FieldClaim:
-    light, heavy = found.at(damping=0.05), found.at(damping=0.5)
-    quotient = ratio(heavy.numbers["velocity_std"], light.numbers["velocity_std"])
+def _damping(damping: Evidence) -> FieldClaim:
+    light, heavy = damping.at(damping=0.05), damping.at(damping=0.5)
+    name = "level of velocity at ten times the damping"
+    found = quotient(name, heavy, light, "velocity_std", lambda model: response(model).velocity_std)
     return FieldClaim(
         id="dang2013_damping",
         label="dB at ten times the damping",
         source=sources.DANG_2013,
         statement="Ten times the modal damping takes 10 dB from the level.",
         conditions="simulated rough surfaces, damping ratio 0.02 and more; here 0.0204 and 0.204",
-        quantity=ClaimedNumber(
-            name="level of velocity at ten times the damping",
+        quantity=replace(
+            found,
             unit="dB",
             simulated=PooledEstimate(
-                value=20.0 * log10(quotient.value),
-                standard_error=20.0 / _LN_10 * quotient.standard_error / quotient.value,
-                runs=quotient.runs,
+                value=20.0 * log10(found.simulated.value),
+                standard_error=20.0 / log(10.0) * found.simulated.standard_error / found.simulated.value,
+                runs=found.simulated.runs,
             ),
-            exact=20.0 * log10(response(heavy.model).velocity_std / response(light.model).velocity_std),
+            exact=20.0 * log10(found.exact),
         ),
         published=(-10.5, -9.5),
         because="A force that is white over the resonance gives 1/sqrt(c), which is -10 dB for any model of this kind. "
         "Published as -10, taken as within 0.5 dB.",
         scenario=DAMPING,
     )
-
-
-_LN_10 = 2.302585092994046
 
 
 def _fretting(slow: Evidence) -> FieldClaim:
@@ -236,25 +233,21 @@ def _fretting(slow: Evidence) -> FieldClaim:
     )
 
 
+def _mean_frequency(model: Model) -> float:
+    """Return std x' over std x, 2 pi times the mean rate of a Gaussian motion."""
+    return response(model).velocity_std / response(model).displacement_std
+
+
 def _shift_of_peak(fast: Evidence) -> FieldClaim:
     """Return the row on where the peak of the motion lies, from runs at 20 mm/s with 5 and 20 junctions."""
     fine, rough = fast.at(count=20, speed=20_000.0), fast.at(count=5, speed=20_000.0)
-    # Std x' over std x is 2 pi times the mean rate of a Gaussian motion.
-    of_fine, of_rough = (
-        motion.velocity_std / motion.displacement_std for motion in (response(fine.model), response(rough.model))
-    )
-    moved = ClaimedNumber(
-        name="mean frequency of motion, 5 junctions over 20",
-        simulated=ratio(rough.numbers["frequency"], fine.numbers["frequency"]),
-        exact=of_rough / of_fine,
-    )
     return FieldClaim(
         id="stoimenov2007",
         label="shift of the peak by roughness",
         source=sources.STOIMENOV_2007,
         statement="The first peak moves from 3.0 to 4.5 kHz with roughness; up or down was not seen.",
         conditions="stainless-steel plates of Rz 0.8 to 12.4 um, rubbed by hand, flat on flat",
-        quantity=moved,
+        quantity=quotient("mean frequency of motion, 5 junctions over 20", rough, fine, "frequency", _mean_frequency),
         published=(1.5, 1.5),
         because="The model's peak stays; a factor of 1/1.5 is as far from it. A peak that moves needs a contact "
         "stiffness that depends on roughness.",

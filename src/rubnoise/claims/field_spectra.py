@@ -39,7 +39,7 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     )
     wide = gather(POWER_LAW, lambda model, record: _of_area(model, record, _WIDE_SEGMENT, _WIDE), report).at(count=20)
     free = gather(FREE, _of_velocity, report).at(count=20)
-    return [*_kilburn(contact), *_fingers(contact, wide), *_blocks(free)]
+    return [_kilburn(contact), *_fingers(contact, wide), *_blocks(free)]
 
 
 def _of_area(model: Model, record: MemoryRecord, segment: float, bands: tuple[Band, Band]) -> dict[str, float]:
@@ -86,21 +86,19 @@ def _fall(point: Found, segment: float, bands: tuple[Band, Band], name: str) -> 
     )
 
 
-def _kilburn(contact: Found) -> list[FieldClaim]:
-    return [
-        FieldClaim(
-            id="kilburn1974_white",
-            label="fall of $S$ below $V/d$",
-            source=sources.KILBURN_1974,
-            statement="Friction is a constant signal with superimposed white noise.",
-            conditions="cast-iron button on a cast-iron disk, 60 runs; bandwidth not in the abstract",
-            quantity=_fall(contact, _SEGMENT, _PLATEAU, "fall of S, k L_jm = 0.3 to 2.2"),
-            published=(-0.1, 0.1),
-            because="The force is white below V/d and only there: its tail is k^-4. White is taken as a fall by less "
-            "than k^-0.1.",
-            scenario=CONTACT,
-        )
-    ]
+def _kilburn(contact: Found) -> FieldClaim:
+    return FieldClaim(
+        id="kilburn1974_white",
+        label="fall of $S$ below $V/d$",
+        source=sources.KILBURN_1974,
+        statement="Friction is a constant signal with superimposed white noise.",
+        conditions="cast-iron button on a cast-iron disk, 60 runs; bandwidth not in the abstract",
+        quantity=_fall(contact, _SEGMENT, _PLATEAU, "fall of S, k L_jm = 0.3 to 2.2"),
+        published=(-0.1, 0.1),
+        because="The force is white below V/d and only there: its tail is k^-4. White is taken as a fall by less "
+        "than k^-0.1.",
+        scenario=CONTACT,
+    )
 
 
 def _fingers(contact: Found, wide: Found) -> list[FieldClaim]:

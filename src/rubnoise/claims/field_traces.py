@@ -29,9 +29,9 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     found = gather(CONTACT, _of_area, report)
     paper, loaded, fine = (found.at(area=area, count=count) for area, count in ((200, 20), (800, 80), (200, 80)))
     return [
-        *_rabinowicz_1956(paper),
+        _rabinowicz_1956(paper),
         *_rabinowicz_1955(paper, loaded, fine),
-        *_kilburn(paper),
+        _kilburn(paper),
         _campbell(paper),
     ]
 
@@ -68,29 +68,27 @@ def _exact_half_width(model: Model) -> float:
     )
 
 
-def _rabinowicz_1956(paper: Found) -> list[FieldClaim]:
+def _rabinowicz_1956(paper: Found) -> FieldClaim:
     lens = _exact_half_width(paper.model) / paper.model.calibrated_diameter
-    return [
-        FieldClaim(
-            id="rabinowicz1956_diameter",
-            label="diameter, autocorrelation (µm)",
-            source=sources.RABINOWICZ_1956,
-            statement="Real traces give a mean junction diameter of 9 um by autocorrelation, and 5 um in another way.",
-            conditions="slow sliding; the metal is not in the abstract; here the contact of Figure 5",
-            quantity=ClaimedNumber(
-                name="diameter read from the half-width",
-                unit="um",
-                simulated=paper.numbers["half_width"].times(1.0 / lens),
-                exact=paper.model.calibrated_diameter,
-            ),
-            published=(8.95, 9.05),
-            because="Like is compared with like: both numbers are read from an autocorrelation. The paper's choice of "
-            "20 junctions on 200 um^2 gives less. Its diameter is nearer to the 5 um of the other way. Wide sizes "
-            "enlarge the reading by autocorrelation: lognormal diameters with a spread of 30 % and 50 % enlarge it "
-            f"{_overstated(paper.model, 0.3, lens):.2f} and {_overstated(paper.model, 0.5, lens):.2f} times.",
-            scenario=CONTACT,
+    return FieldClaim(
+        id="rabinowicz1956_diameter",
+        label="diameter, autocorrelation (µm)",
+        source=sources.RABINOWICZ_1956,
+        statement="Real traces give a mean junction diameter of 9 um by autocorrelation, and 5 um in another way.",
+        conditions="slow sliding; the metal is not in the abstract; here the contact of Figure 5",
+        quantity=ClaimedNumber(
+            name="diameter read from the half-width",
+            unit="um",
+            simulated=paper.numbers["half_width"].times(1.0 / lens),
+            exact=paper.model.calibrated_diameter,
         ),
-    ]
+        published=(8.95, 9.05),
+        because="Like is compared with like: both numbers are read from an autocorrelation. The paper's choice of "
+        "20 junctions on 200 um^2 gives less. Its diameter is nearer to the 5 um of the other way. Wide sizes "
+        "enlarge the reading by autocorrelation: lognormal diameters with a spread of 30 % and 50 % enlarge it "
+        f"{_overstated(paper.model, 0.3, lens):.2f} and {_overstated(paper.model, 0.5, lens):.2f} times.",
+        scenario=CONTACT,
+    )
 
 
 def _overstated(model: Model, spread: float, lens: float) -> float:
@@ -141,27 +139,25 @@ def _relative_std(point: Found) -> tuple[PooledEstimate, float]:
     return point.numbers["relative_std"], area.std / area.mean
 
 
-def _kilburn(paper: Found) -> list[FieldClaim]:
+def _kilburn(paper: Found) -> FieldClaim:
     conditions = "cast-iron button on a cast-iron disk, 60 runs"
     scaled = area_cumulants(paper.model).skewness * sqrt(paper.model.mean_junction_count)
-    return [
-        FieldClaim(
-            id="kilburn1974_normal",
-            label="skewness",
-            source=sources.KILBURN_1974,
-            statement="The instantaneous coefficient of friction is normally distributed.",
-            conditions=f"{conditions}, test of Kolmogorov and Smirnov; here 20 junctions",
-            quantity=ClaimedNumber(
-                name="skewness of the area",
-                simulated=paper.numbers["skewness"],
-                exact=area_cumulants(paper.model).skewness,
-            ),
-            published=(-0.1, 0.1),
-            because=f"Shot noise of equal lenses is skewed by {scaled:.2f}/sqrt(N_jm), so some 200 junctions look "
-            "normal. Normal is taken as a skewness below 0.1.",
-            scenario=CONTACT,
+    return FieldClaim(
+        id="kilburn1974_normal",
+        label="skewness",
+        source=sources.KILBURN_1974,
+        statement="The instantaneous coefficient of friction is normally distributed.",
+        conditions=f"{conditions}, test of Kolmogorov and Smirnov; here 20 junctions",
+        quantity=ClaimedNumber(
+            name="skewness of the area",
+            simulated=paper.numbers["skewness"],
+            exact=area_cumulants(paper.model).skewness,
         ),
-    ]
+        published=(-0.1, 0.1),
+        because=f"Shot noise of equal lenses is skewed by {scaled:.2f}/sqrt(N_jm), so some 200 junctions look "
+        "normal. Normal is taken as a skewness below 0.1.",
+        scenario=CONTACT,
+    )
 
 
 def _campbell(paper: Found) -> FieldClaim:

@@ -43,8 +43,7 @@ def claims(report: Report) -> Sequence[Claim]:
     ]
 
 
-def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
-    del model
+def _measured(_model: Model, record: MemoryRecord) -> dict[str, float]:
     area = record["trace"]["real_contact_area"]
     return {"ripple": float(area.std() / area.mean())}
 
