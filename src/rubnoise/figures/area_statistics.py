@@ -221,8 +221,7 @@ def psd_figure(stretch: Stretch) -> "Figure":
     axes.plot(seen.wavenumber[1:], seen.density[1:], color=BLUE, lw=0.8, label="simulated (Welch, Hann window)")
     if stretch.has_theory:
         _draw_ratio(ratio[0], seen, _draw_expected_estimate(axes, stretch, seen))
-    logarithmic(axes.xaxis)
-    logarithmic(axes.yaxis)
+    logarithmic(axes.xaxis, axes.yaxis)
     # Zeros of the theory lie far below what has a logarithm.
     highest = float(seen.density.max())
     axes.set_ylim(0.1 * float(seen.density.min(where=seen.density > 0.0, initial=highest)), 10.0 * highest)
@@ -269,7 +268,7 @@ def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> D
     window, tick = hann(seen.ticks), stretch.model.tick
     wavenumber, expected = expected_periodogram(stretch.model, tick, window)
     axes.plot(wavenumber[1:], expected[1:], color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
-    draw_band(axes, wavenumber[1:], expected[1:], _relative_error(seen))
+    draw_band(axes, wavenumber[1:], expected[1:], relative_error(seen))
     return expected
 
 
@@ -277,9 +276,9 @@ def _draw_ratio(axes: "Axes", seen: Spectrum, expected: Doubles) -> None:
     """Draw the estimate over what it is expected to be, if that is more than rounding."""
     known = (expected > ROUNDING * float(expected.max())) & (seen.wavenumber > 0.0)
     wavenumber, level = seen.wavenumber[known], expected[known]
-    draw_ratio(axes, wavenumber, seen.density[known] / level, _relative_error(seen))
+    draw_ratio(axes, wavenumber, seen.density[known] / level, relative_error(seen))
 
 
-def _relative_error(seen: Spectrum) -> float:
+def relative_error(seen: Spectrum) -> float:
     """Return the standard error of an estimate of Welch's over what it is expected to be."""
     return sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)

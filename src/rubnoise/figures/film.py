@@ -53,19 +53,13 @@ def _write_gif(path: Path, film: Film, frames: Iterator[Frame]) -> None:
 
     first = Image.fromarray(next(frames))
     palette = _palette(film, first)
-    images = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in chain([first], _images(frames)))
+    pictures = chain([first], map(Image.fromarray, frames))
+    images = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
     beginning = next(images)
     ends = [round(_HUNDREDTHS * i / film.rate) for i in range(film.distances.size + 1)]
     durations = [10 * (stop - start) for start, stop in pairwise(ends)]
     with path.open("wb") as stream:
         beginning.save(stream, format="GIF", save_all=True, append_images=images, duration=durations, loop=0)
-
-
-def _images(frames: Iterable[Frame]) -> Iterator["Image"]:
-    from PIL import Image
-
-    for frame in frames:
-        yield Image.fromarray(frame)
 
 
 def _palette(film: Film, first: "Image") -> "Image":

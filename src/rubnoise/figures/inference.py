@@ -64,8 +64,7 @@ def _drawn(found: InferenceResult) -> "Figure":
     low = np.maximum(mean - 2.0 * error, 0.02 * mean)
     axes.fill_between(k, low * unit, (mean + 2.0 * error) * unit, color=VERMILION, alpha=0.2, linewidth=0)
     axes.set(xlabel="wavenumber (rad/um)", ylabel=f"spectral density ({signal.unit}^2 um)", title="Spectrum")
-    logarithmic(axes.xaxis)
-    logarithmic(axes.yaxis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.legend()
 
     axes = figure.add_subplot(grid[1, 1])

@@ -10,7 +10,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion, motions_of
 from rubnoise.figures.motion_spectrum import QUANTITIES, whose
 from rubnoise.figures.slider import MILLI, draw_in_time, same_times
-from rubnoise.figures.stretch import MOST_READ, Stretch
+from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, NEAREST, VERMILION, add_title, legend_above, logarithmic, new_figure
 
 if TYPE_CHECKING:
@@ -69,8 +69,7 @@ def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
     """
     quantity = QUANTITIES[heard]
     motion = Motion.of(stretch, quantity.group, quantity.column)
-    last = min(motion.last, motion.first + MOST_READ)
-    values = motion.file.column(motion.group, motion.present(quantity.column), motion.first, last).astype(np.float64)
+    values = motion.record(quantity.column)
     if float(np.ptp(values)) <= NEAREST * quantity.still(motion):
         raise Refused(f"the {whose(heard)} does not vary in this stretch, so it has no histogram")
     may_bear_nothing = heard == "load" and motion.model.free is not None

@@ -156,6 +156,11 @@ class Motion:
         """Return a column as arrays of some rows; raises Refused for a force that the run does not have."""
         return column_chunks(self.file, self.group, self.present(name), self.first, self.last)
 
+    def record(self, name: str) -> Doubles:
+        """Return a column as doubles, or its beginning if there is more than a picture needs; refused as `chunks`."""
+        last = min(self.last, self.first + MOST_READ)
+        return self.file.column(self.group, self.present(name), self.first, last).astype(np.float64)
+
     def stick_slip(self) -> StickSlip:
         """Return the sticks and slips of a two-way slider, of a very long stretch those of its beginning."""
         return StickSlip.of(self.file, self.begin, self.end, MOST_READ)
@@ -177,7 +182,9 @@ def motions_of(
 
 
 def labels_of(motions: Sequence[Motion]) -> list[str]:
-    """Return labels that distinguish motions: their coupling, or else the names of their files."""
+    """Return labels that distinguish motions: their coupling, or else the names of their files; one needs none."""
+    if len(motions) == 1:
+        return ["simulated"]
     couplings = [f"{motion.swings.coupling} coupling" for motion in motions if motion.swings is not None]
     if len(set(couplings)) == len(motions):
         return couplings

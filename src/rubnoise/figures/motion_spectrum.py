@@ -3,16 +3,17 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import pi, sqrt
+from math import pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.sound import COLUMNS, Heard
-from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
+from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figures.area_statistics import relative_error
 from rubnoise.figures.motion import Group, Motion, labels_of, motions_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
@@ -183,8 +184,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
         return figure
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
     draw_spectra(above, pairs, heard)
-    label = labels_of(motions)[pairs.index(compared)] if beside is not None else "simulated"
-    _draw_ratio(below, *compared, heard, above, label)
+    _draw_ratio(below, *compared, heard, above, labels_of(motions)[pairs.index(compared)])
     above.set_xlabel("")
     return figure
 
@@ -206,7 +206,7 @@ def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, abov
     exact = partial(QUANTITIES[heard].exact, motion.model)
     expected = through_window(exact, motion.apart, hann(seen.ticks), last)[FIRST:]
     frequency = seen.wavenumber[FIRST : last + 1] / (2.0 * pi)
-    error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
+    error = relative_error(seen)
     draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error, label)
     draw_band(above, frequency, 2.0 * QUANTITIES[heard].scale ** 2 * expected, error)
     legend_above(above)
@@ -260,8 +260,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
     name = NATURAL[found[0][0].group]
     axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label=name)
     _draw_exact(axes, [motion for motion, _ in found], quantity, lowest, highest)
-    for axis in (axes.xaxis, axes.yaxis):
-        logarithmic(axis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.set_xlim(lowest, highest)
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel(f"spectral density\nof {whose(heard)} ({quantity.density_unit})")

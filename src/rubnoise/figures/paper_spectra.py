@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rubnoise.model import Model
-
 SEGMENT: Final = 1024.0
 """Length of a segment in um, some hundred mean lives and more: a resolution far finer than the corner of a spectrum."""
 
@@ -90,8 +88,7 @@ def draw_fig8(sources: Sources) -> "Figure":
     _draw_exact_density(tail, model, np.geomspace(wavenumber[0], wavenumber[-1], EXACT_SAMPLES))
     _draw_tail(tail, model, float(wavenumber[-1]))
     _draw_aliased(panes["ratio"], model, seen)
-    logarithmic(tail.xaxis)
-    logarithmic(tail.yaxis)
+    logarithmic(tail.xaxis, tail.yaxis)
     tail.set_xlim(wavenumber[0], wavenumber[-1])
     _label_tail(linear, tail)
     linear.set_xlabel(WAVENUMBER)
@@ -99,18 +96,18 @@ def draw_fig8(sources: Sources) -> "Figure":
     return figure
 
 
-def _draw_exact_density(axes: "Axes", model: "Model", wavenumber: Doubles) -> None:
+def _draw_exact_density(axes: "Axes", model: Model, wavenumber: Doubles) -> None:
     axes.plot(wavenumber, spectral_density(model, wavenumber), color=VERMILION, lw=1.0, label="exact", zorder=3)
 
 
-def _draw_tail(axes: "Axes", model: "Model", highest: float) -> None:
+def _draw_tail(axes: "Axes", model: Model, highest: float) -> None:
     """Draw 4 lam m_2 / k^4, about which the density of lenses swings."""
     ends = np.array([TAIL_PHASE / model.calibrated_diameter, highest])
     level = 4.0 * model.birth_rate * model.sizes.moment(2)
     axes.plot(ends, level / ends**4, color=INK, lw=1.0, ls=(0, (4, 3)), label="mean of the tail, 4λE[d²]/k⁴")
 
 
-def _draw_aliased(axes: "Axes", model: "Model", seen: Spectrum) -> None:
+def _draw_aliased(axes: "Axes", model: Model, seen: Spectrum) -> None:
     """Draw the estimate over S(k) near the last wavenumber, and what aliases of the ticks let one expect."""
     wavenumber, density = merged_bins(seen)
     bins, level = expected_periodogram(model, model.tick, hann(seen.ticks))
@@ -186,8 +183,7 @@ def _name_at_start(axes: "Axes", model: Model, seen: Spectrum, label: str, away:
 
 def _finish_points(plain: "Axes", scaled: "Axes") -> None:
     for axes in (plain, scaled):
-        logarithmic(axes.xaxis)
-        logarithmic(axes.yaxis)
+        logarithmic(axes.xaxis, axes.yaxis)
         axes.plot([], [], color=VERMILION, lw=0.8, label="exact")
     plain.set_xlim(left=ROOM * plain.get_xlim()[0])
     plain.set_xlabel(WAVENUMBER)

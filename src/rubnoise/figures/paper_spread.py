@@ -50,13 +50,11 @@ def spreads_of(sources: Sources, name: str) -> Study:
     return study_of_points(points, "real_contact_area_std", title=name, units=UNITS)
 
 
-def _tally(extent: Extent) -> Tally:
-    del extent
+def _tally(_extent: Extent) -> Tally:
     return Tally()
 
 
-def _variance(model: Model, tally: Tally) -> float:
-    del model
+def _variance(_model: Model, tally: Tally) -> float:
     return tally.moments["real_contact_area"].variance
 
 

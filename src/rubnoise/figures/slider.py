@@ -82,13 +82,12 @@ def draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: floa
 
     Where a two-way slider sticks, and where a slider is off the surface, is shaded.
     """
-    first, alone = motions[0], len(motions) == 1
-    known = _exact_moments(first, name) if alone else None
+    first = motions[0]
+    known = _exact_moments(first, name) if len(motions) == 1 else None
     if known is not None:
         mean, std = known
         exact_band(axes, scale * mean, scale * std)
-    labels = ["simulated"] if alone else labels_of(motions)
-    for motion, label, look in zip(motions, labels, curve_styles(len(motions)), strict=True):
+    for motion, label, look in zip(motions, labels_of(motions), curve_styles(len(motions)), strict=True):
         time, values = motion.curve(name)
         axes.plot(time, scale * values, label=label, **look)
     shade_sticks(axes, next((motion for motion in motions if motion.model.is_two_way), first))
@@ -164,8 +163,7 @@ def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
 
 
 def _draw_path(axes: "Axes", motions: Sequence[Motion]) -> None:
-    labels = ["simulated"] if len(motions) == 1 else labels_of(motions)
-    for motion, label, look in zip(motions, labels, curve_styles(len(motions)), strict=True):
+    for motion, label, look in zip(motions, labels_of(motions), curve_styles(len(motions)), strict=True):
         place, speed = (motion.file.column("slider", name, motion.first, motion.last) for name in COLUMNS)
         axes.plot(place, MILLI * speed, label=label, **look)
     coarse = max(motions, key=lambda motion: motion.apart)

@@ -9,7 +9,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion
 from rubnoise.figures.motion_spectrum import FARTHEST, QUANTITIES, whose
-from rubnoise.figures.stretch import MOST_READ, Stretch
+from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import AREA, DISTANCE, add_title, new_figure
 
 if TYPE_CHECKING:
@@ -41,10 +41,8 @@ def spectrogram_figure(stretch: Stretch, heard: Heard | None = None) -> "Figure"
     else:
         quantity = QUANTITIES[heard]
         motion = Motion.of(stretch, quantity.group, quantity.column)
-        last = min(motion.last, motion.first + MOST_READ)
-        column = motion.present(quantity.column)
-        values = motion.file.column(motion.group, column, motion.first, last).astype(np.float64)
-        apart, begin, words = motion.apart, motion.begin, whose(heard)
+        values, apart = motion.record(quantity.column), motion.apart
+        begin, words = motion.begin, whose(heard)
         highest = min(0.5 / apart, FARTHEST * motion.frequency)
         labels = "time (s)", "frequency (Hz)"
         least = LIVES * stretch.model.mean_life_distance / motion.speed

@@ -2,7 +2,7 @@
 
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, floor
 from typing import Any, Final, Self
 
@@ -79,15 +79,11 @@ class Stretch:
         """Return the stretch itself if the user chose it, else its beginning of a width in um."""
         if self.chosen or self.stop - self.start <= width:
             return self
-        return self._between(self.start, self.start + width)
+        return replace(self, stop=self.start + width)
 
     def whole(self) -> Self:
         """Return the whole run."""
-        return self._between(0.0, self.model.distance)
-
-    def _between(self, start: float, stop: float) -> Self:
-        kept = {name: getattr(self, name) for name in ("file", "model", "title", "chosen")}
-        return type(self)(**kept, start=start, stop=stop)
+        return replace(self, start=0.0, stop=self.model.distance)
 
     def rows(self, group: str) -> tuple[int, int]:
         """Return the rows of /trace or /slider from the first to behind the last in the stretch.

@@ -254,7 +254,7 @@ def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:
         _points(sweep, quantity),
         quantity,
         title=sweep.path.resolve().name,
-        units={key: _unit(sweep, key) for key in sweep.keys},
+        units={key: sweep.runs[key].units for key in sweep.keys},
         side_by_side=sweep.side_by_side,
     )
 
@@ -283,7 +283,3 @@ def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
 
 def _numbers(columns: Mapping[str, NDArray[Any]], row: int) -> dict[str, float]:
     return {key: float(values[row]) for key, values in columns.items() if np.issubdtype(values.dtype, np.number)}
-
-
-def _unit(sweep: SweepResult, key: str) -> str:
-    return sweep.runs[key].units

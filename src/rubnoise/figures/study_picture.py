@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rubnoise.arrays import Doubles
 from rubnoise.figures.axis_labels import key_label, key_words, quantity_label, quantity_words
 from rubnoise.figures.study import Study, StudyLine
 from rubnoise.figures.style import (
@@ -109,23 +110,22 @@ def _dashes(line: StudyLine, quantity: str) -> Any:
 def _label(axes: "Axes", study: Study) -> None:
     axes.set_xlabel(key_label(study.key, study.unit))
     axes.set_ylabel(quantity_label(study.quantity))
+    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
     if study.numeric:
-        _scale(axes, study)
+        _scale(axes, study, values)
     else:
         labels = {spot.place: spot.label for line in study.lines for spot in line.spots}
         axes.set_xticks(list(labels), [shortened(one_line(text), LONGEST_LABEL) for text in labels.values()])
         axes.margins(x=0.15)
-    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
     if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
         axes.set_ylim(bottom=0.0)
 
 
-def _scale(axes: "Axes", study: Study) -> None:
+def _scale(axes: "Axes", study: Study, values: Doubles) -> None:
     """Make axes logarithmic if the points lie so, and then that of a quantity which falls by more than ten."""
     if not study.logarithmic:
         return
     logarithmic(axes.xaxis)
-    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
     if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
         logarithmic(axes.yaxis)
 

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, partial
 from io import BytesIO
 from math import log10
 from textwrap import wrap
@@ -227,17 +227,22 @@ def as_png(figure: "Figure") -> bytes:
     return as_bytes(figure, "png")
 
 
-def logarithmic(axis: "Axis") -> None:
-    """Give the axis of an x or a y a logarithmic scale, with its powers of ten in letters: formulas are not parsed."""
+def logarithmic(*several: "Axis") -> None:
+    """Give axes of an x or a y logarithmic scales, with their powers of ten in letters: formulas are not parsed."""
     from matplotlib.ticker import FuncFormatter
 
-    scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
-    scale("log")
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if _is_narrow(axis) else _power_of_ten(value)))
-    axis.set_minor_formatter(FuncFormatter(lambda value, _: _between_powers(axis, value)))
+    for axis in several:
+        scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
+        scale("log")
+        axis.set_major_formatter(FuncFormatter(partial(_at_powers, axis)))
+        axis.set_minor_formatter(FuncFormatter(partial(_between_powers, axis)))
 
 
-def _between_powers(axis: "Axis", value: float) -> str:
+def _at_powers(axis: "Axis", value: float, _: int) -> str:
+    return f"{value:g}" if _is_narrow(axis) else _power_of_ten(value)
+
+
+def _between_powers(axis: "Axis", value: float, _: int) -> str:
     """Return the label of a value between powers of ten on a narrow axis; 6, 7 and 9 have no room for one."""
     return f"{value:g}" if _is_narrow(axis) and f"{value:.0e}"[0] not in "679" else ""
 

@@ -1,6 +1,6 @@
 """Pictures of two surfaces under a load: the map with its patches, and what theory and maps say of their noise."""
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -47,16 +47,11 @@ def _draw_map(axes: "Axes", total: Doubles, contact: SlidingContact) -> None:
     cut = total[: total.shape[0] // blocks[0] * blocks[0], : total.shape[1] // blocks[1] * blocks[1]]
     shown = cut.reshape(cut.shape[0] // blocks[0], blocks[0], cut.shape[1] // blocks[1], blocks[1]).max((1, 3))
     along, across = (n * s for n, s in zip(total.shape, contact.slider.spacing, strict=True))
-    axes.imshow(shown.T, cmap="Greys", origin="lower", extent=(0.0, along, 0.0, across), interpolation="nearest")
     from matplotlib.colors import ListedColormap
 
-    axes.imshow(
-        np.where(shown >= gap, 1.0, np.nan).T,
-        cmap=ListedColormap([VERMILION]),
-        origin="lower",
-        extent=(0.0, along, 0.0, across),
-        interpolation="nearest",
-    )
+    look: dict[str, Any] = {"origin": "lower", "extent": (0.0, along, 0.0, across), "interpolation": "nearest"}
+    axes.imshow(shown.T, cmap="Greys", **look)
+    axes.imshow(np.where(shown >= gap, 1.0, np.nan).T, cmap=ListedColormap([VERMILION]), **look)
     axes.set(xlabel="along the sliding (µm)", ylabel="across (µm)", title="Both heights, patches of contact in red")
 
 
@@ -91,8 +86,7 @@ def _draw_spectra(axes: "Axes", contact: SlidingContact) -> None:
     bottom, top = axes.get_ylim()
     axes.set_ylim(max(bottom, 1e-12 * top), top)  # below lie the digits of the transform
     axes.set(xlabel="waves per µm", ylabel="spectral density (µm³)", title="Spectra of the scans")
-    logarithmic(axes.xaxis)
-    logarithmic(axes.yaxis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.legend()
 
 
@@ -103,8 +97,7 @@ def _draw_counts(axes: "Axes", contact: SlidingContact) -> None:
     axes.loglog([contact.cutoff], [contact.counted.patch_count / area], "s", color=BLUE, label="counted")
     axes.axvline(contact.cutoff, color=FAINT, linestyle="--")
     axes.set(xlabel="cut-off (µm)", ylabel="junctions", title="Number of junctions over the cut-off")
-    logarithmic(axes.xaxis)
-    logarithmic(axes.yaxis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.legend()
 
 

@@ -128,8 +128,7 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
         axes.vlines(lines[shown], 1e-3 * power[shown], power[shown], color=VERMILION, lw=1.2, label=label)
         axes.plot(lines[shown], power[shown], "o", color=VERMILION, ms=3.0)
     _draw_tail(axes, model, wavenumber, density)
-    for axis in (axes.xaxis, axes.yaxis):
-        logarithmic(axis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.set_xlim(wavenumber[0], wavenumber[-1])
     axes.set_xlabel("wavenumber (rad/µm)")
     axes.set_ylabel("µm⁴ per rad/µm")
@@ -174,8 +173,7 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
         _write_note(axes, "regular births of one size leave lines alone")
         return
     axes.plot(frequency, density, color=VERMILION, lw=1.6)
-    for axis in (axes.xaxis, axes.yaxis):
-        logarithmic(axis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.set_xlim(frequency[0], frequency[-1])
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel("µm²/Hz")

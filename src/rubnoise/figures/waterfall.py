@@ -64,8 +64,7 @@ def waterfall_figure(sweep: SweepResult, heard: Heard | None = None) -> "Figure"
     axes = figure.subplots()
     for row, curve in enumerate(curves):
         _draw(axes, curve, APART**row, named=row == 0)
-    for axis in (axes.xaxis, axes.yaxis):
-        logarithmic(axis)
+    logarithmic(axes.xaxis, axes.yaxis)
     axes.set_xlim(min(curve.place[0] for curve in curves), max(curve.place[-1] for curve in curves))
     axes.set_xlabel("wavenumber (rad/µm)" if heard is None else "frequency (Hz)")
     words, unit = ("real contact area", UNIT) if heard is None else (whose(heard), QUANTITIES[heard].density_unit)

@@ -1,8 +1,10 @@
 """What the pages of runs and sweeps share: their own parts around a template, and arrays as a page holds them."""
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import numpy as np
@@ -28,3 +30,11 @@ def packed(values: NDArray[Any]) -> dict[str, str]:
     """Return an array as a page holds it: its type, little-endian, and its bytes in base 64."""
     little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
     return {"type": little.dtype.str.lstrip("<|"), "bytes": b64encode(little.tobytes()).decode("ascii")}
+
+
+def written(write: Callable[[Path], None]) -> str:
+    """Return what is written into a file, in base 64."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "part"
+        write(path)
+        return b64encode(path.read_bytes()).decode("ascii")

@@ -5,8 +5,6 @@ from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from math import isfinite, nan
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
@@ -22,8 +20,9 @@ from rubnoise.figures.film import write_film
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
+from rubnoise.figures.style import PicturesMissing
 from rubnoise.model import Model
-from rubnoise.pages.page import HERE
+from rubnoise.pages.page import HERE, written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.writing import text_of
@@ -179,17 +178,10 @@ def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
             yield _picture(picture(name, stretch, "png"), caption)
             if name == "histogram" and not stretch.has_theory:
                 yield _picture(picture(name, stretch, "png", heard="load"), "How often each load occurs.")
-        except Refused as refused:
-            if _is_general(refused):
-                raise
+        except PicturesMissing:
+            raise
+        except Refused:
             continue  # a run without a slider has no motion to show
-
-
-def _is_general(refused: Refused) -> bool:
-    """Whether a picture is refused for a reason that holds for all of them."""
-    from rubnoise.figures.style import PicturesMissing
-
-    return isinstance(refused, PicturesMissing)
 
 
 def _sound(file: Reader, between: Between) -> str:
@@ -200,10 +192,8 @@ def _sound(file: Reader, between: Between) -> str:
         level = level_of(sound, between)
     except Refused:
         return ""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "sound.wav"
-        write_wave(path, samples_of(sound, level, between), samples=sound.samples, rate=sound.rate, texts={})
-        content = b64encode(path.read_bytes()).decode("ascii")
+    pieces = samples_of(sound, level, between)
+    content = written(lambda path: write_wave(path, pieces, samples=sound.samples, rate=sound.rate, texts={}))
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
     return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{content}"></audio>'
@@ -214,10 +204,7 @@ def _film(stretch: Stretch, between: Between) -> str:
         film = Film.of(stretch, seconds=FILM_SECONDS, rate=FILM_RATE)
     except Refused:
         return ""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "film.gif"
-        write_film(path, film, "gif", between)
-        content = b64encode(path.read_bytes()).decode("ascii")
+    content = written(lambda path: write_film(path, film, "gif", between))
     caption = "Junctions slide over each other; below them the real contact area grows."
     image = f'<img alt="{caption}" src="data:image/gif;base64,{content}">'
     figure = f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
@@ -241,9 +228,9 @@ def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) ->
         between()
         try:
             content = study_picture(study_of_sweep(sweep, quantity), "png")
-        except Refused as refused:
-            if _is_general(refused):
-                raise
+        except PicturesMissing:
+            raise
+        except Refused:
             continue
         words = quantity_words(quantity)
         yield _picture(content, f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve.")

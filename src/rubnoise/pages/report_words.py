@@ -8,7 +8,7 @@ from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.figures.stretch import Stretch
-from rubnoise.model import FreeSeparation, Model
+from rubnoise.model import FreeSeparation, Model, Slider
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.free_motion import free_motion
 from rubnoise.theory.load import load_motion
@@ -38,7 +38,7 @@ def in_words(model: Model) -> list[str]:
     if model.free is None:
         lines.append(_separation(model))
     if model.slider is not None:
-        lines.append(_slider(model))
+        lines.append(_slider(model.slider, two_way=model.is_two_way))
     return lines
 
 
@@ -122,16 +122,13 @@ def _separation(model: Model) -> str:
     )
 
 
-def _slider(model: Model) -> str:
-    slider = model.slider
-    if slider is None:
-        raise AssertionError("a model without a slider has nothing to say of it")
+def _slider(slider: Slider, *, two_way: bool) -> str:
     driven = "A base that asperities lift" if slider.excitation == "base" else "The force"
     words = (
         f"{driven} moves a slider of {1000.0 * slider.mass:.4g} g on a spring of {slider.stiffness:.4g} N/m."
         f" Its natural frequency is {slider.natural_frequency:.4g} Hz and its damping ratio {slider.damping_ratio:.3g}."
     )
-    if model.is_two_way:
+    if two_way:
         return words + " The coupling is two-way: the motion of the slider changes how fast the surfaces slide."
     return words + " The coupling is one-way: the surfaces slide at constant speed, however the slider moves."
 

@@ -124,7 +124,7 @@ class RunView:
             "groups": {name: self._rows(name) for name in groups},
             "landmarks": self._landmarks() if model.is_two_way and "landmarks" in file.columns else None,
             "flights": None if model.free is None else self._flights(),
-            "levels": {name: _levels(file, name, CURVES[name]) for name in CURVES if name in file.columns},
+            "levels": {name: _levels(file, name, CURVES[name]) for name in groups},
         }
 
     def _lives(self) -> dict[str, Any]:

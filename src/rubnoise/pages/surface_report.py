@@ -3,15 +3,13 @@
 from base64 import b64encode
 from html import escape
 from math import sqrt
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.api.running import simulate
 from rubnoise.figures.surface import contact_picture
-from rubnoise.pages.page import HERE
+from rubnoise.pages.page import HERE, written
 from rubnoise.scenario import loads
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
@@ -54,9 +52,6 @@ def _sound(contact: SlidingContact) -> tuple[str, str]:
     area = np.asarray(record.trace["real_contact_area"][:samples], dtype=np.float64)
     values = area - area.mean()
     values *= _PEAK / np.abs(values).max()
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "area.wav"
-        write_wave(path, [values], samples=values.size, rate=RATE, texts={})
-        content = b64encode(path.read_bytes()).decode("ascii")
+    content = written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={}))
     speed = tick * RATE * 1e-3
     return content, f"The real contact area of the scenario as it changes at a sliding speed of {speed:.3g} mm/s."
