@@ -14,7 +14,7 @@ import pytest
 from scipy.io import savemat, wavfile
 
 import rubnoise
-from rubnoise.api.inferring import found_scenario, infer
+from rubnoise.api.inferring import infer
 from rubnoise.errors import Refused, in_shell
 from rubnoise.storage import measured, text_lines
 from rubnoise.storage.measured import read_measured
@@ -288,7 +288,7 @@ def test_a_unit_that_the_trace_knows_is_not_given_again(contact_csv: Path) -> No
 
 def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path: Path) -> None:
     found = rubnoise.infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
-    scenario = rubnoise.load(written(tmp_path / "found.toml", found_scenario(found, speed="1 mm/s")))
+    scenario = rubnoise.load(written(tmp_path / "found.toml", found.to_toml()))
     model = scenario.model()
     assert model.sizes.mean == pytest.approx(found.estimates["diameter"].value, rel=1e-5)
     assert model.stationary_mean_area == pytest.approx(found.estimates["mean_real_contact_area"].value, rel=1e-5)
@@ -306,7 +306,7 @@ def test_strengths_that_differ_differ_in_the_scenario(contact_csv: Path) -> None
     found = rubnoise.infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
     assert found.fit is not None
     unequal = replace(found, fit=replace(found.fit, contact=replace(found.fit.contact, inequality=1.09)))
-    strengths = rubnoise.scenario.loads(found_scenario(unequal, speed="1 mm/s")).model().strengths
+    strengths = rubnoise.scenario.loads(unequal.to_toml()).model().strengths
     assert strengths is not None
     assert strengths.moment(2) / strengths.mean**2 == pytest.approx(1.09, rel=1e-9)
     assert strengths.mean == pytest.approx(found.estimates["shear_strength"].value, rel=1e-5)

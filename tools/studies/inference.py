@@ -34,7 +34,8 @@ import numpy as np
 from parts import fill
 from parts import table as markdown
 
-from rubnoise.api.inferring import found_scenario, infer
+from rubnoise.api.fit import Inference
+from rubnoise.api.inferring import infer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import LAWS
@@ -184,7 +185,7 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
 def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     """Return a run of the scenario that was found in a trace, and the numbers found."""
     found = infer_signal(signal, zero="known", tests=False)
-    contact = build(tomllib.loads(found_scenario(found, speed="1 mm/s"))).model()
+    contact = build(tomllib.loads(Inference.of(found, name="trace", speed="1 mm/s", strength=None).to_toml())).model()
     force = force_of(contact, seed + 1_000_000)
     values = {name: each.value for name, each in found.estimates.items()}
     return Signal(values=force, tick=contact.tick, unit="uN", scale=1.0), values

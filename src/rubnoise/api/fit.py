@@ -1,14 +1,20 @@
 """What `infer` found, as something to keep: a table, a scenario, a picture, a page and a file."""
 
+import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from rubnoise.api import keywords
+from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
 from rubnoise.inference import inference
+from rubnoise.scenario.writing import text_of
 from rubnoise.tables import as_html, shortened
+from rubnoise.units import SPEED, STRESS
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -46,9 +52,44 @@ class Inference(inference.InferenceResult):
 
         Raises Refused if number or strength is not identified.
         """
-        from rubnoise.api.inferring import found_scenario
-
-        return found_scenario(self, speed=self.speed, strength=self.strength)
+        if self.refused_because is not None or self.fit is None:
+            raise Refused(f"there is nothing to write: {self.refused_because}")
+        for name in ("junction_count", "mean_real_contact_area"):
+            if name not in self.estimates:
+                raise Refused(f"{name} is not identified, and a scenario needs it: {self.not_identified[name]}")
+        velocity = keywords.quantity("speed", self.speed, SPEED)
+        psi = keywords.quantity("strength", self.strength, STRESS)
+        if psi is None and "shear_strength" in self.estimates:
+            psi = self.estimates["shear_strength"].value
+        fit, signal = self.fit, self.signal
+        law, shape, count = self.law, fit.contact.place.shape, self.estimates["junction_count"].value
+        if law == "normal":
+            diameter = self.estimates["diameter"].value
+            # The scenario's centre is that before drawing again, and N_jm counts lives of that length.
+            count *= fit.problem.population.law(diameter, shape).centre / diameter  # type: ignore[attr-defined]
+        strength = {} if psi is None else {"mean": f"{psi:.6g} MPa"}
+        spread = sqrt(max(fit.contact.inequality - 1.0, 0.0))  # E[psi^2] / E[psi]^2 is 1 for equal strengths
+        if strength and spread:
+            strength |= {"law": "lognormal", "spread": f"{100.0 * spread:.6g} %"}
+        pulse = {"shape": fit.problem.pulse.shape, "offset": fit.problem.pulse.offset}
+        keys: dict[str, Any] = {
+            "format": 1,
+            "title": "What was found in a measured trace",
+            "interface": {
+                "mean_real_contact_area": f"{self.estimates['mean_real_contact_area'].value:.6g} um^2",
+                "mean_junction_count": json.loads(f"{count:.6g}"),
+                "calibration": "matched",
+            },
+            "diameter": {"law": law} | ({"spread": f"{100.0 * shape:.6g} %"} if LAWS[law].takes_spread else {}),
+            "strength": strength,
+            "pulse": {key: value for key, value in pulse.items() if value not in {"lens", "none"}},
+            "sliding": ({} if velocity is None else {"speed": f"{velocity:.6g} um/s"})
+            | {"distance": f"{signal.tick * signal.values.size:.6g} um"},
+            "output": {"tick": f"{signal.tick:.6g} um"},
+            "run": {"engine": "batch"},
+        }
+        about = "# What `rubnoise infer` found. Values are estimates; `infer` prints their intervals.\n"
+        return about + text_of({name: value for name, value in keys.items() if value})
 
     @property
     def scenario(self) -> "Scenario":

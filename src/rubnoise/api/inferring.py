@@ -1,6 +1,5 @@
-"""From a measured trace to its junctions: numbers with intervals, and a scenario that simulates what was found."""
+"""From a measured trace to its junctions, as numbers with intervals."""
 
-import json
 import os
 from dataclasses import replace
 from math import sqrt
@@ -17,7 +16,6 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.inference import inference
 from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
@@ -26,7 +24,6 @@ from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
-from rubnoise.scenario.writing import text_of
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.measured import read_measured, refusing_files
 from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column
@@ -314,48 +311,3 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
     return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
-
-
-def found_scenario(found: inference.InferenceResult, *, speed: Any = None, strength: Any = None) -> str:
-    """Return the text of a scenario that simulates what was found, over the distance of the trace.
-
-    Raises Refused if number or strength is not identified: a scenario needs both.
-    """
-    if found.refused_because is not None or found.fit is None:
-        raise Refused(f"there is nothing to write: {found.refused_because}")
-    for name in ("junction_count", "mean_real_contact_area"):
-        if name not in found.estimates:
-            raise Refused(f"{name} is not identified, and a scenario needs it: {found.not_identified[name]}")
-    velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
-    if psi is None and "shear_strength" in found.estimates:
-        psi = found.estimates["shear_strength"].value
-    fit, signal = found.fit, found.signal
-    shape, count = fit.contact.place.shape, found.estimates["junction_count"].value
-    diameter = found.estimates["diameter"].value
-    law = found.law
-    if law == "normal":
-        # The scenario's centre is that before drawing again, and N_jm counts lives of that length.
-        count *= fit.problem.population.law(diameter, shape).centre / diameter  # type: ignore[attr-defined]
-    strength = {} if psi is None else {"mean": f"{psi:.6g} MPa"}
-    spread = sqrt(max(fit.contact.inequality - 1.0, 0.0))  # E[psi^2] / E[psi]^2 is 1 for equal strengths
-    if strength and spread:
-        strength |= {"law": "lognormal", "spread": f"{100.0 * spread:.6g} %"}
-    pulse = {"shape": fit.problem.pulse.shape, "offset": fit.problem.pulse.offset}
-    keys: dict[str, Any] = {
-        "format": 1,
-        "title": "What was found in a measured trace",
-        "interface": {
-            "mean_real_contact_area": f"{found.estimates['mean_real_contact_area'].value:.6g} um^2",
-            "mean_junction_count": json.loads(f"{count:.6g}"),
-            "calibration": "matched",
-        },
-        "diameter": {"law": law} | ({"spread": f"{100.0 * shape:.6g} %"} if LAWS[law].takes_spread else {}),
-        "strength": strength,
-        "pulse": {key: value for key, value in pulse.items() if value not in {"lens", "none"}},
-        "sliding": ({} if velocity is None else {"speed": f"{velocity:.6g} um/s"})
-        | {"distance": f"{signal.tick * signal.values.size:.6g} um"},
-        "output": {"tick": f"{signal.tick:.6g} um"},
-        "run": {"engine": "batch"},
-    }
-    about = "# What `rubnoise infer` found. Values are estimates; `infer` prints their intervals.\n"
-    return about + text_of({name: value for name, value in keys.items() if value})

@@ -117,7 +117,7 @@ def command(
 
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
-    from rubnoise.api.inferring import found_scenario, infer
+    from rubnoise.api.inferring import infer
     from rubnoise.errors import Refused, TraceDoubtful
     from rubnoise.storage.output import check_output, whole_file
 
@@ -149,7 +149,7 @@ def command(
     )
     texts: dict[Path, str] = {}
     if output is not None and found.refused_because is None:
-        texts[output] = found_scenario(found, speed=speed, strength=strength)
+        texts[output] = found.to_toml()
     if report is not None and found.refused_because is None:
         from rubnoise.figures.inference import page
 
