@@ -53,7 +53,6 @@ class Expected:
     mean: Doubles
     by: Doubles
     names: tuple[str, ...]
-    signal: Doubles
 
 
 class FitProblem:
@@ -91,7 +90,7 @@ class FitProblem:
             if place.drift > 0.0:
                 names.append("drift")
                 by.append(place.drift * self.walk)
-        return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names), signal=energy)
+        return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names))
 
     def longest_waves(self, place: FitPoint) -> float:
         """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""

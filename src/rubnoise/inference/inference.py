@@ -219,9 +219,9 @@ def _fitted(problems: list[FitProblem], half_width: float, known: Given, third: 
         own = known
         if known.free == ("strength",):
             own = replace(known, births=_births_by_skewness(problem, place, third, known.inequality))
-        fit = score(problem, place, own, worth, steps=STEPS if worth < least + _HOPELESS else 0)
+        fit = score(problem, place, own, steps=STEPS if worth < least + _HOPELESS else 0)
         if deviance(bands, fit.expected.mean) > worth + _HOPELESS:  # the steps have lost their way
-            fit = score(problem, place, own, worth, steps=0)
+            fit = score(problem, place, own, steps=0)
         fits.append(fit)
     return fits
 

@@ -80,7 +80,6 @@ class Fit:
     residual: Doubles
     scatter: Doubles
     by: Doubles
-    deviance: float
 
     def __repr__(self) -> str:
         return fields_as_text(self)
@@ -143,7 +142,7 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
     return total
 
 
-def score(problem: FitProblem, start: FitPoint, known: Given, deviance: float, *, steps: int = STEPS) -> Fit:
+def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = STEPS) -> Fit:
     """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
 
     z are the bands, and the mean if it is known; D the derivatives of E[z], Sigma its covariance at the place
@@ -185,7 +184,6 @@ def score(problem: FitProblem, start: FitPoint, known: Given, deviance: float, *
         residual=residual,
         scatter=scatter,
         by=by,
-        deviance=deviance,
     )
 
 
