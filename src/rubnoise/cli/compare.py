@@ -15,7 +15,6 @@ from rubnoise.errors import Refused, RunOutside
 if TYPE_CHECKING:
     from rubnoise.analysis.comparing.findings import Comparison, Identity
     from rubnoise.model import Model
-    from rubnoise.theory.white_noise import WhiteNoise
 
 
 def command(
@@ -48,10 +47,14 @@ def command(
             found = compare(model, run, bound)
         except RecordTooShort as refusal:
             raise Refused(str(refusal)) from refusal
+        white = _white_noise(model)
         if as_json:
-            print(json_text(comparison_as_json(found, file) | _white_as_json(model)))
+            print(json_text(comparison_as_json(found, file) | ({} if white is None else {"white_noise": white})))
         else:
-            print("\n".join([*format_comparison(found, file), *_white_in_words(model)]))
+            print("\n".join(format_comparison(found, file)))
+            if white is not None and isfinite(white["displacement_std"]):
+                stds = f"{white['displacement_std']:.4g} um and {white['velocity_std']:.4g} um/s"
+                print(remark(f"white noise of the same level at low frequency (Kilburn) would leave std of {stds}"))
     if found.outside:
         raise RunOutside(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 
@@ -75,30 +78,17 @@ def comparison_as_json(found: "Comparison", file: Path) -> dict[str, Any]:
     }
 
 
-def _white(model: "Model") -> "WhiteNoise | None":
-    """Return Kilburn's white noise beside a one-way slider, None if the contact drives none."""
+def _white_noise(model: "Model") -> dict[str, float] | None:
+    """Return Kilburn's white noise beside a one-way slider, by name; None if the contact drives none."""
     from rubnoise.theory.white_noise import white_noise
 
     if model.is_two_way or model.separation is not None:
         return None
     try:
-        return white_noise(model)
+        white = white_noise(model)
     except Refused:
         return None
-
-
-def _white_as_json(model: "Model") -> dict[str, Any]:
-    white = _white(model)
-    if white is None:
-        return {}
-    return {"white_noise": {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}}
-
-
-def _white_in_words(model: "Model") -> Iterator[str]:
-    white = _white(model)
-    if white is not None and isfinite(white.displacement_std):
-        stds = f"{white.displacement_std:.4g} um and {white.velocity_std:.4g} um/s"
-        yield remark(f"white noise of the same level at low frequency (Kilburn) would leave std of {stds}")
+    return {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}
 
 
 SHORTER = {

@@ -60,24 +60,20 @@ def command(
 
     if regenerate is not None and regenerate < 1:
         raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number; it is 1 or more")
+    blocks, shown = regenerate or 0, on_terminal() and not as_json
     if is_folder(file):
-        found = _verify_folder(file, regenerate or 0, shown=not as_json)
+        from rubnoise.api.verify_sweep import verify_sweep
+
+        with StatusLine(shown=shown) as line:
+            found = verify_sweep(file, blocks, lambda done, runs: line.show(f"{done:,} of {runs:,} runs verified"))
     else:
-        with finished_run(file) as run, watching_reads(run, shown=on_terminal() and not as_json):
-            found = verify(run, regenerate or 0)
+        with finished_run(file) as run, watching_reads(run, shown=shown):
+            found = verify(run, blocks)
     print(json_text(verification_as_json(found, file)) if as_json else "\n".join(format_verification(found, file)))
     if found.different:
         places = [check.first for check in found.different if check.first is not None]
         first = next((place for place in places if place.row is not None), places[0])  # one with a row says most
         raise RunDiffers(printable(f"{file}: differs: {first}{f'; {found.remark}' if found.remark else ''}"))
-
-
-def _verify_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
-    """Ask a sweep folder, and say on a terminal how many of its runs have been looked at."""
-    from rubnoise.api.verify_sweep import verify_sweep
-
-    with StatusLine(shown=shown and on_terminal()) as line:
-        return verify_sweep(folder, regenerate, lambda done, runs: line.show(f"{done:,} of {runs:,} runs verified"))
 
 
 def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
