@@ -64,7 +64,7 @@ A_CLAIM = Claim(
             exact=1.0,
         ),
     ),
-    verdict=Verdict.HOLDS,
+    if_agreed=Verdict.HOLDS,
     because="It is.",
     scenario="claims/mean.toml",
 )

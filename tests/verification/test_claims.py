@@ -15,7 +15,7 @@ import scipy.special
 
 from rubnoise.analysis.replicates import PooledEstimate, difference, estimate, ratio
 from rubnoise.claims import catalogue
-from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Publication, exponent, exponent_of
 from rubnoise.claims.field_page import as_range, page
 from rubnoise.cli.claims import row_as_json
@@ -153,7 +153,7 @@ def _disc(wavenumber: np.ndarray) -> np.ndarray:
 def test_no_page_is_written_where_simulation_and_theory_disagree(
     claims: dict[str, Claim], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    wrong = (*list(claims.values())[:-1], replace(claims["few_or_many"], verdict=Verdict.UNSETTLED))
+    wrong = (*list(claims.values())[:-1], replace(claims["few_or_many"], if_agreed=Verdict.UNSETTLED))
     monkeypatch.setattr(generate_paper, "evaluate_claims", lambda tell: wrong)
     monkeypatch.setattr(generate_paper, "DOCS", tmp_path)
     monkeypatch.setattr(generate_paper, "PICTURES", tmp_path / "pictures")
@@ -175,8 +175,8 @@ def test_formulas_of_claims_are_set(claims: dict[str, Claim]) -> None:
 def test_a_wrong_theory_leaves_a_claim_unsettled(claims: dict[str, Claim], name: str) -> None:
     claim = claims[name]
     wrong = tuple(replace(each, exact=1.2 * each.exact + 0.01) for each in claim.quantities)
-    assert verdict_if_agreed(quantities=wrong, verdict=claim.verdict) is Verdict.UNSETTLED
-    assert verdict_if_agreed(quantities=claim.quantities, verdict=claim.verdict) is claim.verdict
+    assert replace(claim, quantities=wrong).verdict is Verdict.UNSETTLED
+    assert claim.verdict is claim.if_agreed
 
 
 def test_the_page_on_the_paper_is_what_the_claims_say(claims: dict[str, Claim]) -> None:
@@ -338,7 +338,16 @@ def test_errors_of_differences_and_ratios_add_up() -> None:
 def test_a_verdict_needs_simulation_and_theory_to_agree(exact: float, verdict: Verdict) -> None:
     simulated = PooledEstimate(value=1.0, standard_error=0.01, runs=50)
     quantity = ClaimedNumber(name="mean", unit="um", printed=1.0, simulated=simulated, exact=exact)
-    assert verdict_if_agreed(quantities=(quantity,), verdict=Verdict.HOLDS) is verdict
+    claim = Claim(
+        name="mean",
+        where="Eq. (1)",
+        says="It is 1.",
+        quantities=(quantity,),
+        if_agreed=Verdict.HOLDS,
+        because="It is.",
+        scenario="",
+    )
+    assert claim.verdict is verdict
 
 
 # How a verdict on a published statement follows from numbers and from how well the statement is known.

@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import sqrt
 
 from rubnoise.analysis.replicates import difference
-from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
@@ -27,9 +27,7 @@ def claims(report: Report) -> Sequence[Claim]:
         for quantity, (_, printed, step) in zip(quantities, _PRINTED, strict=True)
     )
     bends = early.exact > late.exact > 0.0 and early.simulated.value > late.simulated.value
-    everything = (*quantities, early, late)
     plain = [_drop_of_one_size(found, area) for area, _, _ in _PRINTED]
-    verdict = Verdict.HOLDS if near and bends else Verdict.CORRECTED if bends else Verdict.FAILS
     return [
         Claim(
             name="area_spread",
@@ -37,8 +35,8 @@ def claims(report: Report) -> Sequence[Claim]:
             says="The standard deviation of the real contact area falls with the number of junctions, but not in a "
             "straight line. From 10 to 50 junctions it falls by 22 um^2 at a mean of 100 um^2, and by 110 um^2 at "
             "500 um^2.",
-            quantities=everything,
-            verdict=verdict_if_agreed(quantities=everything, verdict=verdict),
+            quantities=(*quantities, early, late),
+            if_agreed=Verdict.HOLDS if near and bends else Verdict.CORRECTED if bends else Verdict.FAILS,
             because="The exact drops round to the printed ones. They follow 1/sqrt(N_jm), which falls fast at first. "
             "For equal sizes the spread is 1.2298/sqrt(N_jm) of the mean. Equal sizes would give "
             f"{plain[0]:.2f} and {plain[1]:.2f} um^2; the printed digits cannot distinguish these.",

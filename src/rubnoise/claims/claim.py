@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from math import isnan
+from math import isnan, nan
 
 from rubnoise.analysis.replicates import PooledEstimate
 
@@ -29,7 +29,7 @@ class ClaimedNumber:
 
     name: str
     simulated: PooledEstimate
-    exact: float
+    exact: float = nan
     unit: str = ""
     printed: float | None = None
     rounding: float = 0.0
@@ -46,20 +46,23 @@ class ClaimedNumber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """A claim of the paper with what was found: ``where`` it stands, what it says, and why the verdict is as it is."""
+    """A claim of the paper with what was found: ``where`` it stands, what it says, and why the verdict is as it is.
+
+    ``if_agreed`` is the verdict if simulation and theory agree.
+    """
 
     name: str
     where: str
     says: str
     quantities: tuple[ClaimedNumber, ...]
-    verdict: Verdict
+    if_agreed: Verdict
     because: str
     scenario: str
 
-
-def verdict_if_agreed(*, quantities: tuple[ClaimedNumber, ...], verdict: Verdict) -> Verdict:
-    """Return the verdict, or unsettled if simulation and theory disagree about any number it rests on."""
-    return verdict if all(quantity.agrees for quantity in quantities) else Verdict.UNSETTLED
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict, or unsettled if simulation and theory disagree about any number it rests on."""
+        return self.if_agreed if all(quantity.agrees for quantity in self.quantities) else Verdict.UNSETTLED
 
 
 def nearness(quantity: ClaimedNumber, step: float) -> Verdict:

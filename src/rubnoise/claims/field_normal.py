@@ -177,7 +177,6 @@ def _impacts(damped: Evidence) -> list[FieldClaim]:
             quantity=ClaimedNumber(
                 name="share of peaks below ten weights",
                 simulated=_point(damped, 121.0, 10.0).numbers["light peaks"],
-                exact=nan,
             ),
             published=(0.56, 0.58),
             because="So few junctions at a time are hit harder; docs/load.md has the shares of others.",
@@ -197,7 +196,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
             source=sources.ZOUABI_2016,
             statement="Contact is unbroken at low speed.",
             conditions=zouabi,
-            quantity=ClaimedNumber(name="share of time without contact, 7 mm/s", simulated=slow["apart"], exact=nan),
+            quantity=ClaimedNumber(name="share of time without contact, 7 mm/s", simulated=slow["apart"]),
             published=(0.0, 1e-3),
             because="Far below c omega_c = 70 mm/s the slider follows the summits that carry it.",
             scenario=BOUNCING,
@@ -208,7 +207,7 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
             source=sources.ZOUABI_2016,
             statement="The slider jumps at higher speed.",
             conditions=zouabi,
-            quantity=ClaimedNumber(name="share of time without contact, 121 mm/s", simulated=fast["apart"], exact=nan),
+            quantity=ClaimedNumber(name="share of time without contact, 121 mm/s", simulated=fast["apart"]),
             published=(0.1, 1.0),
             because="Above it the slider is thrown off. Unbroken is taken as less than 0.1 % of the time apart, jumps "
             "as more than 10 %.",
@@ -224,7 +223,6 @@ def _slow_and_fast(bouncing: Evidence) -> list[FieldClaim]:
             quantity=ClaimedNumber(
                 name="std of the separation over the roughness, 7 mm/s",
                 simulated=slow["separation"].times(1.0 / _ROUGHNESS_OVER_SCALE),
-                exact=nan,
             ),
             published=(0.0, 0.5),
             because="The highest summits scatter by about one height scale, which is smaller than the roughness.",

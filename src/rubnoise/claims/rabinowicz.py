@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -27,7 +27,6 @@ def claims(report: Report) -> Sequence[Claim]:
     quantities = (constant, odd, lens)
     still = constant.exact <= _CONSTANT and constant.simulated.value <= _CONSTANT
     everywhere = still and all(quantity.exact <= _CONSTANT for quantity in quantities)
-    verdict = Verdict.HOLDS if everywhere else Verdict.CORRECTED if still else Verdict.FAILS
     return [
         Claim(
             name="rabinowicz",
@@ -35,7 +34,7 @@ def claims(report: Report) -> Sequence[Claim]:
             says="In Rabinowicz's model, identical junctions are born at regular spacing. Their contact area is "
             "constant.",
             quantities=quantities,
-            verdict=verdict_if_agreed(quantities=quantities, verdict=verdict),
+            if_agreed=Verdict.HOLDS if everywhere else Verdict.CORRECTED if still else Verdict.FAILS,
             because="This is true for triangles and an even number of junctions. An odd number leaves a ripple of "
             "1/(sqrt(3) N_jm^2) of the mean. The lens, which is not a triangle, also leaves a ripple.",
             scenario=SCENARIO,

@@ -8,7 +8,7 @@ import numpy as np
 from rubnoise.analysis.replicates import ratio
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
-from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -100,7 +100,7 @@ def _decay(paper: Found) -> Claim:
         where="Section 3, Fig. 8",
         says="The power spectral density is high at low spatial frequencies and decays very quickly with frequency.",
         quantities=(half, corner),
-        verdict=verdict_if_agreed(quantities=(half, corner), verdict=Verdict.HOLDS if holds else Verdict.FAILS),
+        if_agreed=Verdict.HOLDS if holds else Verdict.FAILS,
         because=f"It is flat for waves longer than a life: {_over_zero(paper.model, 1.0):.2f} of S(0) at k L_jm = 1. "
         f"It is a half at k L_jm = {corner_at:.2f}, which is {corner_at / (2.0 * np.pi):.2f} cycles per life. Then it "
         "falls as k^-4 on average.",
@@ -121,7 +121,7 @@ def _floor(paper: Found) -> Claim:
         where="Section 4",
         says="After its decay the spectral density stays constant, like the white noise that Kilburn observed.",
         quantities=(quantity,),
-        verdict=verdict_if_agreed(quantities=(quantity,), verdict=Verdict.HOLDS if flat else Verdict.FAILS),
+        if_agreed=Verdict.HOLDS if flat else Verdict.FAILS,
         because="The model has no floor: its tail is 4 lam E[d^2]/k^4. Leakage and aliasing of an estimate, or a "
         "linear axis, look like a floor. The model is white noise at low wavenumbers only. The exponent -4 comes "
         "from the kink at mid-life, because each pass goes through both centres, as in the paper. For centres that "
@@ -152,15 +152,14 @@ def _same(found: Evidence) -> Claim:
     plain = power_ratio(few, many, "S at low wavenumbers, 10 junctions over 50")
     scaled = power_ratio(few, many, "the same over variance and life", scaled=True)
     slope = power_ratio(few, many, "and that from k L_jm = 8 to 10", "slope", scaled=True)
-    quantities = (plain, scaled, slope)
     holds = abs(plain.exact - 1.0) <= SAME
     return Claim(
         name="psd_same",
         where="Section 3, Fig. 9",
         says="At one mean area, the number of junctions (and so their size) has a negligible effect on the spectral "
         "density.",
-        quantities=quantities,
-        verdict=verdict_if_agreed(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
+        quantities=(plain, scaled, slope),
+        if_agreed=Verdict.HOLDS if holds else Verdict.FAILS,
         because=f"S(0) is proportional to N_jm^-1.5: {density_at_zero(few.model):.0f} and "
         f"{density_at_zero(many.model):.0f} um^4 per rad/um. The corner moves with the diameter. The curves agree "
         "only if you divide them by variance and life and plot them over k L_jm: within "

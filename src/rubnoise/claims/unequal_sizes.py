@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, nearness, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, nearness
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.spectrum import SAME, in_bands, power_ratio
 from rubnoise.model import Model
@@ -40,7 +40,7 @@ def _present_mean(found: Evidence) -> Claim:
         where="Eq. (8)",
         says="The mean area of the junctions present at a moment is the mean area of a junction during its life.",
         quantities=quantities,
-        verdict=verdict_if_agreed(quantities=quantities, verdict=nearness(paper, step=1e-9)),
+        if_agreed=nearness(paper, step=1e-9),
         because="This is true for junctions of one size. Larger junctions live longer, so you meet them more often. "
         "The mean over the junctions present is E[d^3]/(E[d] E[d^2]) times the mean over lives, "
         f"{100.0 * (paper.exact - 1.0):.2f} % more with the spread of the paper. Eq. (10) needs the mean over the "
@@ -78,7 +78,7 @@ def _sizes(found: Evidence) -> Claim:
         where="Section 3, Fig. 9",
         says="The relative size of the junctions has a negligible effect on the spectral density.",
         quantities=quantities,
-        verdict=verdict_if_agreed(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
+        if_agreed=Verdict.HOLDS if holds else Verdict.FAILS,
         because="S(0) is proportional to E[d^6], mostly from the largest junctions. The spread of the paper is too "
         f"small to show it, but one of {_WIDE} multiplies S(0) by {rise[0]:.2f}, and one of {_WIDEST} by "
         f"{rise[1]:.2f}. At {_WIDEST} the mean area also grows, by a factor of {area:.2f}; over its square, S(0) still "
