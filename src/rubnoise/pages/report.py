@@ -165,8 +165,12 @@ def _normal_motion(file: Reader, model: Model) -> str:
 
 
 def _picture(content: bytes, caption: str) -> str:
+    return _figure("png", b64encode(content).decode("ascii"), caption)
+
+
+def _figure(kind: str, content: str, caption: str) -> str:
     text = escape(caption, quote=True)
-    image = f'<img alt="{text}" src="data:image/png;base64,{b64encode(content).decode("ascii")}">'
+    image = f'<img alt="{text}" src="data:image/{kind};base64,{content}">'
     return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
 
 
@@ -206,9 +210,7 @@ def _film(stretch: Stretch, between: Between) -> str:
         return ""
     content = written(lambda path: write_film(path, film, "gif", between))
     caption = "Junctions slide over each other; below them the real contact area grows."
-    image = f'<img alt="{caption}" src="data:image/gif;base64,{content}">'
-    figure = f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
-    return f"<details><summary>Show the film, which moves</summary>{figure}</details>"
+    return f"<details><summary>Show the film, which moves</summary>{_figure('gif', content, caption)}</details>"
 
 
 def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:
