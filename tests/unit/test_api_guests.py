@@ -322,9 +322,9 @@ def test_a_run_begun_without_an_intervention_takes_none(
 @pytest.mark.parametrize(
     ("guest", "reason"),
     [
-        ({"observe": print}, r"observe: <built-in function print> is no Observer; rubnoise\.Observer\(birth="),
-        ({"observe": {"birth": print}}, "observe: .* is no Observer"),
-        ({"intervene": 3}, "intervene: 3 is no function of the environment and the live junctions"),
+        ({"observe": print}, r"observe: <built-in function print> is not an Observer; rubnoise\.Observer\(birth="),
+        ({"observe": {"birth": print}}, "observe: .* is not an Observer"),
+        ({"intervene": 3}, "intervene: 3 is not a function of the environment and the live junctions"),
         ({"intervene": lambda env, live: None}, "intervene: returned None, and has to be a process"),
     ],
 )

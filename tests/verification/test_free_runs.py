@@ -388,7 +388,7 @@ def test_what_free_motion_takes(changes: dict[str, Any]) -> None:
 
 def test_guests_are_refused() -> None:
     scenario = scenario_of("diameter", "slider", **KEYS)
-    with pytest.raises(rubnoise.Refused, match="touches are known by the block"):
+    with pytest.raises(rubnoise.Refused, match="touches are known only after the motion of a block"):
         rubnoise.simulate(scenario, intervene=lambda env, live: iter(()))
-    with pytest.raises(rubnoise.Refused, match="touches are known by the block"):
+    with pytest.raises(rubnoise.Refused, match="touches are known only after the motion of a block"):
         rubnoise.simulate(scenario, observe=rubnoise.Observer(birth=print))

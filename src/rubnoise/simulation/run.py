@@ -126,17 +126,17 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
     for guest, name in ((observe, "observe"), (intervene, "intervene")):
         if guest is not None and model.free is not None:
             raise Refused(
-                f"{name}: in free motion touches are known by the block, after the motion;"
+                f"{name}: in free motion touches are known only after the motion of a block;"
                 ' load.motion = "first-order" takes observers and interventions'
             )
     if observe is not None and not isinstance(observe, Observer):
-        raise Refused(f"observe: {observe!r} is no Observer; rubnoise.Observer(birth=...) makes one of functions")
+        raise Refused(f"observe: {observe!r} is not an Observer; rubnoise.Observer(birth=...) makes one from functions")
     if intervene is not None and not callable(intervene):
-        raise Refused(f"intervene: {intervene!r} is no function of the environment and the live junctions")
+        raise Refused(f"intervene: {intervene!r} is not a function of the environment and the live junctions")
     if intervene is not None and model.is_two_way:
         raise Refused(
-            "intervene: where an intervention ends a life the force jumps, and the motion of a two-way slider is not"
-            ' decided there; slider.coupling = "one-way" takes interventions'
+            "intervene: when a life is ended early the force jumps, and the motion of a two-way slider is not"
+            ' defined there; slider.coupling = "one-way" takes interventions'
         )
     motion = () if observe is None else observe.of_motion
     if motion and not model.is_two_way:
