@@ -43,8 +43,8 @@ def resampled(chunks: Iterable[Doubles], ratio: Fraction) -> Iterator[Doubles]:
 
     h is a sinc under a Kaiser window over 64 zero crossings on each side: up to 0.9 of the lower rate's half amplitudes
     are kept to 2e-5, from that half on they are held down to it. Output 0 lies at input 0, the last at or before the
-    last input; beyond its ends the record is taken as constant. Outputs depend on the chunks by rounding only. Source:
-    Oppenheim and Schafer, Discrete-Time Signal Processing (1989), chapters 3 and 7.
+    last input; beyond its ends the record is taken as constant. Outputs depend on the chunks by rounding only.
+    Source: Oppenheim and Schafer, Discrete-Time Signal Processing (1989), chapters 3 and 7.
     """
     stream = _Stream(ratio)
     for chunk in chunks:

@@ -32,7 +32,7 @@ class Columns:
     """
 
     def __init__(self, about: schema.Group, columns: Mapping[str, Column]) -> None:
-        """Stand for the columns of a group that a result has."""
+        """Take the columns of a group of a result."""
         self.name = about.name
         self.long_name = about.long_name
         self._about = about
@@ -41,7 +41,7 @@ class Columns:
             each.beside = self._columns[next(iter(self._columns))]
 
     def __getitem__(self, name: str) -> Column:
-        """Return one column, unread; raises KeyError with the names there are."""
+        """Return one column without reading it; raises KeyError, which lists the names."""
         if not isinstance(name, str):
             raise KeyError(f"/{self.name} has columns by name, {', '.join(self.names)}; {self._instead_of(name)}")
         if name not in self._columns:
@@ -56,7 +56,7 @@ class Columns:
         return f"a column has the rows: [{self.names[-1]!r}][{shown(index)}], and run.junction(17) is one junction"
 
     def __getattr__(self, name: str) -> Column:
-        """Return a column by its name, as `[name]` does, which comes first for one named like a method."""
+        """Return a column by its name, as `[name]` does; use that for a column with the name of a method."""
         columns = self.__dict__.get("_columns", {})
         if name in columns:
             return columns[name]
@@ -81,7 +81,7 @@ class Columns:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the columns, the one that the others depend on first."""
+        """Names of the columns, first the one that the others depend on."""
         return tuple(self._columns)
 
     def keys(self) -> Iterable[str]:

@@ -1,4 +1,4 @@
-"""Columns of a result: arrays that read the rows that are asked for, alone and as the columns of a group."""
+"""Columns of a result: arrays that read rows when they are needed."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ class Column(NDArrayOperatorsMixin):
     ndim = 1
 
     def __init__(self, about: schema.Dataset, rows: int, read: Read) -> None:
-        """Stand for a column of a number of rows, which ``read`` reads."""
+        """Take the number of rows, and the function ``read`` that reads them."""
         self.name = about.name
         self.units = about.units
         self.long_name = about.long_name
@@ -71,7 +71,7 @@ class Column(NDArrayOperatorsMixin):
 
     @property
     def shape(self) -> tuple[int]:
-        """The number of rows, as numpy has it."""
+        """The shape of numpy: the number of rows, in a tuple."""
         return (self._rows,)
 
     @property
@@ -81,7 +81,7 @@ class Column(NDArrayOperatorsMixin):
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Unit, meaning, symbol and flags, as they stand at the dataset in the file."""
+        """Unit, meaning, symbol and flags, as the dataset in the file has them."""
         attributes: dict[str, Any] = {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
         attribute, codes = self._coded
         if codes:
@@ -91,7 +91,7 @@ class Column(NDArrayOperatorsMixin):
 
     @property
     def values(self) -> NDArray[Any]:
-        """All rows as a numpy array, as pandas and xarray call it."""
+        """All rows as a numpy array, under the name that pandas and xarray use."""
         return self[:]
 
     def to_numpy(self, dtype: DTypeLike | None = None, *, copy: bool = False) -> NDArray[Any]:  # noqa: ARG002
@@ -111,9 +111,9 @@ class Column(NDArrayOperatorsMixin):
     @overload
     def __getitem__(self, index: Any) -> Any: ...
     def __getitem__(self, index: Any) -> Any:
-        """Return what numpy would: a number, or the rows of a slice, a list, a mask or a tuple of these; read no more.
+        """Return a number, or the rows of a slice, list, mask or tuple of these, as numpy does; read no other rows.
 
-        Raises IndexError if numpy would.
+        Raises IndexError if numpy does.
         """
         if isinstance(index, tuple) or index is None or index is Ellipsis:
             return self._shaped(index if isinstance(index, tuple) else (index,))
@@ -134,16 +134,16 @@ class Column(NDArrayOperatorsMixin):
 
     @property
     def is_chosen(self) -> bool:
-        """Whether it has only chosen rows of another column, so that their numbers do not run from 0."""
+        """Whether it has only chosen rows of another column, whose numbers then do not count from 0."""
         return isinstance(self._read, RowsOfColumn)
 
     def chunks(self, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
-        """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
+        """Yield the column as arrays of ``size`` rows, the last one shorter."""
         for chunk in self._chunks(rows):
             yield _own(chunk)
 
     def _chunks(self, rows: int | None = None) -> Iterator[NDArray[Any]]:
-        """Yield the same to look at."""
+        """Yield the same arrays, which the caller must not change."""
         for part in slices(0, self._rows, rows):
             yield self._read(part.start, part.stop)
 
@@ -247,7 +247,7 @@ class Column(NDArrayOperatorsMixin):
         return np.concatenate(parts) if parts else self._sliced(0, 0, 1)
 
     def _picked(self, index: NDArray[Any]) -> NDArray[Any]:
-        """Return chosen rows from the shortest stretch that holds them all."""
+        """Return chosen rows, from the shortest stretch that has all of them."""
         if not index.size:
             return self._sliced(0, 0, 1)
         if index.dtype == np.bool_:
@@ -262,7 +262,7 @@ class Column(NDArrayOperatorsMixin):
         return picked
 
     def _masked(self, mask: NDArray[np.bool_]) -> NDArray[Any]:
-        """Return the rows that a mask chooses, from the chunks that hold any."""
+        """Return the rows that a mask chooses, from the chunks that have any."""
         if mask.shape != self.shape:
             raise IndexError(
                 f"a mask of shape {mask.shape} chooses no rows of {self.name}, which has {self._rows} rows"
@@ -279,7 +279,7 @@ class RowsOfColumn:
     rows: NDArray[np.int64]
 
     def __call__(self, start: int, stop: int) -> NDArray[Any]:
-        """Return the chosen rows ``start`` to ``stop``, read chunk by chunk: few of them may lie far apart."""
+        """Return the chosen rows ``start`` to ``stop``, read chunk by chunk, since they may be far apart."""
         chosen = self.rows[start:stop]
         parts = np.split(chosen, np.flatnonzero(np.diff(chosen // CHUNK_ROWS)) + 1)
         return np.concatenate([self.column[part] for part in parts])
@@ -299,17 +299,17 @@ IN_PIECES: Final[Mapping[Any, str]] = {
 
 
 def _own(values: NDArray[Any]) -> NDArray[Any]:
-    """Return rows that may be changed: what was read from a file, or a copy of what a run in memory keeps."""
+    """Return rows that the caller may change: those read from a file, or a copy of the rows of a run in memory."""
     return values if values.base is None and values.flags.writeable else values.copy()
 
 
 def _short(value: Any) -> str:
-    """Return a number with six digits, or the begin of a text."""
+    """Return a number with six digits, or the beginning of a text."""
     return f"{value:.40}" if isinstance(value, str) else f"{value:.6g}"
 
 
 def _as_arrays(value: Any) -> Any:
-    """Return a value with every column in it, or in a list of its values, as an array."""
+    """Return a value in which every column, also in a list, is replaced by an array."""
     if isinstance(value, list | tuple):
         return type(value)(map(_as_arrays, value))
     return value[:] if isinstance(value, Column) else value

@@ -1,4 +1,4 @@
-"""What a run has, in a file or in memory, and what can be made of it."""
+"""The groups of a run, in a file or in memory, and the methods on them."""
 
 import os
 from abc import ABC, abstractmethod
@@ -43,7 +43,7 @@ INSIDE: Final = frozenset(
 
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
-    """A group of columns that a run lacks."""
+    """A run does not have a group of columns."""
 
     def __str__(self) -> str:
         """Return the message as it is, not in quotation marks as KeyError does."""
@@ -61,13 +61,13 @@ def _calculating(source: str) -> Iterator[None]:
 
 
 class Contents(ABC):
-    """The groups of a result and what can be made of them."""
+    """The groups of a result and the methods on them."""
 
     __slots__ = ()
 
     @abstractmethod
     def groups_by_name(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name, of a run in a file and in memory alike."""
+        """Return every group of columns by name, for a run in a file and in memory alike."""
 
     @property
     @abstractmethod
@@ -78,7 +78,7 @@ class Contents(ABC):
         return {}
 
     def __dir__(self) -> list[str]:
-        """Return what an editor completes: no group that the run lacks, and nothing that only rubnoise itself asks."""
+        """Return the names that an editor completes, without groups that the run lacks and methods for internal use."""
         lacking = {group.name for group in schema.GROUPS} - set(self.groups_by_name())
         return sorted(set(super().__dir__()) - INSIDE - lacking)
 
@@ -114,12 +114,12 @@ class Contents(ABC):
 
     @property
     def blocks(self) -> Columns:
-        """Where every block of the run begins."""
+        """The start of every block of the run."""
         return self._group("blocks")
 
     @property
     def life_curve(self) -> Columns:
-        """The curve of every life over its size, for programs without our code; in files alone."""
+        """The curve of every life over its size, for programs without our code; only in files."""
         return self._group("life_curve")
 
     def _group(self, name: str) -> Columns:
@@ -137,7 +137,7 @@ class Contents(ABC):
         return iter(self.groups_by_name())
 
     def junction(self, number: int) -> Junction:
-        """Return one junction by its row number, reading it; raises IndexError for no row, Refused for a touch."""
+        """Read and return one junction by its row number; raises IndexError without such a row, Refused for a touch."""
         columns, number = self.junctions, index(number)
         refuse_touches(columns)
         if not 0 <= number < len(columns):
@@ -239,7 +239,7 @@ class Contents(ABC):
 
     @abstractmethod
     def reader(self) -> Reader:
-        """Return the rows of a finished run, with what it says of itself; raises Refused for one that is not."""
+        """Return the rows and attributes of a finished run; raises Refused for an unfinished one."""
 
     @abstractmethod
     def _file_of(self) -> "AbstractContextManager[ResultFile]":
@@ -248,11 +248,11 @@ class Contents(ABC):
     @property
     @abstractmethod
     def _called(self) -> str:
-        """What messages call the run."""
+        """The name of the run in messages."""
 
     @abstractmethod
     def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
-        """Return the line by which the run shows itself, and the groups that it lists below."""
+        """Return the first line of the run's repr, and the groups that it lists below."""
 
     def __repr__(self) -> str:
         heading, groups = self._heading_and_groups()

@@ -154,7 +154,7 @@ class Autocovariance:
 
 
 def frame_of(place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]]) -> "pd.DataFrame":
-    """Return columns over their places as pandas has them; units are in ``attrs["units"]``."""
+    """Return columns over their places as a pandas DataFrame; units are in ``attrs["units"]``."""
     with needing("analysis", "to_pandas"):
         import pandas as pd
     frame = pd.DataFrame({name: values for name, (values, _) in columns.items()}, index=pd.Index(places, name=place))
@@ -165,7 +165,7 @@ def frame_of(place: str, units: str, places: Doubles, columns: Mapping[str, tupl
 def dataset_of(
     place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]], attributes: Mapping[str, str]
 ) -> "xr.Dataset":
-    """Return columns over their places as xarray has them."""
+    """Return columns over their places as an xarray Dataset."""
     with needing("analysis", "to_xarray"):
         import xarray as xr
     variables = {name: xr.Variable((place,), values, {"units": unit}) for name, (values, unit) in columns.items()}
@@ -182,7 +182,7 @@ def power_spectrum(
     place_units: str,
     segment: Any = None,
 ) -> PowerSpectrum:
-    """Return Welch's estimate from chunks of a column of so many ``rows``, which are ``step`` apart.
+    """Return Welch's estimate from chunks of a column of ``rows`` rows, which are ``step`` apart.
 
     Over time G(f) = 2 S(2 pi f), one-sided, in SI; along the distance S(k), two-sided, in working units.
     """
@@ -251,7 +251,7 @@ def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpe
 
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
-    """Return what theory says at the places of a spectrum; None if it is silent."""
+    """Return the exact density at the places of a spectrum; None if theory has none."""
     from rubnoise.theory.drive import drive_of
     from rubnoise.theory.response import displacement_spectrum, velocity_spectrum
     from rubnoise.theory.spectrum import force_spectral_density, spectral_density

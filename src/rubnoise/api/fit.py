@@ -1,4 +1,4 @@
-"""What `infer` found, as something to keep: a table, a scenario, a picture, a page and a file."""
+"""The result of `infer`: a table, a scenario, a picture, a page and a file."""
 
 import json
 import os
@@ -43,7 +43,7 @@ class Inference(inference.InferenceResult):
 
     @classmethod
     def of(cls, found: inference.InferenceResult, *, name: str, speed: Any, strength: Any) -> Self:
-        """Keep what was found with the name of its trace, its speed and its known strength."""
+        """Return an inference with the name of its trace, its speed and its known strength."""
         kept = {each.name: getattr(found, each.name) for each in fields(found)}
         return cls(**kept, name=name, speed=speed, strength=strength)
 

@@ -1,4 +1,4 @@
-"""Tables that a caller gives: of pandas, of xarray and of our own results, as columns with units."""
+"""Convert tables given by a caller (of pandas, of xarray, and our own results) to columns with units."""
 
 from typing import Any, Final
 
@@ -13,10 +13,10 @@ _PLACES: Final = ("s", "um")
 
 
 def given_columns(source: Any) -> dict[str, Any] | None:
-    """Return columns by headers with units, time or distance first; None for what is no table with a place.
+    """Return columns by headers with units, time or distance first; None if the object is not such a table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
-    group of columns of a run or one of its columns, or a run, whose trace is meant.
+    group of columns of a run or one of its columns, or a run, which means its trace.
     """
     if hasattr(source, "groups_by_name"):
         source = source.trace
@@ -32,7 +32,7 @@ def given_columns(source: Any) -> dict[str, Any] | None:
 
 
 def _of_column(source: Column) -> dict[str, Any] | None:
-    """Return a column of a run over its time or distance; None for that itself, and for one over numbers of rows."""
+    """Return a column of a run over its time or distance; None for time or distance itself, or if rows have neither."""
     place = source.beside
     if place is None or place.name == source.name or place.units not in _PLACES:
         return None
@@ -53,7 +53,7 @@ def _of_xarray(source: Any) -> dict[str, Any] | None:
 
 
 def _of_pandas(source: Any) -> dict[str, Any] | None:
-    """Return the columns of a frame, or the one of a series, with the index before them if it has a name or times."""
+    """Return the columns of a frame, or the one of a series, after the index if that has a name or times."""
     units = getattr(source, "attrs", {}).get("units", {})
     units = units if isinstance(units, dict) else {}
     frame = source if hasattr(source, "columns") else source.to_frame(source.name or "trace")
@@ -68,5 +68,5 @@ def _of_pandas(source: Any) -> dict[str, Any] | None:
 
 
 def _header(name: str, unit: str) -> str:
-    """Return a name with its unit, if it has none in itself."""
+    """Return a name with its unit, which is added if the name has none."""
     return name if unit in NONE or head_of(name).unit else f"{name} ({unit})"

@@ -1,4 +1,4 @@
-"""What `infer` is asked to take for granted, from text with units."""
+"""The assumptions of `infer`, read from texts with units."""
 
 from dataclasses import replace
 from math import ceil, floor, inf
@@ -21,7 +21,7 @@ _ROUNDING: Final = 1e-12
 
 
 def share(keyword: str, value: Any, most: float) -> float:
-    """Return a share of 0 % to ``most`` as a part of 1."""
+    """Return a share from 0 % to ``most`` as a part of 1."""
     try:
         number = float(quantity_of(value, RATIO))
     except QuantityError as problem:
@@ -33,7 +33,7 @@ def share(keyword: str, value: Any, most: float) -> float:
 
 
 def strength_spread_of(value: Any, signal: Signal, *, both_known: bool) -> float:
-    """Return the spread of strengths that is taken for granted; 0 if none is given."""
+    """Return the assumed spread of strengths; 0 if none is given."""
     if value is None:
         return 0.0
     if signal.is_area:
@@ -44,7 +44,7 @@ def strength_spread_of(value: Any, signal: Signal, *, both_known: bool) -> float
 
 
 def pulse_of(shape: str, offset: str) -> Pulse:
-    """Return how the area of a junction rises and falls."""
+    """Return the pulse of a junction's area."""
     keywords.choice("pulse", shape, tuple(OTHER_SHAPES))
     keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
     return off_centre.pulse_of(shape, offset)
@@ -64,7 +64,7 @@ def bandwidth_of(value: Any, poles: int, speed: float | None, along: str) -> flo
 
 
 def cut(signal: Signal, begin: Any, end: Any, strokes: Any, *, step: float, along: str) -> Signal:
-    """Return what is asked for of a signal, which then says what was left out.
+    """Return the requested part of a signal, which lists what was left out.
 
     ``begin`` and ``end`` are samples, counted from 1, or a time or distance since the first one; ``strokes`` is the
     share of each stroke that is left out at either end. ``step`` is that of samples, in s or um.
@@ -83,7 +83,7 @@ def cut(signal: Signal, begin: Any, end: Any, strokes: Any, *, step: float, alon
 
 
 def _sample(keyword: str, value: Any, step: float, along: str, rounded: Any) -> int:
-    """Return the number of a sample, from 1 on: as it is given, or at a time or distance since the first one."""
+    """Return the number of a sample from 1 on, given as such or by the time or distance since the first one."""
     if isinstance(value, Integral) and not isinstance(value, bool):
         return int(value)
     if isinstance(value, str) and value.strip().isdecimal() and len(value) <= _MOST_DIGITS:

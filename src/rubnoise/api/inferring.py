@@ -140,7 +140,7 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
 
 
 def _of_columns(columns: dict[str, Any], column: str | None, *, ours: bool) -> Measured:
-    """Return a column of a table after its time or distance; of a run of ``ours`` the force, or else the area."""
+    """Return a column of a table after its time or distance; for a run of ``ours`` the force, otherwise the area."""
     others = [head_of(header).name for header in list(columns)[1:]]
     if column is None and ours:
         column = "friction_force" if "friction_force" in others else "real_contact_area"
@@ -186,7 +186,7 @@ def _named(measured: Measured) -> str:
 
 
 def _check_sensor(measured: Measured, zero: str) -> None:
-    """Raise Refused for a sensor at its end, and for a force that points the wrong way."""
+    """Raise Refused for a saturated sensor, and for a force of the wrong sign."""
     values = measured.values
     if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
         raise Refused(f"{_named(measured)}: its largest value is {largest:g}; give the values in a smaller unit")
@@ -227,7 +227,7 @@ def _signal(measured: Measured, speed: float | None, unit: Any, rate: float | No
 
 
 def _given_unit(measured: Measured, unit: Any) -> Any:
-    """Return the unit that was given; raises Refused if the trace knows another. What is in volts has no scale yet."""
+    """Return the given unit; raises Refused if the trace has another one. A trace in volts has no scale yet."""
     try:
         knows = any(parse_unit(measured.unit).dimension)
     except QuantityError:
@@ -283,7 +283,7 @@ def _bootstrapped(found: Inference, count: int, asked: dict[str, Any]) -> dict[s
 
 
 def _simulated(found: Inference, seed: int) -> Doubles:
-    """Return a trace of what was found, of the same length, by the batch engine."""
+    """Return a trace of the found scenario, of the same length, made by the batch engine."""
     fit, signal = found.fit, found.signal
     if fit is None:
         raise Refused("nothing was found that could be simulated")

@@ -1,4 +1,4 @@
-"""Values of keywords, each checked where it is given; a refusal begins with the keyword's name, as Python says it.
+"""Check the values of keywords; a refusal begins with the keyword's name in Python's form.
 
 The command line says `--speed` where these messages say `speed=` (see errors.in_shell).
 """
@@ -22,7 +22,7 @@ _UNIT_FORMS: Final = 'unit="mN", unit="0.5 mN" where a value of 1 is 0.5 mN, uni
 
 
 def shown(value: Any) -> str:
-    """Return a value as a message shows it: as it was written, and cut short."""
+    """Return a value for a message: as it was written, and cut short."""
     plain = isinstance(value, str | Quantity | int | float) or hasattr(value, "dimensionality")
     text = str(value) if plain else repr(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
@@ -46,14 +46,14 @@ def quantity(keyword: str, value: Any, kind: Kind) -> float | None:
 
 
 def frequencies(keyword: str, values: Any) -> list[float]:
-    """Return frequencies in Hz of one, or of several that commas part or that a sequence holds."""
+    """Return frequencies in Hz from one value, from several separated by commas, or from a sequence."""
     parts = values if isinstance(values, list | tuple) else (values,)
     texts = [each for part in parts for each in (part.split(",") if isinstance(part, str) else (part,))]
     return [number for each in texts if (number := quantity(keyword, each, FREQUENCY)) is not None]
 
 
 def choice(keyword: str, value: Any, known: Sequence[Any]) -> Any:
-    """Return one of the values there are; raises Refused for another."""
+    """Return one of the allowed values; raises Refused for another."""
     if any(value is each or (isinstance(value, str) and value == each) for each in known):
         return value
     named = [f'"{each}"' if isinstance(each, str) else str(each) for each in known]
@@ -74,9 +74,9 @@ def unit_text(unit: Any) -> Any:
 
 
 def scale_of(unit: Any, what: str) -> tuple[float | None, bool]:
-    """Return how many uN (or um^2) a value of 1 is, and whether that is an area; None for a voltage.
+    """Return the size in uN (or um^2) of a value of 1, and whether it is an area; None for a voltage.
 
-    ``unit`` is a unit, or how much a value of 1 is; ``what`` names it in a refusal.
+    ``unit`` is a unit, or the size of a value of 1; ``what`` names it in a refusal.
     """
     text = unit_text(unit)
     if isinstance(text, str):

@@ -1,4 +1,4 @@
-"""Columns as xarray has them: labelled, with units, read when they are asked for. Imported only if xarray is."""
+"""Columns as xarray objects: labelled, with units, read when they are needed. Imported only with xarray."""
 
 from collections.abc import Mapping
 from typing import Any, Self
@@ -15,13 +15,13 @@ class ColumnArray(BackendArray):
     """A column as one of xarray's lazy arrays; copies of it read the same file."""
 
     def __init__(self, column: Column) -> None:
-        """Stand for a column."""
+        """Take a column."""
         self.shape = column.shape
         self.dtype = column.dtype
         self._column = column
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        """Return the rows that xarray asks for."""
+        """Return the rows that xarray needs."""
         support = indexing.IndexingSupport.OUTER_1VECTOR
         return indexing.explicit_indexing_adapter(key, self.shape, support, lambda rows: self._column[rows[0]])
 
@@ -30,7 +30,7 @@ class ColumnArray(BackendArray):
 
 
 def dataset(columns: Mapping[str, Column], *, index: bool) -> xr.Dataset:
-    """Return a Dataset over the first column, which is read only if ``index`` asks for an index of distances."""
+    """Return a Dataset over the first column, which is read only if ``index`` is true."""
     scale = next(iter(columns))
     variables = {name: _variable(scale, column) for name, column in columns.items()}
     coordinate = variables.pop(scale)
@@ -54,7 +54,7 @@ def _variable(scale: str, column: Column) -> xr.Variable:
 
 
 def _numbered(scale: str, column: Column) -> xr.Coordinates:
-    """Return the coordinate of row numbers; those of chosen rows are read, those of all rows are known."""
+    """Return the coordinate of row numbers; only those of chosen rows must be read."""
     import pandas as pd  # type: ignore[import-untyped]
 
     numbers = pd.Index(column[:], name=scale) if column.is_chosen else pd.RangeIndex(len(column), name=scale)

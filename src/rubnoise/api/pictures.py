@@ -96,7 +96,7 @@ def _distance(keyword: str, value: Any) -> float | None:
 
 
 def _measurement(path: str | os.PathLike[str], *, whole: bool) -> Trace:
-    """Read a trace to lay over a spectrum; raises Refused for a result, of which the picture needs the ``whole``."""
+    """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
     with refusing_files(path):
         if is_hdf5(path):
             opened = f'rubnoise.open("{os.fspath(path)}")'
@@ -122,7 +122,7 @@ def in_inches(size: str) -> tuple[float, float]:
 
 
 def appearance(size: str | None, style: str, *, title: bool) -> "Appearance":
-    """Return how a picture is shown, of words; raises Refused for a size or a style that is none."""
+    """Return the appearance of a picture from words; raises Refused for an unknown size or style."""
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import STYLES
 
@@ -199,7 +199,7 @@ def drawn_sweep(
 
 
 def heard_of(of: str) -> "Heard | None":
-    """Return whose spectrum is asked for, None for that of the area; raises Refused for a word that is neither."""
+    """Return the quantity of a spectrum, None for the area; raises Refused for an unknown word."""
     from rubnoise.analysis.sound import Heard
 
     of = next((short for short, whole in SHORT.items() if whole == of), of)
@@ -209,9 +209,9 @@ def heard_of(of: str) -> "Heard | None":
 
 
 def measured_spectrum(trace: Trace, heard: str | None) -> Any:
-    """Return what a trace has to lay over a spectrum: its name, places and densities, in the units of the picture.
+    """Return name, places and densities of a trace to draw beside a spectrum, in the units of the picture.
 
-    Raises Refused for a trace that is not of such a quantity.
+    Raises Refused for a trace of another quantity.
     """
     wanted, over = ("um^2", "um") if heard is None else (UNITS[heard], "s")
     if trace.units[trace.place] != over:
@@ -290,7 +290,7 @@ def drawn_figures(
 
 
 def _make_folder(folder: Path, files: Iterable[Path], *, force: bool) -> None:
-    """Make a folder if it is missing; raises OutputRefused if it cannot be, or a file in it may not be written."""
+    """Make a folder if it is missing; raises OutputRefused if that fails, or if a file in it may not be written."""
     from rubnoise.storage.output import check_output
 
     try:

@@ -1,4 +1,4 @@
-"""Describe a run, and write it into its file from its start or from where it stopped."""
+"""Describe a run, and write it into its file, from its start or from the point where it stopped."""
 
 import os
 import sys
@@ -34,9 +34,9 @@ def describe(
     command: Sequence[str],
     intervene: Intervention | str | None = None,
 ) -> RunDescription:
-    """Return the description of a result: its births are counted, nothing else is done.
+    """Return the description of a result; this counts its births and does nothing else.
 
-    ``intervene`` is what may end lives, or its name.
+    ``intervene`` is the function that may end lives, or its name.
     """
     model, seed = scenario.model(), scenario.run.seed
     return RunDescription(
@@ -70,7 +70,7 @@ def play(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> None:
-    """Play a scenario into an entered writer, from the state that it says, and publish the file.
+    """Play a scenario into an entered writer, from the writer's state, and publish the file.
 
     ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
     ``intervene`` are those of `rubnoise.run`.
@@ -100,7 +100,7 @@ def play(
 
 
 def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
-    """Write a run from memory into a result file, and return which file that is (see Record.save)."""
+    """Write a run from memory into a result file, and return that file (see Record.save)."""
     scenario = record.known_scenario()
     check_locks(path)
     check_output(path, force=force)
@@ -113,14 +113,14 @@ def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False)
 
 
 def figures_of(record: "Record", model: Model) -> dict[str, float | int | str]:
-    """Return what a file keeps in /summary of a run in memory."""
+    """Return the figures for /summary of a run in memory."""
     tally = Tally.of(model)
     _play_again(record, tally)
     return _figures(model, tally)
 
 
 def _play_again(record: "Record", sink: Sink) -> None:
-    """Hand all rows of a run in memory to a sink, some at a time."""
+    """Write all rows of a run in memory to a sink, some at a time."""
     for group, columns in record.groups.items():
         for part in slices(0, record.rows(group)):
             sink.write(group, part.start, {name: values[part] for name, values in columns.items()})

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Opened:
-    """Something that stands for an open file; a context manager."""
+    """An object that owns an open file; a context manager."""
 
     _file: OpenFile
 
@@ -41,17 +41,17 @@ class Opened:
         self.close()
 
     def __copy__(self) -> Self:
-        """Return the same, opened once more: closing one leaves the other open."""
+        """Return a copy that is opened again: closing one leaves the other open."""
         return deepcopy(self)
 
     def close(self) -> None:
-        """Close the file; what was not read from it can be read no more."""
+        """Close the file; nothing can be read from it any more."""
         self._file.close()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FinishedRows:
-    """The rows of a file; those of a run that did not finish are refused, for some of them are not computed yet."""
+    """The rows of a file; those of an unfinished run are refused, since some of them are not computed yet."""
 
     file: RunFile
 
@@ -103,19 +103,19 @@ class Run(Opened, Contents):
 
     @cached_property
     def scenario(self) -> "Scenario":
-        """The scenario of the run, with every default and change of it made explicit."""
+        """The scenario of the run, with every default and change made explicit."""
         from rubnoise.scenario.reading import stored
 
         return stored(self.provenance["scenario_resolved"], f"{self.path}: the scenario in the file")
 
     @cached_property
     def summary(self) -> list[Agreement]:
-        """What was measured beside what is exact."""
+        """The measured figures beside the exact ones."""
         return from_attributes(finished(self._file).summary)
 
     @property
     def attributes(self) -> dict[str, float | int | str]:
-        """Format, title, source and formula, as they stand at the root of the file."""
+        """Format, title, source and formula: the attributes of the file's root."""
         return self._file.attributes
 
     @property

@@ -65,7 +65,7 @@ def resume(
 
 
 def unfinished_scenario(part: str | os.PathLike[str]) -> Scenario:
-    """Return the scenario of a run that did not finish; refused as by `resume`."""
+    """Return the scenario of an unfinished run; raises as `resume` does."""
     return _stored(_begun(part), str(part))
 
 
@@ -78,9 +78,9 @@ def _begun(part: str | os.PathLike[str]) -> RunDescription:
 
 
 def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescription | None:
-    """Return the run that was begun at an output path and did not finish, or None if there is none.
+    """Return the unfinished run at an output path, or None if there is none.
 
-    Raises OutputRefused if it is not a run of this scenario, whatever the engine, or cannot be read.
+    Raises OutputRefused if it is not a run of this scenario (with any engine), or cannot be read.
     """
     paths = OutputPaths.of(path)
     if not paths.part.exists():
@@ -131,7 +131,7 @@ def go_on(
 
 
 def _check(run: "ResultFile") -> None:
-    """Refuse a part that says it is whole, and is not what it says (see verify)."""
+    """Refuse a part that is marked as complete and does not pass `verify`."""
     from rubnoise.analysis.verification import verify  # which few runs need
 
     try:
@@ -143,7 +143,7 @@ def _check(run: "ResultFile") -> None:
 
 
 def _check_intervention(description: RunDescription, part: str, intervene: Intervention | None) -> None:
-    """Refuse to go on without the intervention with which a run was begun, or with one that it was begun without."""
+    """Refuse to resume a run without the intervention that it was begun with, or with one that it was begun without."""
     begun = description.provenance.intervention
     if begun and intervene is None:
         raise Refused(
@@ -155,12 +155,12 @@ def _check_intervention(description: RunDescription, part: str, intervene: Inter
 
 
 def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
-    """Return what a watch gets of a state: distance reached in um, junctions born, live count."""
+    """Return the arguments of a watch at a state: distance reached in um, junctions born, live count."""
     return (0.0, 0, 0) if state is None else (max(state.ticks - 1, 0) * tick, state.junctions, len(state.live))
 
 
 def _scenario(description: RunDescription, part: str, engine: str | None) -> Scenario:
-    """Return the scenario of a run; raises Refused if going on with it here would not give the same numbers."""
+    """Return the scenario of a run; raises Refused if resuming it here would not give the same numbers."""
     scenario = _stored(description, part)
     for reason in _obstacles(scenario, description):
         made_by = description.provenance.software.get("rubnoise", "of another version")
@@ -171,7 +171,7 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
 
 
 def _stored(description: RunDescription, part: str) -> Scenario:
-    """Return the scenario that a part keeps; raises RunFileRefused if it is none."""
+    """Return the scenario in a part; raises RunFileRefused if it is not valid."""
     scenario = stored(description.scenario_resolved, what := f"{part}: the scenario in the file")
     try:
         scenario.check_size()
@@ -202,7 +202,7 @@ def _has_its_rows(scenario: Scenario, description: RunDescription) -> bool:
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
-    """Yield where two resolved scenarios differ, but for the engine, which changes no bit."""
+    """Yield the keys in which two resolved scenarios differ, except the engine, which changes no bit."""
     one, other = _flat(there), _flat(here)
     for key in dict.fromkeys([*one, *other]):
         if key != "run.engine" and one.get(key) != other.get(key):

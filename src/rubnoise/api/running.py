@@ -1,4 +1,4 @@
-"""Runs of scenarios: into memory, into a file; and what theory says about them."""
+"""Run scenarios into memory or into a file, and return their theory."""
 
 import os
 import sys
@@ -126,7 +126,7 @@ def exact(scenario: Scenario | str | os.PathLike[str]) -> Exact:
 
 
 def _refuse(unknown: Mapping[str, Any]) -> None:
-    """Refuse keywords that there are not: those of a scenario belong to `Scenario.replace`."""
+    """Refuse unknown keywords; keys of a scenario belong to `Scenario.replace`."""
     for name, value in unknown.items():
         form = f'right form: rubnoise.load("paper/fig5").replace({name}={value!r}), and run that'
         raise Refused(f"{name}=: is no keyword here; {form}")
@@ -137,7 +137,7 @@ def _engine(scenario: Scenario) -> Engine:
 
 
 def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
-    """Return the scenario with another seed, so that what is kept of it says what was run."""
+    """Return the scenario with another seed, so that the stored scenario is the one that was run."""
     if seed is None:
         return scenario
     try:

@@ -1,4 +1,4 @@
-"""Which scenario is meant: a file, one that comes with rubnoise, or a Scenario."""
+"""Load a scenario from a file, from those that come with rubnoise, or from a Scenario."""
 
 import os
 from collections.abc import Mapping, Sequence

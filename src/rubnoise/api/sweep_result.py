@@ -1,4 +1,4 @@
-"""The folder of a sweep, opened: its points, runs and figures as columns, and as a labelled array of xarray."""
+"""An opened folder of a sweep: its points, runs and figures as columns, and as a labelled array of xarray."""
 
 import json
 import os
@@ -39,7 +39,7 @@ INDEX: Final = "index.h5"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
-    """A run of a sweep that could not be made, and why."""
+    """A run of a sweep that failed, and the reason."""
 
     run_id: str
     values: Mapping[str, Any]
@@ -79,12 +79,12 @@ class SweepResult(Opened):
 
     @property
     def attributes(self) -> Mapping[str, str]:
-        """What the index says of the sweep: its file as read, the command, when it was written and by what."""
+        """The attributes of the index: the sweep's file as read, the command, and when and by what it was written."""
         return self._file.attributes
 
     @property
     def grid(self) -> tuple[str, ...]:
-        """The swept keys each value of which goes with each one of the others."""
+        """The swept keys whose values are combined with all values of the others."""
         return tuple(json.loads(self._file.attributes["grid"]))
 
     @property
@@ -104,7 +104,7 @@ class SweepResult(Opened):
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """The names of what was measured, without the exact values and standard errors beside them."""
+        """The names of the measured figures, without their exact values and standard errors."""
         known = {"run", "run_id", "point", "replicate", "seed", "file", "state", "reason", *self.keys}
         ends = ("_exact", "_standard_error")
         return tuple(name for name in self.runs.names if name not in known and not name.endswith(ends))
@@ -197,7 +197,7 @@ class SweepResult(Opened):
 
     @property
     def summaries(self) -> tuple[str, ...]:
-        """The names of what is kept of runs and points beyond single figures."""
+        """The names of arrays of runs and points, beyond single figures."""
         return tuple(about.name for about in self._file.columns(SUMMARIES))
 
     def summary(self, name: str) -> NDArray[Any]:
@@ -303,7 +303,7 @@ NUMBERS: Final = ("seed",)
 
 
 def labelled(sweep: "SweepResult") -> Any:
-    """Return the runs of a sweep on the grid of its keys and replicates, as xarray has it."""
+    """Return the runs of a sweep as an xarray Dataset on the grid of its keys and replicates."""
     import xarray as xr
 
     axes = {key: _axis(sweep.points[key][:]) for key in sweep.grid}
@@ -332,14 +332,14 @@ def _figures(sweep: "SweepResult") -> list[str]:
 
 
 def _axis(values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the values of a key in the order in which they come, and which of them every point has."""
+    """Return the values of a key in order of appearance, and the number of each point's value."""
     _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
     order = np.argsort(first)
     return values[first[order]], np.argsort(order)[inverse]
 
 
 def _rows_of(sweep: "SweepResult") -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the rows of the keys that go side by side, numbered in the order in which they come."""
+    """Return the rows of the keys that go side by side, numbered in order of appearance."""
     numbers: dict[tuple[Any, ...], int] = {}
     columns = (sweep.points[key][:] for key in sweep.side_by_side)
     places = [numbers.setdefault(row, len(numbers)) for row in zip(*columns, strict=True)]

@@ -46,7 +46,7 @@ from rubnoise.sweep.run_status import found_run
 
 
 def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
-    """Carry out one run of a sweep and return what it comes to, without a trace of it anywhere.
+    """Make one run of a sweep and return its summary, without writing a file.
 
     The arrays are those of `rubnoise.analysis.run_summary.CURVES`; ``watch`` is called after each panel and may raise,
     as the default does after the sweep received a signal to stop.
@@ -63,9 +63,9 @@ def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
 
 
 def summary_theory(model: Model) -> dict[str, NDArray[Any]]:
-    """Return where the curves of a model's summaries lie and what is expected there: `spectrum_place` and so on.
+    """Return the places of the curves in a model's summaries and their expected values: `spectrum_place` and so on.
 
-    The same for all runs of a point; nan if theory is silent.
+    They are equal for all runs of a point; nan if theory has none.
     """
     return {
         f"{name}_{part}": getattr(theory, part)
@@ -127,7 +127,7 @@ def run_sweep(
 
 
 class TemporaryFolder:
-    """Removes a folder when the last reference to it is gone, or else when the process ends."""
+    """Removes a folder when the last reference to it is gone, at the latest when the process ends."""
 
     PICKLED: ClassVar[list["TemporaryFolder"]] = []
     """Those of pickles, which may be read as long as the process runs."""
@@ -153,7 +153,7 @@ def _removed(path: Path, process: int) -> None:
 def _sweep_of(
     source: str | os.PathLike[str] | Sweep | Scenario, grid: Mapping[str, Sequence[Any]] | None, replicates: int | None
 ) -> Sweep:
-    """Return the sweep that is meant; raises ScenarioRefused for one scenario without a grid."""
+    """Return the sweep; raises ScenarioRefused for a single scenario without a grid."""
     if isinstance(source, Sweep) or (grid is None and replicates is None and not isinstance(source, Scenario)):
         if isinstance(source, Sweep) and not (grid is None and replicates is None):
             raise Refused("grid=: a Sweep has its own grid and replicates; give a Scenario")
@@ -174,7 +174,7 @@ def _sweep_of(
 
 
 def _axes(scenario: Scenario, grid: Mapping[str, Any]) -> dict[str, list[Any]]:
-    """Return a grid by whole keys, each with its values; raises Refused for no such key, and for one that is twice."""
+    """Return a grid by full keys, each with its values; raises Refused for an unknown or repeated key."""
     axes: dict[str, list[Any]] = {}
     for name, values in grid.items():
         if not isinstance(name, str):
@@ -187,7 +187,7 @@ def _axes(scenario: Scenario, grid: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def _values(key: str, values: Any) -> list[Any]:
-    """Return the values of a key as a file has them: numbers of Python, and texts for quantities of pint."""
+    """Return the values of a key in the form of a file: numbers of Python, and texts for quantities of pint."""
     try:
         several = None if isinstance(values, str | Mapping) else list(values)
     except TypeError:
@@ -209,9 +209,9 @@ def carry_out(
     command: Sequence[str] | None = None,
     watch: ProgressWatch = lambda _standing: None,
 ) -> SweepOutcome:
-    """Carry out a sweep, and return what became of it; see run_sweep.
+    """Carry out a sweep, and return its outcome; see run_sweep.
 
-    ``command`` is what its results say was called, ``watch`` is called with the progress, and may raise RunStopped.
+    ``command`` is the command line in its results, ``watch`` is called with the progress, and may raise RunStopped.
     """
     check_locks(folder)
     place = SweepFolder(Path(folder).absolute())
@@ -235,7 +235,7 @@ def carry_out(
 
 
 def processors() -> int:
-    """Return how many processors this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -260,7 +260,7 @@ def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str], *, durable:
 def keep_run(
     point: Point, *, root: Path, command: Sequence[str], patience: float = PATIENCE, durable: bool = True
 ) -> RunRow:
-    """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
+    """Make one run of a sweep into its own file, and return its row; an existing result is used.
 
     An unfinished run of an earlier attempt is resumed. A file that another process is writing, such as a worker that
     has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the file is on
@@ -293,7 +293,7 @@ def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable:
 
 
 def _check_room(sweep: Sweep, folder: SweepFolder, jobs: int, points: Sequence[Point]) -> None:
-    """Refuse a sweep whose results the disk does not hold, or whose runs at once the memory does not."""
+    """Refuse a sweep if its results do not fit on the disk, or the runs at one time not into memory."""
     counts = Counter(point.scenario.model() for point in points)
     one_of_each = {point.scenario.model(): point.scenario for point in points}
     budget = together((expected(one_of_each[model]), count) for model, count in counts.items())

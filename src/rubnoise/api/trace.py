@@ -107,10 +107,10 @@ class Trace:
         """Read a table of text: a line of names with units, then a row of numbers per line.
 
         A name is ``NAME (UNIT)``, ``NAME [UNIT]``, ``NAME/UNIT`` or ``NAME_UNIT``, or a line of units follows; a column
-        without a unit is plain numbers. Commas, semicolons or tabs part the cells; a preamble may stand above, and
+        without a unit is plain numbers. Commas, semicolons or tabs separate the cells; a preamble may come before, and
         lines that begin with # are comments. ``place`` names the column of times or distances, which must be uniform;
         the default is the first column. ``rate``, such as "10 kHz", is for times that are rounded to too few digits.
-        Raises Refused, with line and column, for a cell that is no finite number, for an unknown unit, for a file
+        Raises Refused, with line and column, for a cell that is not a finite number, for an unknown unit, for a file
         without names, and for gaps and uneven steps. Source: docs/your-data.md.
         """
         with refusing_files(path):
@@ -288,7 +288,7 @@ class Trace:
         )
 
     def _length(self, keyword: str, value: Any) -> float | None:
-        """Return a length along the place; a number if the place has no unit that is known here."""
+        """Return a length along the place; a number if the place has no known unit."""
         kind = next((each for each in KINDS if each.unit == self.units[self.place]), None)
         if kind is not None:
             return keywords.quantity(keyword, value, kind)
@@ -328,7 +328,7 @@ def _range(values: Doubles) -> str:
 
 
 def _in_working_units(unit: str, what: str) -> tuple[str, float]:
-    """Return the working unit of a unit, and how many of it that unit is; a known unit of another kind stays as it is.
+    """Return the working unit of a unit, and the unit's size in it; a known unit of another kind stays as it is.
 
     Raises Refused for an unknown unit.
     """

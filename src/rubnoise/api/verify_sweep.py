@@ -38,10 +38,10 @@ Figures = Mapping[str, Mapping[str, Any]]
 
 
 def journal_check(folder: SweepFolder, files: Figures, left_out: list[LeftOut]) -> tuple[Check, frozenset[str]]:
-    """Return whether every line is whole, and every run that is done has its file and the figures of that.
+    """Check that every line is complete, and that every run that is done has its file with the same figures.
 
-    ``files`` are the figures of /summary in the files of runs, by name. Of the lines of a run the last one counts.
-    Returns the runs that are spoken of, too.
+    ``files`` are the figures of /summary in the files of runs, by name. Of several lines of a run the last one counts.
+    Returns the named runs, too.
     """
     notes = Notes("journals")
     entries = list(_entries(notes, folder, left_out))
@@ -60,7 +60,7 @@ def journal_check(folder: SweepFolder, files: Figures, left_out: list[LeftOut]) 
 
 
 def _entries(notes: Notes, folder: SweepFolder, left_out: list[LeftOut]) -> Iterator[tuple[str, JournalEntry]]:
-    """Yield every sound line with its place, and note the others."""
+    """Yield every valid line with its place, and note the others."""
     own, cut = folder.journals(), 0
     for path in own:
         for number, entry in numbered(path):
@@ -80,7 +80,7 @@ def _entries(notes: Notes, folder: SweepFolder, left_out: list[LeftOut]) -> Iter
 
 
 def _compare(notes: Notes, place: str, entry: JournalEntry, files: Figures, folder: SweepFolder) -> None:
-    """Compare a line that says done with the file of its run; a sweep that keeps none has none to compare."""
+    """Compare a line "done" with the file of its run, unless the sweep keeps no files."""
     row = entry.row
     if row is None or not row.file:
         return
@@ -108,7 +108,7 @@ UNFINISHED: Final = (".part", ".part.journal", ".part.rows")
 
 @dataclass(slots=True, kw_only=True)
 class Results:
-    """What the files of runs are: the figures of each by the name that it lies under, and what was found of them."""
+    """The files of runs: the figures of each by its file name, and the findings about them."""
 
     names: Notes
     figures: dict[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -117,7 +117,7 @@ class Results:
     left_out: Counter[tuple[str, str]] = field(default_factory=Counter)
 
     def checks(self) -> list[Check]:
-        """Return whether files have the names of their runs, and whether each of them is what it says."""
+        """Check that files have the names of their runs, and that each of them is verified."""
         first = self.different[0] if self.different else None
         return [
             self.names.check(),
@@ -128,7 +128,7 @@ class Results:
 def verify_sweep(
     folder: str | os.PathLike[str], regenerate: int = 0, watch: Callable[[int, int], None] = lambda _done, _all: None
 ) -> Verification:
-    """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
+    """Return the verification of the folder of a sweep and of each of its runs.
 
     ``watch`` is called with the number of runs checked and of all runs. Raises RunFileRefused for a folder that is not
     that of a sweep, that cannot be read, or on which a sweep is at work, and Refused for ``regenerate`` if the sweep
@@ -164,7 +164,7 @@ def _verified(place: SweepFolder, regenerate: int, watch: Callable[[int, int], N
 
 
 def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
-    """Return whether sweep.json is the description of a sweep, and that sweep, if it is known."""
+    """Check that sweep.json is the description of a sweep; return that sweep, too, if it is known."""
     notes = Notes("manifest", of=MANIFEST)
     try:
         text = folder.manifest.read_text(encoding="utf-8")
@@ -186,7 +186,7 @@ def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
 
 
 def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
-    """Return the sweep that is described; None if a point does not have the name of its scenario."""
+    """Return the described sweep; None if a point does not have the name of its scenario."""
     cases = cases_of(kept)
     for number, (point, case) in enumerate(zip(kept["points"], cases, strict=True)):
         right = "the name of its scenario" if case is None else point["name"]
@@ -211,7 +211,7 @@ def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
 
 
 def _results(folder: SweepFolder, watch: Callable[[int, int], None]) -> Results:
-    """Look at every file in the folder of runs."""
+    """Verify every file in the folder of runs."""
     results = Results(names=Notes("names"))
     runs = folder.root / "runs"
     files = sorted(path for path in runs.iterdir() if not path.name.startswith(".")) if runs.is_dir() else []
@@ -250,7 +250,7 @@ def _take_in(results: Results, run: ResultFile, path: Path) -> None:
 
 
 def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
-    """Yield what is not compared with anything: what runs leave out, copies, unfinished runs and other files."""
+    """Yield what is not compared: parts left out for runs, copies, unfinished runs and other files."""
     for (name, reason), count in sorted(results.left_out.items()):
         runs = f"{count:,} runs: " if count > 1 else "a run: "
         yield LeftOut(name=name, reason=runs + reason)
@@ -264,7 +264,7 @@ def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
 
 
 def _some(names: list[str], reason: str, of: str) -> Iterator[LeftOut]:
-    """Yield the first names with a reason, and how many more there are."""
+    """Yield the first names with a reason, and the number of further ones."""
     for name in sorted(names)[:SHOWN]:
         yield LeftOut(name=name, reason=reason)
     if len(names) > SHOWN:
@@ -282,9 +282,9 @@ INDEX: Final = "index.h5"
 def index_checks(
     folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOut]
 ) -> tuple[list[Check], frozenset[str]]:
-    """Return whether the index has its hashes, and whether it is that of the sweep and of what the journals hold.
+    """Check that the index has its hashes, and that it agrees with the sweep and the journals.
 
-    Returns the runs that it knows, too. Without a ``sweep``, which sweep.json lacks, its hashes are all that it has.
+    Returns the runs in it, too. Without a ``sweep`` (if sweep.json is not valid) only its hashes are checked.
     """
     try:
         with open_index(folder.index) as index:
@@ -312,7 +312,7 @@ def _hash_check(index: IndexFile) -> Check:
 
 
 def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: list[LeftOut]) -> Check:
-    """Compare an index with one that is made again from the sweep and the journals, unless they know more by now."""
+    """Compare an index with one made again from the sweep and the journals, unless these have newer entries."""
     try:
         check_index(index)
     except RunFileRefused as refusal:
@@ -349,7 +349,7 @@ def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: 
 
 
 def _cases(notes: Notes, sweep: Sweep, index: IndexFile) -> tuple[Case, ...]:
-    """Return the points of an index as sweep.json has them, in the order of the index."""
+    """Return the points of an index in the form of sweep.json, in the order of the index."""
     by_values = {json.dumps(dict(case.values)): case for case in sweep.cases}
     cases = []
     for row, text in enumerate(map(str, index.read(POINTS, "values"))):
@@ -360,7 +360,7 @@ def _cases(notes: Notes, sweep: Sweep, index: IndexFile) -> tuple[Case, ...]:
 
 
 def _compare_rows(notes: Notes, path: str, found: NDArray[Any], right: NDArray[Any]) -> None:
-    """Compare a column of any kind bit for bit, and name the first row that differs."""
+    """Compare a column of any type bit for bit, and note the first row that differs."""
     if found.shape != right.shape or found.dtype != right.dtype:
         return  # its structure differs, which is reported already
     bits = [np.ascontiguousarray(each).view(np.uint8).reshape(len(each), -1) for each in (found, right)]
@@ -374,7 +374,7 @@ def _compare_rows(notes: Notes, path: str, found: NDArray[Any], right: NDArray[A
 def _compare_text(
     notes: Notes, sweep: Sweep, points: tuple[Point, ...], attributes: Mapping[str, str], left_out: list[LeftOut]
 ) -> None:
-    """Compare the file of the sweep, as read, with the sweep that it was made into."""
+    """Compare the stored text of the sweep's file with the sweep that was made of it."""
     asked = asked_by(attributes["command"])
     kept = stored_sizes(*(case.scenario.resolved() for case in sweep.cases))
     try:

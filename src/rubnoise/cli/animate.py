@@ -50,7 +50,7 @@ def command(
 
 
 def _kind(path: Path, file: Path, *, force: bool) -> "Kind":
-    """Return what a path's ending names; raises Refused if it can't be made, or nothing may be written there."""
+    """Return the format of a path's ending; raises Refused if it cannot be made, or the path not be written."""
     from rubnoise.figures.film import KINDS, check_film
     from rubnoise.storage.output import check_output
 

@@ -1,6 +1,6 @@
 """The command line: `rubnoise COMMAND`.
 
-A call imports the module of its command alone, and each command imports large libraries in its functions: --help, which
+A call imports only the module of its command, and each command imports large libraries in its functions: --help, which
 shows all commands, takes a tenth of a second.
 """
 
@@ -116,9 +116,9 @@ def root(
 
 
 def main() -> None:
-    """Run the command line; a refusal or a failure is one text on stderr and an exit code.
+    """Run the command line; an error becomes one text on stderr and an exit code.
 
-    A traceback is printed with --debug only.
+    Only --debug prints a traceback.
     """
     # What a command loads stays to the end, and a run makes no garbage that grows.
     gc.set_threshold(20_000, 50, 50)
@@ -146,7 +146,7 @@ def _answer(flags: Flags) -> None:
 
 
 class _CompleteWrites(BufferedWriter):
-    """Bytes for a raw stream, which may take a part of them and not say so: all are written at once, or OSError."""
+    """A writer for a raw stream, which may write only a part of the bytes: it writes all of them, or raises OSError."""
 
     def write(self, data: Any) -> int:
         """Write all of the data."""
@@ -155,12 +155,12 @@ class _CompleteWrites(BufferedWriter):
         return written
 
     def close(self) -> None:
-        """Leave the raw stream open, which belongs to others; nothing waits to be written."""
+        """Leave the raw stream open, since it belongs to others; no bytes are waiting."""
 
 
 @contextmanager
 def _lossless_streams() -> Iterator[None]:
-    """Have standard streams meanwhile that lose nothing and write any character."""
+    """Replace the standard streams in this context by streams that lose no bytes and write any character."""
     before = sys.stdout, sys.stderr
     lossless = [_lossless(stream) for stream in before]
     sys.stdout, sys.stderr = lossless
@@ -174,7 +174,7 @@ def _lossless_streams() -> Iterator[None]:
 
 
 def _lossless(stream: TextIO) -> TextIO:
-    """Return a standard stream that loses nothing, whatever PYTHONUNBUFFERED says, and writes any character."""
+    """Return a standard stream that loses no bytes, also with PYTHONUNBUFFERED, and writes any character."""
     if not isinstance(stream, TextIOWrapper):
         return stream
     # A file name or title that the terminal's encoding lacks is no reason to fail.
@@ -201,19 +201,19 @@ def _call(flags: Flags) -> None:
 
 
 def _debug_first(arguments: list[str]) -> list[str]:
-    """Return the arguments with --debug, wherever it stands before a --, in front of the command."""
+    """Return the arguments with --debug, from any place before a --, moved in front of the command."""
     end = arguments.index("--") if "--" in arguments else len(arguments)
     others = [word for word in arguments[:end] if word != DEBUG]
     return [DEBUG] * (len(others) < end) + others + arguments[end:]
 
 
 def _warning_text(message: Warning | str, *_where: object, **_line: object) -> str:
-    """Return a warning of a library, or of ours, as the line that every other warning of a command is."""
+    """Return a warning of Python as a line in the form of all warnings of a command."""
     return f"warning: {message}\n"
 
 
 def _error_text(problem: Exception) -> str:
-    """Return the message of a failure: one line, for a refused scenario one for each of its problems."""
+    """Return the message of an error: one line, for a refused scenario one for each of its problems."""
     if isinstance(problem, ScenarioRefused):
         return str(problem)  # which holds lines of a file
     if isinstance(problem, RunFileRefused | OutputRefused):
@@ -229,5 +229,5 @@ def _error_text(problem: Exception) -> str:
 
 
 def _discard_output() -> None:
-    """Keep Python from trying once more, at exit, to write what could not be written."""
+    """Discard the unwritten output, so that Python does not try to write it again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -1,4 +1,4 @@
-"""`rubnoise check`: what scenario files say, what follows from them, and what is wrong with them."""
+"""`rubnoise check`: the content of scenario files, the numbers that follow from them, and their problems."""
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -47,7 +47,7 @@ def command(
 
 
 def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, dict[str, Any], Iterable[str]]:
-    """Return the group that the answer for a file belongs to, the answer, and its lines to print."""
+    """Return the group of the answer for a file, the answer, and its lines to print."""
     from rubnoise.cli import derivation
     from rubnoise.cli.loading import scenario_or_sweep
     from rubnoise.scenario import Scenario
@@ -75,7 +75,7 @@ HEADINGS = {
 
 
 def sweep_table_as_json(sweep: "Sweep") -> dict[str, Any]:
-    """Return what follows from a sweep, by name, in working units; means and standard deviations are exact."""
+    """Return the numbers that follow from a sweep, by name, in working units; means and deviations are exact."""
     from rubnoise.scenario.sweep import expand
 
     points = [_point(dict(case.values), case.scenario) for case in sweep.cases]
@@ -110,7 +110,7 @@ def _point(values: dict[str, Any], scenario: Any) -> dict[str, Any]:
 
 
 def format_sweep_table(answer: Mapping[str, Any]) -> list[str]:
-    """Return the lines of a sweep's table, below a heading; of many points the first."""
+    """Return the lines of a sweep's table, below a heading; if there are many points, only the first."""
     points, replicates = answer["points"], answer["replicates"]
     junctions, ticks = (replicates * sum(point[name] for point in points) for name in ("expected_junctions", "ticks"))
     lines = [

@@ -1,4 +1,4 @@
-"""`rubnoise claims`: what the paper claims, settled by simulation and by theory."""
+"""`rubnoise claims`: the claims of the paper, tested by simulation and by theory."""
 
 from collections.abc import Sequence
 from math import isnan
@@ -185,7 +185,7 @@ def format_ledger(claims: Sequence["FieldClaim"]) -> list[str]:
 
 
 def check_places(folder: Path, *, force: bool) -> None:
-    """Raise OutputRefused before anything runs if the page may not or cannot be written."""
+    """Raise OutputRefused, before any run, if the page may not or cannot be written."""
     from rubnoise.storage.output import check_output
 
     for name in _FILES:

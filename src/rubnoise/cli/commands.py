@@ -1,6 +1,6 @@
-"""How typer's commands behave here: help is shown as it is written, and output cannot steer the terminal.
+"""Typer's commands with our changes: help is shown as it is written, and output cannot control the terminal.
 
-Files, names and titles may come from anywhere, so all that is printed is escaped.
+Files, names and titles may come from anywhere, so all output is escaped.
 """
 
 import os
@@ -23,13 +23,13 @@ _TAG = re.compile(r"(\\*)(\[[a-z#/@][^\[]*?\])")
 
 
 def literal(text: str) -> str:
-    """Return a text in which that library finds no styles, each paragraph in one line for it to break."""
+    """Return a text without markup of that library, each paragraph in one line, which it breaks."""
     paragraphs = (" ".join(paragraph.split()) for paragraph in cleandoc(text).split("\n\n"))
     return "\n\n".join(_TAG.sub(r"\1\1\\\2", paragraph) for paragraph in paragraphs)
 
 
 def literal_texts(styled: bool, help_text: str | None, params: Any) -> str | None:
-    """Make the help of parameters literal when the library looks for styles; return that of their command."""
+    """Make the help of parameters literal if the library interprets markup; return the help of their command."""
     if not styled:
         return help_text
     for param in params or ():
@@ -39,9 +39,9 @@ def literal_texts(styled: bool, help_text: str | None, params: Any) -> str | Non
 
 
 def without_types(params: Any) -> Any:
-    """Return parameters of which only options with a value say what they take.
+    """Return parameters that show a type only if they are options with a value.
 
-    To a flag nothing is given, and an argument has its name and its help.
+    A flag takes no value, and an argument has its name and its help.
     """
     for param in params:
         if getattr(param, "is_flag", False):
@@ -52,7 +52,7 @@ def without_types(params: Any) -> Any:
 
 
 def files_only(params: Any) -> None:
-    """Let options for a file refuse the name of a folder, of which a path would not keep the last slash."""
+    """Make options for a file refuse a name with a slash at its end, which a Path would drop."""
     for param in params:
         if param.param_type_name == "option" and param.metavar != "DIR":
             param.process_value = _file_only(param.process_value)
@@ -87,9 +87,9 @@ _PREFIX = "Value error, "
 
 
 def escaped(text: str) -> str:
-    """Return a text with its lines, and all else that does not print as itself escaped: controls, bidi overrides.
+    """Return a text with its line ends, and other characters that do not print as themselves escaped (controls, bidi).
 
-    A carriage return may come first: so a line of progress is written over the one before.
+    A carriage return may come first, with which a line of progress overwrites the one before.
     """
     if text.replace("\n", "").isprintable():
         return text
@@ -98,10 +98,10 @@ def escaped(text: str) -> str:
 
 
 class Escaping:
-    """A stream that escapes what is written to it, and is otherwise the stream beneath."""
+    """A stream that escapes the texts written to it, and is otherwise the stream beneath."""
 
     def __init__(self, stream: TextIO) -> None:
-        """Stand before a stream."""
+        """Take the stream beneath."""
         self._stream = stream
 
     def write(self, text: str) -> int:
@@ -119,7 +119,7 @@ class Escaping:
 
 @contextmanager
 def escaping() -> Iterator[None]:
-    """Escape whatever is printed meanwhile, on both streams."""
+    """Escape all output on both streams in this context."""
     out, err = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = Escaping(out), Escaping(err)
     try:
@@ -129,7 +129,7 @@ def escaping() -> Iterator[None]:
 
 
 class Commands(TyperGroup):
-    """The commands, whose output is escaped; help and usage, which come from the library, are coloured by it."""
+    """The group of commands, whose output is escaped; the library itself colours help and usage."""
 
     def __init__(self, *, help: str | None = None, **rest: Any) -> None:  # noqa: A002  (click's name)
         """Make the group of commands (see click)."""
@@ -147,12 +147,12 @@ class Commands(TyperGroup):
         return name, command, rest
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """Return the context of a call (see click); what is said of its arguments is escaped."""
+        """Return the context of a call (see click); messages about its arguments are escaped."""
         with _escaped_usage():
             return super().make_context(*arguments, **options)
 
     def invoke(self, ctx: Any) -> Any:
-        """Call the command (see click); what it says of its arguments is escaped."""
+        """Call the command (see click); messages about its arguments are escaped."""
         with _escaped_usage():
             return super().invoke(ctx)
 
@@ -168,7 +168,7 @@ def _escaped_call(callback: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def _escaped_usage() -> Iterator[None]:
-    """Escape the message of a usage error: an argument may be the name of a file from anywhere."""
+    """Escape the message of a usage error, since an argument may be any file name."""
     try:
         yield
     except Exception as problem:

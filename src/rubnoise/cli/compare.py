@@ -1,4 +1,4 @@
-"""`rubnoise compare`: the rows of a result beside the theory of its scenario."""
+"""`rubnoise compare`: the rows of a result compared with the theory of its scenario."""
 
 from collections.abc import Iterator
 from math import isfinite
@@ -103,7 +103,7 @@ SHORTER = {
 
 
 def format_comparison(found: "Comparison", file: Path) -> Iterator[str]:
-    """Yield a table a part, what holds to rounding, what was left out, and the verdict."""
+    """Yield a table for each part, the identities, the figures left out, and the verdict."""
     yield f"{printable(str(file))}: compared with the theory of its scenario"
     for part in found.parts:
         if part.figures:
@@ -125,7 +125,7 @@ def format_comparison(found: "Comparison", file: Path) -> Iterator[str]:
 
 
 def format_verdict(found: "Comparison") -> list[str]:
-    """Return how many figures keep which bound, and how many identities hold."""
+    """Return the number of figures within the bound, the bound, and the number of identities that hold."""
     scored = sum(figure.z is not None for figure in found.figures)
     whence = f", which all keep in {1.0 - FAMILY_WISE_ERROR:.1%} of right runs" if found.by_family else ""
     broken = sum(not each.holds for each in found.identities)
@@ -143,7 +143,7 @@ def label(name: str) -> str:
 
 
 def _score(z: float) -> str:
-    """Return a score in six places at most."""
+    """Return a score in at most six characters."""
     return f"{z:+.2f}" if abs(z) < 99.995 else f"{z:+.0f}" if abs(z) < 99_999.5 else f"{z:+.0e}"
 
 

@@ -1,4 +1,4 @@
-"""What follows from a scenario: sizes, exact means and spreads, validity and cost, by name and as lines to print."""
+"""The numbers that follow from a scenario: sizes, exact means and spreads, validity and cost, by name and as lines."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +21,7 @@ FREE_ROWS = "free motion may touch a summit several times or not at all: rows of
 
 
 def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
-    """Return what follows from a scenario, by name, in working units; what a run would cost is `cost`."""
+    """Return the numbers that follow from a scenario, by name, in working units; `cost` is the cost of a run."""
     model = scenario.model()
     theory = exact(model)
     answer = {
@@ -42,7 +42,7 @@ def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
 
 
 def motion_warnings(model: Model, answer: dict[str, Any]) -> list[str]:
-    """Return what makes the exact motion of an answer doubtful: that of its slider, and that under its load."""
+    """Return warnings about the exact motion of an answer: of its slider, and under its load."""
     one_way = one_way_warnings(model, answer["slider"]["one_way_validity"]) if "slider" in answer else []
     return one_way + (load_warnings(answer["load"]) if "load" in answer else [])
 
@@ -66,13 +66,13 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
 
 
 def cost_as_json(scenario: Scenario) -> dict[str, float]:
-    """Return what a run of a scenario would take, by name; its births are counted from its seed."""
+    """Return the cost of a run of a scenario, by name; its births are counted from its seed."""
     budget = counted(scenario)
     return budget_as_json(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
 
 
 def missing_resources(scenario: Scenario, file: Path) -> list[str]:
-    """Return what this machine lacks for a run of a scenario file into this folder, if anything."""
+    """Return the resources that this machine lacks for a run of a scenario file into this folder."""
     try:
         check_disk_space(scenario, expected(scenario), f"{file.stem}.h5")
     except Refused as lack:
@@ -112,7 +112,7 @@ COST: Final[tuple[LineWords, ...]] = (
 
 
 def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[str]:
-    """Yield what follows from a scenario, as lines to print under a heading."""
+    """Yield the numbers that follow from a scenario, as lines to print under a heading."""
     model = scenario.model()
     yield from [line("title", scenario.title)] if scenario.title else []
     yield from lines(answer | {"calibration": model.calibration}, SIZES)
@@ -194,7 +194,7 @@ def motion_as_json(theory: Exact) -> dict[str, Any]:
 
 
 def budget_as_json(budget: Budget) -> dict[str, float]:
-    """Return a budget by the names that answers have for it; estimates to three digits."""
+    """Return a budget under the names of answers; estimates have three digits."""
     grown = budget.slider_rows_at_most
     return {
         "junctions": budget.junctions,

@@ -1,4 +1,4 @@
-"""`rubnoise export`: a result for tools that read no HDF5."""
+"""`rubnoise export`: a result for tools that do not read HDF5."""
 
 import sys
 from enum import StrEnum
@@ -14,11 +14,11 @@ from rubnoise.cli.progress import stoppable
 STANDARD_OUTPUT = Path("-")
 
 ExportedGroup = StrEnum("ExportedGroup", "junctions trace slider load landmarks")
-"""The groups of a run that are tables."""
+"""The groups of a run that can be exported."""
 
 
 class ExportFormat(StrEnum):
-    """The formats there are."""
+    """The available formats."""
 
     CSV = "csv"
     PARQUET = "parquet"

@@ -165,7 +165,7 @@ def command(
 
 
 def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
-    """Return an inference by name, as JSON has it."""
+    """Return an inference by name, for JSON."""
     return {
         "trace": trace,
         "law": found.law,
@@ -227,7 +227,7 @@ _LABELS = {
 
 
 def described(found: "InferenceResult", trace: str) -> Iterator[str]:
-    """Yield what was found, line by line."""
+    """Yield the lines of an inference."""
     yield from _heading(found, trace)
     if found.refused_because is not None:
         yield remark(f"refused: {found.refused_because}")
@@ -257,7 +257,7 @@ def described(found: "InferenceResult", trace: str) -> Iterator[str]:
 
 
 def _heading(found: "InferenceResult", trace: str) -> Iterator[str]:
-    """Yield how long the trace is, and what of it was left out."""
+    """Yield the length of the trace, and the parts that were left out."""
     signal = found.signal
     length = signal.tick * signal.values.size
     yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
@@ -266,7 +266,7 @@ def _heading(found: "InferenceResult", trace: str) -> Iterator[str]:
 
 
 def _granted(found: "InferenceResult") -> Iterator[str]:
-    """Yield what was taken for granted, and how number and strength move with it."""
+    """Yield the assumptions, and how number and strength depend on them."""
     if found.assumptions:
         yield "taken for granted"
     for words in found.assumptions:

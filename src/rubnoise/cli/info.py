@@ -1,4 +1,4 @@
-"""`rubnoise info`: what is in a result, in an unfinished run, or in the folder of a sweep."""
+"""`rubnoise info`: the content of a result, of an unfinished run, or of the folder of a sweep."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -74,7 +74,7 @@ def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json:
 
 
 def run_as_json(run: "Run", file: Path) -> dict[str, Any]:
-    """Return what a result file holds and what follows from its scenario, by name."""
+    """Return the content of a result file and the numbers that follow from its scenario, by name."""
     from rubnoise.analysis.agreement import as_json
     from rubnoise.cli.derivation import derivation_as_json
 
@@ -98,7 +98,7 @@ def run_as_json(run: "Run", file: Path) -> dict[str, Any]:
 
 
 def _normal_motion(run: "Run") -> dict[str, Any]:
-    """Return the normal velocity of a run under a load that weighs, whole and in third octaves; nothing of others."""
+    """Return the normal velocity of a run under a load that weighs, in all and in third octaves; otherwise empty."""
     from rubnoise.analysis.third_octaves import heard_bands
 
     try:
@@ -144,7 +144,7 @@ def _heard_lines(heard: Mapping[str, Any]) -> Iterator[str]:
 
 
 def part_as_json(file: Path) -> dict[str, Any]:
-    """Return how far a run is, by name."""
+    """Return the progress of a run, by name."""
     from rubnoise.storage.resume import look
 
     found = look(file)
@@ -170,7 +170,7 @@ def part_as_json(file: Path) -> dict[str, Any]:
 
 
 def _slider_rows_at_most(about: "RunDescription") -> int | None:
-    """Return the bound that `check` prints too; None if the rows are known or the scenario in the file is damaged."""
+    """Return the bound that `check` prints, too; None if the rows are known or the scenario in the file is damaged."""
     from rubnoise.scenario.reading import stored
     from rubnoise.storage.forecast import rows_at_most
 
@@ -211,7 +211,7 @@ def _growing(name: str, count: int, most: int | None) -> str:
 
 
 def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
-    """Return what the folder of a sweep holds, by name."""
+    """Return the content of the folder of a sweep, by name."""
     attributes = sweep.attributes
     return {
         "folder": str(folder),
@@ -236,7 +236,7 @@ def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
 def estimates_as_json(sweep: "SweepResult", names: Sequence[str], over: str | None = None) -> list[dict[str, Any]]:
     """Return figures of each point over its replicates with their 95 % intervals, and ratios ``over`` other points.
 
-    Raises Refused for a figure that no run has, and for what is not KEY=VALUE of a point.
+    Raises Refused for a figure that no run has, and for a text that is not KEY=VALUE of a point.
     """
     if unknown := [name for name in names if name not in sweep.figures]:
         raise Refused(f'"{unknown[0]}": no figure of this sweep; there are {", ".join(sweep.figures) or "none yet"}')
@@ -273,7 +273,7 @@ def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
 
 
 def _interval(estimate: "PooledEstimate") -> dict[str, float | int | None]:
-    """Return value, standard error, 95 % interval and the number of runs; None for what is not known."""
+    """Return value, standard error, 95 % interval and the number of runs; unknown ones are None."""
     numbers = {
         "value": estimate.value,
         "standard_error": estimate.standard_error,
@@ -314,7 +314,7 @@ def _estimate_lines(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def _with_interval(estimate: Mapping[str, Any]) -> str:
-    """Return a value to two digits of the 95 % interval about it."""
+    """Return a value with the decimals of two digits of its 95 % interval."""
     if estimate["value"] is None:
         return "not known"
     if estimate["low"] is None:

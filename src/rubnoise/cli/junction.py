@@ -60,7 +60,7 @@ def command(
 
 
 def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
-    """Return everything about a life, by name; what the run does not have, or the life did not reach, is None."""
+    """Return everything about a life, by name; values that the run lacks, or the life did not reach, are None."""
     middle = life.mid_life_distance
     return {
         "file": str(file),

@@ -67,7 +67,7 @@ BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChosenRows:
-    """Rows in the requested order, how many there are in all, and the columns to print."""
+    """Rows in the requested order, the number of all that fit, and the columns to print."""
 
     run: "Rows"
     path: Path
@@ -115,7 +115,7 @@ class ChosenRows:
 
 
 def print_csv(found: ChosenRows) -> None:
-    """Print a heading of names with units, then a line a row, every number to its last bit."""
+    """Print a heading of names with units, then a line for each row, every number to its last bit."""
     from rubnoise.storage.export import heading
 
     print(",".join(map(heading, found.columns)))
@@ -124,7 +124,7 @@ def print_csv(found: ChosenRows) -> None:
 
 
 def print_json(found: ChosenRows) -> None:
-    """Print one JSON object, a line a row, written as it is read."""
+    """Print one JSON object, with a line for each row, while the rows are read."""
     from rubnoise.record.rows import JunctionState
 
     about: dict[str, Any] = {"file": str(found.path), "where": found.where, "sort": found.sort}
@@ -140,7 +140,7 @@ def print_json(found: ChosenRows) -> None:
 
 
 def print_text(found: ChosenRows) -> None:
-    """Print the rows in columns below their names and units, and how many more there are."""
+    """Print the rows in columns below their names and units, and the number of further ones."""
     all_rows = grouped(found.run.rows("junctions"))
     print(f"{printable(str(found.path))}: {grouped(found.total)} of {all_rows} junctions")
     if found.rows.size:

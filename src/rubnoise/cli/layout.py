@@ -1,7 +1,7 @@
-"""How an answer is printed: lines of a label, a value and a unit, tables as wide as the terminal, and JSON.
+"""Print an answer: lines of a label, a value and a unit, tables as wide as the terminal, and JSON.
 
-An answer has its values by name, and words name them: `std {slider.velocity_std} um/s` prints a number to seven digits.
-After a colon stands another way to write a value: a name of FORMS, or a format of Python.
+An answer has values by name, which texts refer to: `std {slider.velocity_std} um/s` prints a number with seven digits.
+After a colon comes another form of the value: a name of FORMS, or a format of Python.
 """
 
 import json
@@ -27,7 +27,7 @@ NARROWEST = 40
 
 
 def columns_of(stream: TextIO) -> int | None:
-    """Return the columns of the terminal behind a stream, None where there is none; COLUMNS in the environment wins."""
+    """Return the width of a stream's terminal, None without a terminal; COLUMNS in the environment takes precedence."""
     with suppress(ValueError):
         if (wanted := int(os.environ.get("COLUMNS", ""))) > 0:
             return wanted
@@ -39,26 +39,26 @@ def columns_of(stream: TextIO) -> int | None:
 
 
 def width() -> int:
-    """Return the columns of text on standard output."""
+    """Return the width of text on standard output."""
     return max(columns_of(sys.stdout) or WIDTH, NARROWEST)
 
 
 def filled(text: str, first: str = "", others: str = "") -> str:
-    """Return a text in lines of the terminal's width, broken between words, with what each begins with."""
+    """Return a text in lines of the terminal's width, broken between words, each with its indentation."""
     return fill(
         text, width(), initial_indent=first, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
     )
 
 
 def sentence(text: str) -> str:
-    """Return a sentence broken between words on a terminal, and in one line elsewhere."""
+    """Return a sentence broken between words on a terminal, otherwise in one line."""
     return text if columns_of(sys.stdout) is None else filled(text, "", "  ")
 
 
 def table_row(label: str, numbers: str) -> str:
-    """Return a row of a table, its label above its numbers where the terminal is too narrow for both in a line.
+    """Return a row of a table, with its label above its numbers if the terminal is too narrow for one line.
 
-    Both come padded to the widths that they have in every row, so that all rows are broken or none.
+    Both are padded to the width of their column, so that all rows are broken or none.
     """
     most = columns_of(sys.stdout)
     if most is None or len(label) + len(numbers) <= most:
@@ -67,9 +67,9 @@ def table_row(label: str, numbers: str) -> str:
 
 
 def groups_that_fit(widths: Sequence[int]) -> list[list[int]]:
-    """Return the numbers of the columns of a table in groups that fit a terminal, each beginning with the first column.
+    """Return the numbers of a table's columns in groups that fit a terminal, each beginning with the first column.
 
-    Elsewhere than on a terminal they are one group, for programs that read a row a line.
+    Without a terminal they are one group, for programs that read one row per line.
     """
     most = columns_of(sys.stdout)
     groups = [[0]]
@@ -82,7 +82,7 @@ def groups_that_fit(widths: Sequence[int]) -> list[list[int]]:
 
 
 def cut(text: str, stream: TextIO) -> str:
-    """Return a line, without its end where that would run over: a broken line is not written over by the next one."""
+    """Return a line cut to the width of the terminal, since the next line of progress cannot overwrite a broken one."""
     columns = columns_of(stream)
     return text if columns is None else text[: columns - 1]
 
@@ -92,7 +92,7 @@ LABEL_WIDTH, SHORTER_LABEL_WIDTH, NARROW = 30, 25, 72
 
 
 def line(label: str, value: str, *, whole: bool = False) -> str:
-    """Return one labelled value, indented below its heading; a long one on several lines unless it is kept whole."""
+    """Return one labelled value, indented below its heading; a long one takes several lines unless it is ``whole``."""
     head = f"  {label:<{LABEL_WIDTH if width() >= NARROW else SHORTER_LABEL_WIDTH}}"
     return head + printable(value) if whole else filled(printable(value), head, " " * len(head)) or head.rstrip()
 
@@ -103,7 +103,7 @@ def remark(text: str) -> str:
 
 
 def printable(text: str) -> str:
-    """Return a text from a file with whatever would steer a terminal escaped."""
+    """Return a text from a file with characters that control a terminal escaped."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
@@ -113,12 +113,12 @@ def number(value: float) -> str:
 
 
 def grouped(value: float) -> str:
-    """Return a whole number with its thousands apart."""
+    """Return a whole number with separated thousands."""
     return f"{round(value):,}" if isfinite(value) else str(value)
 
 
 def about(value: float) -> str:
-    """Return a whole number that is an estimate, to three digits."""
+    """Return an estimated whole number, with three digits."""
     return f"about {grouped(float(f'{value:.3g}'))}"
 
 
@@ -132,7 +132,7 @@ def size(count: float) -> str:
 
 
 def distance(um: float) -> str:
-    """Return a sliding distance that is an estimate, to two digits, in the unit that suits it."""
+    """Return an estimated sliding distance, with two digits, in the unit that suits it."""
     for unit, length in (("m", 1e6), ("mm", 1e3)):
         if um >= length:
             return f"{_two_digits(um / length)} {unit}"
@@ -140,7 +140,7 @@ def distance(um: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time that is an estimate, to two digits, in the unit that suits it."""
+    """Return an estimated time, with two digits, in the unit that suits it."""
     for unit, length in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * length:
             return f"about {_two_digits(seconds / length)} {unit}"
@@ -158,7 +158,7 @@ ONE_WAY_ALONE = (
 
 
 def too_short_for_motion(decays: float, needed: float) -> str:
-    """Return what a run lacks for standard errors of its slider's motion, and what sliding distance it needs."""
+    """Return that a run is too short for standard errors of its slider's motion, and the distance that it needs."""
     return (
         f"the run is too short for standard errors of the slider's motion: it lasts {decays:.2g} of its decay times;"
         f" it needs about {distance(needed)}"
@@ -223,7 +223,7 @@ LineWords = tuple[str, ...]
 
 
 def plain(value: Any) -> str:
-    """Return a value as text: a number to seven digits, yes or no, none where it is not known."""
+    """Return a value as text: a number with seven digits, yes or no, none if it is not known."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return "none" if value is None else number(value) if isinstance(value, float) else str(value)
@@ -250,12 +250,12 @@ class _Words(Formatter):
 
 
 def words(text: str, answer: Mapping[str, Any]) -> str:
-    """Return a text with the values of an answer where it names them; raises KeyError for one that is not there."""
+    """Return a text with its names replaced by the values of an answer; raises KeyError for a missing value."""
     return _Words().vformat(text, (), answer)
 
 
 def lines(answer: Mapping[str, Any], wanted: Iterable[LineWords]) -> Iterator[str]:
-    """Yield the lines of an answer; a line with a value that the answer does not have is left out."""
+    """Yield the lines of an answer; lines with a missing value are left out."""
     known = {name: value for name, value in answer.items() if value is not None}
     for label, *ways, last in wanted:
         for way, values in (*((way, known) for way in ways), (last, answer)):
@@ -265,12 +265,12 @@ def lines(answer: Mapping[str, Any], wanted: Iterable[LineWords]) -> Iterator[st
 
 
 def json_text(answer: Any, *, indent: int | None = None) -> str:
-    """Return an answer as JSON: arrays as lists, and null for what is no finite number."""
+    """Return an answer as JSON: arrays as lists, and null for numbers that are not finite."""
     return json.dumps(finite(answer), allow_nan=False, indent=indent)
 
 
 def finite(value: Any) -> Any:
-    """Return a value as JSON has it: arrays as lists, and None for what is no finite number."""
+    """Return a value for JSON: arrays as lists, and None for numbers that are not finite."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""`rubnoise listen`: a run as sound, and what of it can be heard."""
+"""`rubnoise listen`: a run as sound, and the audible part of it."""
 
 from contextlib import ExitStack
 from enum import StrEnum
@@ -108,7 +108,7 @@ def _write(path: Path, sound: "Sound", level: "Level", between: "Callable[[], No
 
 
 def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
-    """Return the texts that a sound carries: title, what its samples stand for, and who wrote it."""
+    """Return the texts in a sound file: title, the scale of its samples, and the program that wrote it."""
     figures = {
         "quantity": sound.what,
         "unit": sound.units,
@@ -126,7 +126,7 @@ def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
 
 
 def format_sound(path: Path, sound: "Sound", level: "Level", others: int = 0) -> list[str]:
-    """Return what was written, its scale, and what of it can be heard; ``others`` have the same scale."""
+    """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
     from rubnoise.storage.wave_file import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
@@ -162,7 +162,7 @@ def _audible_lines(sound: "Sound", level: "Level") -> list[str]:
 
 
 def _advice(hearing: "Hearing", speed_up: float, better: float) -> str:
-    """Return what to do about a sound that most ears and small loudspeakers miss."""
+    """Return advice for a sound that most ears and small loudspeakers miss."""
     if hearing.audible < 0.01:
         problem = "next to nothing of it can be heard"
     elif hearing.middle < 100.0:

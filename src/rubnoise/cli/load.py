@@ -1,4 +1,4 @@
-"""What a load that weighs does, by name and as lines to print; without one, that the separation is held."""
+"""The effect of a load that weighs, by name and as lines to print; without one, that the separation is held."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -98,7 +98,7 @@ def load_notes(load: dict[str, Any]) -> list[str]:
 
 
 def load_warnings(load: dict[str, Any]) -> list[str]:
-    """Return why first order is not to be trusted, if so."""
+    """Return the reasons why first order is doubtful, if there are any."""
     if load["regime"] in {HELD, FREE}:
         return []
     warnings = []

@@ -1,4 +1,4 @@
-"""Open what a command is about: a scenario with its overrides and warnings, a sweep, or a finished result."""
+"""Open the input of a command: a scenario with its overrides and warnings, a sweep, or a finished result."""
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -22,7 +22,7 @@ Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
 
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
-    """Return KEY=VALUE changes, those of the options that stand for a key among them."""
+    """Return all KEY=VALUE changes, with those of options for a single key."""
     named = (("--seed", "run.seed", seed), ("--engine", "run.engine", engine))
     return (*(changes or ()), *(OptionOverride(*each) for each in named if each[-1] is not None))
 
@@ -33,7 +33,7 @@ def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False)
 
 
 def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Sweep:
-    """Load a sweep and print its warnings; raises ScenarioRefused, also for a file that is one run."""
+    """Load a sweep and print its warnings; raises ScenarioRefused, also for the file of a single run."""
     return _loaded(load_sweep, file, changes, quiet=quiet)
 
 
@@ -54,7 +54,7 @@ def _loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str], *, 
 
 
 def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
-    """Load a scenario, or take that of a result; raises Refused for changes to the latter, which has been run."""
+    """Load a scenario, or take that of a result; raises Refused for changes to the scenario of a result."""
     if not is_result(file):
         return scenario_of(file, changes, quiet=quiet)
     if changes:
@@ -64,7 +64,7 @@ def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool =
 
 
 def is_result(file: Path) -> bool:
-    """Whether a file begins as HDF5 does; what else is wrong with one, reading it says."""
+    """Whether a file begins as HDF5 does; reading it reports any other problem."""
     with suppress(OSError):
         return is_hdf5(file)
     return False
@@ -72,7 +72,7 @@ def is_result(file: Path) -> bool:
 
 @contextmanager
 def complete_run(path: Path) -> Iterator["RunFile"]:
-    """Open a result file; raises RunFileRefused for one that is unfinished or that open_run refuses."""
+    """Open a result file; raises RunFileRefused if it is unfinished or open_run refuses it."""
     from rubnoise.storage.reader import open_run
     from rubnoise.storage.resume import refusal
 
@@ -84,9 +84,9 @@ def complete_run(path: Path) -> Iterator["RunFile"]:
 
 @contextmanager
 def finished_run(path: Path) -> Iterator["RunFile"]:
-    """Open a result file; a refusal about it begins with its name.
+    """Open a result file; the message of a refusal begins with its name.
 
-    Raises RunFileRefused for one that is unfinished, that open_run refuses, or whose values cannot be calculated with.
+    Raises RunFileRefused if it is unfinished, if open_run refuses it, or if its values cannot be used.
     """
     with complete_run(path) as file:
         try:

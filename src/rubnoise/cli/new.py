@@ -12,7 +12,7 @@ from rubnoise.errors import OutputRefused
 
 
 def shipped_scenarios(incomplete: str) -> list[str]:
-    """Return the shipped scenarios whose names begin so, for shells to complete."""
+    """Return the shipped scenarios whose names begin with a text, for completion in shells."""
     from rubnoise.scenario.shipped import shipped_names
 
     return [name for name in shipped_names() if name.startswith(incomplete)]

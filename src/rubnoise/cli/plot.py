@@ -27,14 +27,14 @@ PICTURES: tuple[Kind, ...] = get_args(Kind)
 """The pictures of a run."""
 
 SpectrumOf = StrEnum("SpectrumOf", "area force displacement velocity normal-velocity load")
-"""What a spectrum and a histogram can be of."""
+"""The quantities of spectra and histograms."""
 
 RECORDS = (".csv", ".tsv", ".txt")
 """Ends of names of records of the user's own, which are laid over spectra."""
 
 
 def complete(incomplete: str) -> list[str]:
-    """Return the pictures of runs and the quantities of sweeps that begin so."""
+    """Return the pictures of runs and the quantities of sweeps that begin with a text."""
     from rubnoise.figure_names import FIGURE_NAMES
 
     return [name for name in (*PICTURES, *FIGURE_NAMES) if name.startswith(incomplete)]
@@ -201,9 +201,9 @@ def _ending(heard: "Heard | None") -> str:
 
 
 def distance(option: str, text: str | None) -> float | None:
-    """Return a sliding distance in um, which is what a number without a unit is in; None for none.
+    """Return a sliding distance in um, also of a number without a unit; None if none is given.
 
-    Raises Refused, naming the option, for what is no length.
+    Raises Refused, naming the option, if it is not a length.
     """
     from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
 
@@ -217,7 +217,7 @@ def distance(option: str, text: str | None) -> float | None:
 
 
 def check_picture(path: Path, *, force: bool, reads: Sequence[Path] = ()) -> "Format":
-    """Return the format that a path's ending names; raises Refused if nothing may or can be written there."""
+    """Return the format of a path's ending; raises Refused if the file may not or cannot be written."""
     from rubnoise.figures.style import FORMATS
     from rubnoise.storage.output import check_output
 

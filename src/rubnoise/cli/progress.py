@@ -1,4 +1,4 @@
-"""What a terminal shows during a run or a sweep, and how a signal stops it."""
+"""Show the progress of a run or a sweep on a terminal, and stop it after a signal."""
 
 import signal
 import sys
@@ -28,10 +28,10 @@ Given = ParamSpec("Given")
 
 
 class StatusLine:
-    """Shows one text on a terminal in place of the one before; nothing at all if ``shown`` is False."""
+    """Shows one text on a terminal, which replaces the one before; nothing if ``shown`` is False."""
 
     def __init__(self, *, shown: bool, first: float = 0.0) -> None:
-        """Begin with an empty line; ``first``: seconds before the first text that `show_now_and_then` shows."""
+        """Start with an empty line; ``first``: seconds before the first text that `show_now_and_then` shows."""
         self._shown = shown
         self._width = 0
         self._shown_at = time.monotonic() + first - _BETWEEN if first else 0.0
@@ -45,7 +45,7 @@ class StatusLine:
         self.clear()
 
     def show(self, text: str) -> None:
-        """Show a text in place of what is there."""
+        """Show a text, which replaces the present one."""
         if self._shown:
             text = cut(text, sys.stderr)
             sys.stderr.write("\r" + text.ljust(self._width))
@@ -60,7 +60,7 @@ class StatusLine:
             self.show(text())
 
     def clear(self) -> None:
-        """Leave the terminal's line empty."""
+        """Clear the line."""
         if self._width:
             self.show("")
             sys.stderr.write("\r")
@@ -69,14 +69,14 @@ class StatusLine:
 
 
 class Watcher:
-    """Shows on a terminal how far a run is, and raises RunStopped after a signal.
+    """Shows the progress of a run on a terminal, and raises RunStopped after a signal.
 
-    It is called at the start and after every range of ticks. Before the start, while births are counted, nothing has
-    been created yet: then a signal stops the program at once.
+    It is called at the start and after every range of ticks. Before the start, while births are counted, no file exists
+    yet, so a signal stops the program at once.
     """
 
     def __init__(self, distance: float, *, shown: bool) -> None:
-        """Watch a run of a length in um; shown: whether to say anything."""
+        """Watch a run of a length in um; ``shown``: whether to print its progress."""
         self._distance = distance
         self.line = StatusLine(shown=shown)
         self._began: float | None = None
@@ -84,7 +84,7 @@ class Watcher:
         self.stopped_by: int | None = None
 
     def __call__(self, distance: float, junctions: int, live: int) -> None:
-        """Take note of the distance reached (um), the junctions born so far and the live count."""
+        """Note the distance reached (um), the junctions born so far and the live count."""
         if self.stopped_by is not None:
             raise RunStopped(self.stopped_by)
         now = time.monotonic()
@@ -94,13 +94,13 @@ class Watcher:
             self._began, self._origin = now, distance
 
     def interrupt(self, number: int) -> None:
-        """Take note of a signal, and obey it at once if nothing has begun."""
+        """Note a signal, and stop at once if the run has not begun."""
         self.stopped_by = number
         if self._began is None:
             raise RunStopped(number)
 
     def counting(self) -> None:
-        """Say that births are being counted, which takes a while for a run of millions."""
+        """Show that births are being counted, which takes a while for millions of them."""
         self.line.show("counting the births")
 
     def _text(self, distance: float, junctions: int, live: int, rest: str) -> str:
@@ -119,7 +119,7 @@ class Watcher:
 
 @contextmanager
 def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
-    """Show on a terminal which column of a file is being read, if going through all of it takes a while."""
+    """Show on a terminal which column of a file is being read, if that takes a while."""
     if not shown:
         yield
         return
@@ -136,9 +136,9 @@ def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
 
 
 def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]:
-    """Let SIGINT end the process by itself as long as a command has made nothing, and is not watched yet.
+    """Let SIGINT end the process directly as long as a command has made no file and is not watched yet.
 
-    Python's own way, an exception wherever the program is, gets lost in libraries that are just being loaded.
+    Python's own way, an exception at any place, gets lost in libraries that are being loaded.
     """
 
     @wraps(command)
@@ -157,9 +157,9 @@ def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]
 
 @contextmanager
 def _at_first_signal(note: Callable[[int], None]) -> Iterator[None]:
-    """Call with the number of the first SIGINT or SIGTERM; a second signal ends the process at once.
+    """Call a function with the number of the first SIGINT or SIGTERM; a second signal ends the process at once.
 
-    What the call raises would get lost in a function that the compiler calls: such a signal is noted a moment later.
+    An exception would get lost in a function that the compiler calls; in that case the call is made a moment later.
     """
 
     def noted(number: int, frame: FrameType | None) -> None:
@@ -204,9 +204,9 @@ def watching(distance: float, *, shown: bool) -> Iterator[Watcher]:
 
 @contextmanager
 def stoppable() -> Iterator[Callable[[], None]]:
-    """Give a function to call between pieces of work: it raises RunStopped after SIGINT or SIGTERM.
+    """Yield a function to call between pieces of work: it raises RunStopped after SIGINT or SIGTERM.
 
-    Nothing is raised elsewhere, because an exception gets lost in a library that is just being loaded.
+    It raises nowhere else, since an exception gets lost in a library that is being loaded.
     """
     numbers: list[int] = []
 
@@ -224,14 +224,14 @@ def on_terminal() -> bool:
 
 
 def announce_compilation() -> None:
-    """Have this process say so, once, when it begins to compile kernels of which no machine code is kept."""
+    """Print a message, once, when this process begins to compile kernels without kept machine code."""
     from rubnoise.compiling import BEFORE_COMPILING
 
     BEFORE_COMPILING.add(_say_compiling)
 
 
 def announce_compilation_by_workers() -> None:
-    """Say once that workers will compile the kernels, if no machine code of them is kept yet."""
+    """Print a message that workers will compile the kernels, if their machine code is not kept yet."""
     from rubnoise.compiling import is_kept
     from rubnoise.simulation.kernels import coarse
 
@@ -253,7 +253,7 @@ def clock(seconds: float) -> str:
 
 
 class SweepWatcher:
-    """Shows several times a second how far a sweep is, and raises RunStopped after a signal."""
+    """Shows the progress of a sweep several times a second, and raises RunStopped after a signal."""
 
     def __init__(self, line: StatusLine) -> None:
         """Watch a sweep that has not begun."""
@@ -262,14 +262,14 @@ class SweepWatcher:
         self.stopped_by: int | None = None
 
     def __call__(self, progress: "SweepProgress") -> None:
-        """Take note of how far the sweep is."""
+        """Note the progress of the sweep."""
         if self.stopped_by is not None:
             raise RunStopped(self.stopped_by)
         self._began = self._began or time.monotonic()
         self._line.show(_text(progress, time.monotonic() - self._began))
 
     def interrupt(self, number: int) -> None:
-        """Take note of a signal; obey it at once if nothing has begun."""
+        """Note a signal; stop at once if the sweep has not begun."""
         self.stopped_by = number
         if self._began is None:
             raise RunStopped(number)
@@ -287,7 +287,7 @@ def _text(progress: "SweepProgress", seconds: float) -> str:
 
 @contextmanager
 def watching_sweep(*, shown: bool) -> Iterator[SweepWatcher]:
-    """Watch a sweep; SIGINT and SIGTERM stop it within moments, a second one leaves at once."""
+    """Watch a sweep; SIGINT and SIGTERM stop it within moments, a second signal ends the process at once."""
     with StatusLine(shown=shown) as line:
         watcher = SweepWatcher(line)
         with _at_first_signal(watcher.interrupt):

@@ -151,7 +151,7 @@ def _watching(scenario: "Scenario", *, quiet: bool) -> AbstractContextManager[Wa
 def _print_result(
     result: "Run", path: Path, seconds: float, warnings: list[str], *, as_json: bool, quiet: bool
 ) -> None:
-    """Print what became of a run that took so many seconds and lies at a path."""
+    """Print the outcome of a run, with its path and the seconds that it took."""
     rows, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
     if as_json:
         answer = {
@@ -170,7 +170,7 @@ def _print_result(
 
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
-    """Return what will make the result doubtful, or what it will be too short for; print it before the run."""
+    """Return the reasons why the result will be doubtful or too short, and print them before the run."""
     from rubnoise.analysis.summary import missing_for_motion
     from rubnoise.cli.load import load_as_json, load_warnings
     from rubnoise.theory.exact import exact
@@ -195,9 +195,9 @@ _BLAS = "scipy.linalg.cython_blas"
 
 
 def prepare_kernels() -> None:
-    """Have kernels that must be compiled do so without SciPy's linear algebra, which none of them calls.
+    """Prepare the compilation of kernels without loading SciPy's linear algebra, which none of them calls.
 
-    Only for a process that is all ours: compiled functions of other people could not multiply matrices in it.
+    Only for our own process: compiled functions of other people could not multiply matrices in it.
     """
     from rubnoise.compiling import BEFORE_COMPILING
 
@@ -205,7 +205,7 @@ def prepare_kernels() -> None:
 
 
 def _load_without_linear_algebra() -> None:
-    """Load numba's array functions, which would load it."""
+    """Load numba's array functions without the linear algebra that they import."""
     if "numba.np.arraymath" in sys.modules or _BLAS in sys.modules:
         return
     modules: dict[str, Any] = sys.modules

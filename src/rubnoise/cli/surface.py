@@ -132,7 +132,7 @@ def command(
 
 
 def _refuse_unused(context: typer.Context, *, synthesise: bool, written: bool) -> None:
-    """Refuse options without effect: those of scans beside --synthesise and the other way round, and of no scenario."""
+    """Refuse options without effect: for scans with --synthesise and the reverse, and for a scenario without -o."""
     unused = dict.fromkeys(_SCANS, "is for scans, not for --synthesise") if synthesise else {}
     if not synthesise:
         unused |= dict.fromkeys(_SYNTHETIC, "is for --synthesise")
@@ -146,7 +146,7 @@ def _refuse_unused(context: typer.Context, *, synthesise: bool, written: bool) -
 def _write(
     contact: "SlidingContact", output: Path | None, report: Path | None, scenario: dict[str, Any], *, force: bool
 ) -> None:
-    """Write scenario and report, all or none; nothing of a contact that is refused."""
+    """Write scenario and report, both or none; neither for a refused contact."""
     from rubnoise.storage.output import whole_file
 
     texts: dict[Path, str] = {}
@@ -252,7 +252,7 @@ HEADINGS: Final = {
 
 
 def contents(contact: "SlidingContact") -> dict[str, Any]:
-    """Return the answer by name, lengths in um; a number that is none is null."""
+    """Return the answer by name, lengths in um; numbers that are not finite are null."""
     import numpy as np
 
     gaussian = contact.gaussian
@@ -286,7 +286,7 @@ def _map(contact: "SlidingContact", which: int) -> dict[str, Any]:
 
 
 def described(contact: "SlidingContact") -> Iterator[str]:
-    """Yield the answer, line by line."""
+    """Yield the lines of the answer."""
     for role, surface in (("track", contact.track), ("slider", contact.slider)):
         along, across = surface.size
         yield sentence(

@@ -105,7 +105,7 @@ def command(
 
 
 def _security(authority: Path | None, certificate: Path | None, key: Path | None, cluster: str | None) -> Any:
-    """Return how to speak with a cluster, None if no option says anything of it."""
+    """Return the TLS settings for a cluster, None if no option gives them."""
     if authority is None and certificate is None and key is None:
         return None
     if cluster is None:
@@ -137,7 +137,7 @@ def _print_outcome(
 
 
 def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged: Path | None) -> dict[str, Any]:
-    """Return what became of a sweep, by name."""
+    """Return the outcome of a sweep, by name."""
     known = ending.known
     failed = [
         {

@@ -252,7 +252,7 @@ OTHER_MODELS: Final = {
 
 
 def format_theory(heading: str, model: "Model", answer: dict[str, Any]) -> Iterator[str]:
-    """Yield what theory says, as lines to print under a heading."""
+    """Yield the exact values, as lines to print under a heading."""
     from rubnoise.cli.derivation import MOTION, motion_warnings
 
     yield from (sentence(printable(heading)), "")
@@ -274,7 +274,7 @@ def format_theory(heading: str, model: "Model", answer: dict[str, Any]) -> Itera
 
 
 def _curve_lines(group: str, curve: CurveTable, answer: dict[str, Any]) -> Iterator[str]:
-    """Yield a curve as a table, of lines and bins some."""
+    """Yield a curve as a table; of lines and bins only some."""
     columns = {label.format(unit): answer[name] for name, label, unit in curve.columns if name in answer}
     rows = list(zip(*columns.values(), strict=True))
     shown = _shown_rows(group, len(rows))
@@ -298,9 +298,9 @@ def _shown_rows(group: str, rows: int) -> Sequence[int]:
 
 
 def csv_rows(answer: dict[str, Any]) -> Iterator[str]:
-    """Return a heading and a row a number: its name, where it is taken and in which unit, its value and its unit.
+    """Return a heading and a row for each number: its name, its place with unit, its value and its unit.
 
-    Numbers are to their last bit; a value that is not finite is left empty.
+    Numbers have all their digits; a value that is not finite is empty.
     """
     yield "quantity,at,at_unit,value,unit"
     for group, fields in answer.items():

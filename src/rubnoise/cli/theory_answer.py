@@ -1,4 +1,4 @@
-"""What theory says about a model, by name, in working units and ready for JSON, at the points of the --at options."""
+"""The exact values of a model, by name, in working units and ready for JSON, at the points of the --at options."""
 
 import re
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ REACH: Final = 6.0
 class Points:
     """Wavenumbers in rad/um, lags in um and areas in um^2, in the order of the options.
 
-    So are ``levels`` of the displacement and ``distances`` from an empty start, in um; None if no option names any.
+    ``levels`` of the displacement and ``distances`` from an empty start are in um; None if no option names any.
     ``areas_given``: whether an option names areas; ``brief``: whether default points are for a terminal.
     """
 
@@ -67,9 +67,9 @@ class Points:
         distances: Sequence[str] | None,
         brief: bool,
     ) -> Self:
-        """Return the points that options name, and for those left out some that suit the model, few when ``brief``.
+        """Return the points that options name, otherwise default points that suit the model, few if ``brief``.
 
-        Raises Refused, naming option and value, for what is no finite number.
+        Raises Refused, naming option and value, if a number is not finite.
         """
         given = [
             _read(option, texts)
@@ -86,7 +86,7 @@ class Points:
         )
 
     def levels_about(self, mean: float, std: float) -> Doubles:
-        """Return the given levels, or some as far from a mean as a displacement of that spread ever goes."""
+        """Return the given levels, or some that cover the range of a displacement with that mean and spread."""
         if self.levels is not None:
             return self.levels
         return mean + std * (np.arange(-3.0, 4.0) if self.brief else np.linspace(-REACH, REACH, MANY))
@@ -123,14 +123,14 @@ def _wavenumbers(model: Model, *, brief: bool) -> Doubles:
 
 
 def _lags(model: Model, *, brief: bool) -> Doubles:
-    """Return lags from 0 to where nothing is left of the contact."""
+    """Return lags from 0 to the end of all correlation."""
     if brief:
         return _rounded(covariance_reach(model, LITTLE) / FEW) * np.arange(FEW + 1, dtype=np.float64)
     return np.linspace(0.0, covariance_reach(model, NOTHING), MANY)
 
 
 def _areas(model: Model, *, brief: bool) -> Doubles:
-    """Return areas from far below the mean, or 0, to as far above it."""
+    """Return areas from far below the mean, or from 0, to as far above it."""
     area = area_cumulants(model)
     if brief:
         step = _rounded(0.75 * area.std) or area.mean
@@ -153,7 +153,7 @@ MOST_LINES: Final = 64
 def theory_as_json(model: Model, points: Points, segment: int | None = None, *, white: bool = False) -> dict[str, Any]:
     """Return moments, and spectrum, autocovariance, distribution and the rest at the points; None for what is infinite.
 
-    ``segment``: ticks of one for what Welch's method shows; ``white``: whether to add Kilburn's white noise. A group
+    ``segment``: ticks of a segment of Welch's method; ``white``: whether to add Kilburn's white noise. A group
     that does not apply to the model is left out; raises Refused if an option requests it.
     """
     theory = exact(model)
@@ -204,7 +204,7 @@ def _load(theory: Exact) -> dict[str, Any]:
 
 
 def _other_models(model: Model, *, white: bool) -> dict[str, Any]:
-    """Return what an older model says instead of, or beside, the contact's own force."""
+    """Return the values of an older model, instead of or beside the contact's own force."""
     found: dict[str, Any] = {}
     if model.slider is not None and model.slider.excitation == "base":
         found["base_excitation"] = asdict(base_response(model))
@@ -228,7 +228,7 @@ def _at(model: Model, points: Points) -> dict[str, Any]:
 
 
 def _lines(model: Model) -> dict[str, Any]:
-    """Return the first lines that regular births put into the spectrum."""
+    """Return the first spectral lines of regular births."""
     wavenumber, power = visible_lines(model)
     if not power.size:
         return {}
@@ -260,7 +260,7 @@ def _estimated(theory: Exact, segment: int | None) -> dict[str, Any]:
 
 
 def _crossings(theory: Exact, points: Points) -> dict[str, Any]:
-    """Return how often the slider passes levels, and how far from Gaussian it is."""
+    """Return how often the slider passes levels, and its deviation from a Gaussian law."""
     try:
         motion = theory.motion_cumulants()
     except Refused as refusal:
@@ -279,7 +279,7 @@ def _crossings(theory: Exact, points: Points) -> dict[str, Any]:
 
 
 def _from_empty(theory: Exact, points: Points) -> dict[str, Any]:
-    """Return how a contact grows from an empty start, if the scenario has one or --at-distance requests it."""
+    """Return the growth of a contact from an empty start, if the scenario has one or --at-distance requests it."""
     if points.distances is None and theory.model.start != "empty":
         return {}
     distances = points.distances_up_to(longest_life(theory.model))

@@ -1,4 +1,4 @@
-"""`rubnoise verify`: check that every value of a result file is what it should be."""
+"""`rubnoise verify`: check that every value of a result file is right."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,10 +20,10 @@ REGENERATE: Final = "--regenerate"
 
 
 class BareCount(Command):
-    """A command whose option --regenerate may stand without a number."""
+    """A command whose option --regenerate may have no number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the number there that the option stands for without one."""
+        """Add the default number to the option if it has none."""
         words = []
         for word, following in zip(args, [*args[1:], ""], strict=True):
             bare = word == REGENERATE and not following.lstrip("-").isdigit()
@@ -89,7 +89,7 @@ def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
 
 
 def format_verification(found: "Verification", file: Path) -> Iterator[str]:
-    """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
+    """Yield a table of the checks, the first wrong place of each failed check, and the verdict."""
     of_file = "its hashes and its run, played again"
     parts = "its description, its journals and its runs" if is_folder(file) else of_file
     yield f"{printable(str(file))}: compared with {parts}"

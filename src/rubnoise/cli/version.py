@@ -1,4 +1,4 @@
-"""What `rubnoise --version` prints: the version and, of a checkout or of a package made from a commit, that commit."""
+"""The output of `rubnoise --version`: the version and, for a checkout or a package made from a commit, that commit."""
 
 import json
 import re
@@ -33,7 +33,7 @@ def cite() -> None:
 
 
 def commit_of_checkout(package: Path) -> str:
-    """Return the commit that is checked out around a package, "" if it lies in no checkout of this project.
+    """Return the commit of the checkout that a package is in, "" if it is in no checkout of this project.
 
     git's own files are read: HEAD is a commit, or names a branch, whose commit is in a file of its own or among those
     packed into one. Changes that are not committed do not show.
@@ -58,7 +58,7 @@ def _packed(folder: Path, branch: str) -> str:
 
 
 def _commit_of_package() -> str:
-    """Return the commit from which pip installed the package, which it says if it took it from a repository."""
+    """Return the commit from which pip installed the package, which pip records for a repository."""
     try:
         origin = json.loads(distribution("rubnoise").read_text("direct_url.json") or "{}")
     except (PackageNotFoundError, OSError, ValueError):

@@ -49,7 +49,7 @@ class Film:
 
     @classmethod
     def of(cls, stretch: Stretch, *, seconds: float, rate: int) -> Self:
-        """Return the film of a stretch that lasts so long; by default of its first three mean lives.
+        """Return the film of a stretch with a duration; by default of its first three mean lives.
 
         With two-way coupling it is longer if these hold fewer than four sticks. Raises Refused for fewer than 2
         frames or more than 1000, and for more junctions at once than a picture shows.
@@ -133,11 +133,11 @@ class _Growing:
 
     @property
     def changing(self) -> tuple["Artist", ...]:
-        """What is not the same in every frame."""
+        """The artists that change from frame to frame."""
         return self._line, self._dot, self._words
 
     def show(self, distance: float, value: float, words: str) -> None:
-        """Draw the values up to here, and write the last of them in words."""
+        """Draw the values up to a distance, and write the last one in words."""
         known = int(np.searchsorted(self._distance, distance, side="right"))
         self._line.set_data(np.append(self._distance[:known], distance), np.append(self._value[:known], value))
         self._dot.set_data([distance], [value])
@@ -161,7 +161,7 @@ def _count_trace(axes: "Axes", stretch: Stretch) -> _Growing:
 
 
 def _sticks_width(stretch: Stretch) -> float:
-    """Return how far in um a two-way slider comes until its first sticks are over; 0 with one-way coupling."""
+    """Return the distance in um at which a two-way slider has ended its first sticks; 0 with one-way coupling."""
     landmarks = 2 * STICKS
     if not stretch.model.is_two_way or stretch.file.rows("landmarks") <= landmarks:
         return 0.0

@@ -39,7 +39,7 @@ TRACE_LIVES: Final = 40.0
 
 
 def trace_figure(stretch: Stretch) -> "Figure":
-    """Draw A_r of a stretch, and above it where in the whole record the stretch lies."""
+    """Draw A_r of a stretch, and above it the place of the stretch in the whole record."""
     shown = stretch.narrowed(TRACE_LIVES * stretch.model.mean_life_distance)
     whole = stretch.whole()
     parted = (shown.start, shown.stop) != (whole.start, whole.stop)
@@ -94,7 +94,7 @@ LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 
 
 def lives_figure(stretch: Stretch) -> "Figure":
-    """Draw the areas of all junctions of a stretch, layer upon layer up to their sum, and each by itself.
+    """Draw the areas of all junctions of a stretch, stacked to their sum, and each by itself.
 
     Raises Refused for a stretch with more junctions than a picture can show.
     """
@@ -116,7 +116,7 @@ def _refuse_too_many(alive: Neighbours) -> None:
 
 
 def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
-    """Draw the sum of areas above, and below it each by itself, of those who live in a stretch."""
+    """Draw the sum of the areas of junctions in a stretch, and below it each area by itself."""
     lives = (shown.stop - shown.start) / shown.model.mean_life_distance
     samples = int(min(max(FEWEST_SAMPLES, SAMPLES_A_LIFE * lives), MOST_SAMPLES))
     distance = np.linspace(shown.start, shown.stop, samples)
@@ -129,7 +129,7 @@ def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
 
 
 def default_width(stretch: Stretch) -> float:
-    """Return the width in um of a stretch that shows single lives: some of them one after another, but not too many."""
+    """Return the width in um of a stretch that shows single lives: several, but not too many."""
     births = max(DEFAULT_DRAWN - stretch.model.mean_junction_count, 0.1 * stretch.model.mean_junction_count)
     return min(LAYER_LIVES * stretch.model.mean_life_distance, births * stretch.model.mean_birth_spacing)
 
@@ -181,7 +181,7 @@ COUNT: Final = "live junctions"
 
 
 def count_figure(stretch: Stretch) -> "Figure":
-    """Draw N(s) of the stretch's beginning, and beside it how often each number was alive in the whole stretch."""
+    """Draw N(s) of the stretch's beginning, and beside it the share of each live count in the whole stretch."""
     theory = exact(stretch.model) if stretch.has_theory else None
     figure = new_figure(7.2, 3.4)
     add_title(figure, stretch, "How many junctions are alive")
@@ -220,7 +220,7 @@ def _draw_count_shares(axes: "Axes", stretch: Stretch, theory: Exact | None) -> 
 
 
 def _count_shares(stretch: Stretch) -> tuple[int, NDArray[np.float64]]:
-    """Return the smallest number of live junctions, and how often it and every larger one was alive."""
+    """Return the smallest live count, and the shares of it and of all larger ones."""
     found: dict[int, int] = {}
     for chunk in stretch.chunks("trace", "junction_count"):
         numbers, often = np.unique(chunk, return_counts=True)

@@ -124,10 +124,10 @@ LAG_LIVES: Final = 1.6
 
 
 def acf_figure(stretch: Stretch) -> "Figure":
-    """Draw the autocovariance of A_r over a stretch, R(tau), and the band that holds 95 % of estimates at each lag.
+    """Draw the autocovariance of A_r over a stretch, R(tau), and the band with 95 % of estimates at each lag.
 
-    Theory knows the band for births at random, to first order in a life over the stretch. It lies about what an
-    estimate is expected to be: R(tau) less the variance of the mean that is subtracted, S(0) over the stretch.
+    Theory knows the band for random births, to first order in a life over the stretch. It lies about the expected
+    estimate: R(tau) less the variance of the subtracted mean, S(0) over the stretch.
     """
     first, last = stretch.rows("trace")
     reach = min(int(LAG_LIVES * stretch.model.mean_life_distance / stretch.model.tick) + 1, (last - first) // 2)
@@ -155,7 +155,7 @@ def acf_figure(stretch: Stretch) -> "Figure":
 
 
 def _mean_area(stretch: Stretch) -> float:
-    """Return the mean area in um^2: the exact one, or if theory does not know it that of the stretch."""
+    """Return the mean area in um^2: the exact one, or that of the stretch if theory does not know it."""
     if stretch.has_theory:
         return area_cumulants(stretch.model).mean
     total = sum(float(chunk.sum()) for chunk in stretch.chunks("trace", "real_contact_area"))
@@ -184,7 +184,7 @@ def _draw_exact_covariance(axes: "Axes", stretch: Stretch, longest: float) -> No
 
 
 def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Doubles, Doubles]:
-    """Return between which values in um^4 the estimate lies at each lag in um in 95 % of runs like this one."""
+    """Return the bounds in um^4 of the estimate at each lag in um in 95 % of such runs."""
     length = stretch.stop - stretch.start
     error = CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
     expected = exact - density_at_zero(stretch.model) / length
@@ -205,7 +205,7 @@ UNIT: Final = "µm⁴ per rad/µm"
 
 
 def psd_figure(stretch: Stretch) -> "Figure":
-    """Draw Welch's estimate of S(k) over a stretch, S(k) itself, and what the estimate is expected to be.
+    """Draw Welch's estimate of S(k) over a stretch, S(k) itself, and the expected estimate.
 
     The last has the aliases of the ticks and the leakage of the window in it. Raises Refused for a stretch of too few
     ticks.
@@ -251,7 +251,7 @@ def area_spectrum(stretch: Stretch) -> Spectrum:
 
 
 def _draw_exact_density(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
-    """Draw S(k), unless it is 0, and mark the lines that regular births have beside it or instead."""
+    """Draw S(k), unless it is 0, and mark the lines of regular births."""
     wavenumber = np.geomspace(seen.wavenumber[1], seen.wavenumber[-1], DENSITY_POINTS)
     density = spectral_density(stretch.model, wavenumber)
     if density.any():
@@ -264,7 +264,7 @@ def _draw_exact_density(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
 
 
 def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> Doubles:
-    """Draw what the estimate is expected to be, and return it at the wavenumbers of the estimate."""
+    """Draw the expected estimate, and return it at the wavenumbers of the estimate."""
     window, tick = hann(seen.ticks), stretch.model.tick
     wavenumber, expected = expected_periodogram(stretch.model, tick, window)
     axes.plot(wavenumber[1:], expected[1:], color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
@@ -273,12 +273,12 @@ def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> D
 
 
 def _draw_ratio(axes: "Axes", seen: Spectrum, expected: Doubles) -> None:
-    """Draw the estimate over what it is expected to be, if that is more than rounding."""
+    """Draw the estimate over its expectation, if that is more than rounding."""
     known = (expected > ROUNDING * float(expected.max())) & (seen.wavenumber > 0.0)
     wavenumber, level = seen.wavenumber[known], expected[known]
     draw_ratio(axes, wavenumber, seen.density[known] / level, relative_error(seen))
 
 
 def relative_error(seen: Spectrum) -> float:
-    """Return the standard error of an estimate of Welch's over what it is expected to be."""
+    """Return the standard error of Welch's estimate over its expectation."""
     return sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)

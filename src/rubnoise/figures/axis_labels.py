@@ -1,4 +1,4 @@
-"""What the figures of runs and the keys of scenarios are called on the axes of a picture."""
+"""Labels on the axes of pictures for the figures of runs and the keys of scenarios."""
 
 from rubnoise.figure_names import FIGURE_NAMES
 
@@ -20,12 +20,12 @@ def key_label(key: str, unit: str) -> str:
 
 
 def key_words(key: str) -> str:
-    """Return a key in words; of one whose name is nothing without its table, that too."""
+    """Return a key in words, with its table if the name needs it."""
     table, _, name = key.rpartition(".")
     words = name.replace("_", " ")
     return f"{table} {words}" if name in {"law", "spread", "mean", "start", "shape", "speed"} else words
 
 
 def shown_unit(unit: str) -> str:
-    """Return a unit as it is printed."""
+    """Return a unit in printed form."""
     return unit.replace("um", "µm").replace("uN", "µN").replace("^2", "²").replace("*", " ")

@@ -75,7 +75,7 @@ OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Appearance:
-    """How a picture is shown: width and height in inches (its own if None), style, and whether axes have titles."""
+    """Appearance of a picture: width and height in inches (its own if None), style, and whether axes have titles."""
 
     inches: tuple[float, float] | None = None
     style: Style = "screen"
@@ -113,11 +113,11 @@ def drawing(
     look: Appearance = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
-    """Return a picture of a run as a figure, which a notebook shows; of one in the place of ``ax`` their whole figure.
+    """Return a picture of a run as a figure, which a notebook shows; with ``ax``, their whole figure.
 
-    heard: of what `psd`, `spectrogram` and `histogram` are, in place of the area; beside: a run that is laid over the
-    first; measured: a spectrum of the user's own; look: its size, its style, and whether it has titles. Raises Refused
-    if a run has not what is shown.
+    heard: the quantity of `psd`, `spectrogram` and `histogram`, in place of the area; beside: a run that is drawn over
+    the first; measured: a spectrum of the user's; look: its size, its style, and whether it has titles. Raises Refused
+    if a run does not have what the picture shows.
     """
     with house_style(look.style), in_place_of(ax), of_size(look.inches):
         figure = _figure(name, stretch, heard, beside, measured)
@@ -135,17 +135,17 @@ FIRST_QUANTITIES: Final = ("displacement_std", "real_contact_area_std")
 
 
 def first_quantity(sweep: SweepResult) -> str:
-    """Return the quantity of a sweep that is drawn if none is named."""
+    """Return the default quantity of a sweep."""
     return next((name for name in FIRST_QUANTITIES if name in sweep.runs), FIRST_QUANTITIES[-1])
 
 
 def sweep_drawing(
     sweep: SweepResult, what: str | None, *, heard: Heard | None = None, look: Appearance = AS_IT_IS
 ) -> "Figure":
-    """Return a quantity of a sweep against what is swept, or with "psd" the spectra of its points, as a figure.
+    """Return a quantity of a sweep against the swept key, or with "psd" the spectra of its points, as a figure.
 
-    heard: whose spectra are drawn, in place of the area's; look: size, style, and whether there are titles. Raises
-    Refused for what the sweep does not have.
+    heard: the quantity of the spectra, in place of the area; look: size, style, and whether there are titles. Raises
+    Refused if the sweep does not have the quantity.
     """
     if heard is not None and what != SPECTRA:
         raise Refused(f"of {heard}: is for psd, the spectra of a sweep's points")
@@ -160,7 +160,7 @@ def sweep_drawing(
 
 
 def without_titles(figure: "Figure") -> None:
-    """Take the titles of a figure and its axes away, as a caption below it says them."""
+    """Remove the titles of a figure and its axes, for a figure with a caption."""
     figure.suptitle("")
     for axes in figure.axes:
         axes.set_title("", loc="left")

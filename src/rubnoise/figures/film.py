@@ -31,7 +31,7 @@ def check_film(kind: Kind) -> None:
 
 
 def write_film(path: Path, film: Film, kind: Kind, between: Between) -> None:
-    """Write a film into a file of a kind, whatever its name; ``between`` is called after each frame and may raise.
+    """Write a film into a file of a kind, with any name; ``between`` is called after each frame and may raise.
 
     A gif has the same bytes for the same film; those of an mp4 are ffmpeg's. Raises RubnoiseError if ffmpeg fails.
     """
@@ -63,7 +63,7 @@ def _write_gif(path: Path, film: Film, frames: Iterator[Frame]) -> None:
 
 
 def _palette(film: Film, first: "Image") -> "Image":
-    """Return an image that holds the colours of the film: those of a frame, and every shade of area."""
+    """Return an image with the colours of the film: those of a frame, and every shade of area."""
     from PIL import Image
 
     from rubnoise.figures.stage import shades
@@ -77,7 +77,7 @@ def _palette(film: Film, first: "Image") -> "Image":
 
 
 def _with_white(palette: "Image") -> "Image":
-    """Make every colour that is nearly white so: colours are means of what they stand for, and a slide is white."""
+    """Make nearly white colours white: palette colours are averages, and a slide is white."""
     colours = palette.getpalette() or []
     triples = [colours[i : i + 3] for i in range(0, len(colours), 3)]
     palette.putpalette([value for triple in triples for value in ([255] * 3 if min(triple) >= _WHITE else triple)])

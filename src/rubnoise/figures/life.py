@@ -20,7 +20,7 @@ UNITS_OF_TIME: Final = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 
 
 def life_png(life: Life, source: str = "") -> bytes:
-    """Return the picture of one life as a png; ``source`` is what the title says it is from."""
+    """Return the picture of one life as a png; ``source`` is the origin in its title."""
     with house_style():
         figure = new_figure(6.6, 5.6)
         above, below = figure.subplots(2, 1, sharex=True)
@@ -95,7 +95,7 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
 
 
 def _shade_unknown(axes: "Axes", life: Life) -> None:
-    """Mark what lies before the start or after the end of the record, where the other live junctions are unknown."""
+    """Mark the parts before the start and after the end of the record, where the other live junctions are unknown."""
     start, end = -life.birth_distance, life.record_end - life.birth_distance
     beyond = [(0.0, start, "before the start"), (end, life.life_distance, "after the end")]
     beyond = [(first, last, words) for first, last, words in beyond if first < last]

@@ -1,4 +1,4 @@
-"""The slider as it rises and falls under its load: load, separation, normal velocity, and how often each value is."""
+"""The rise and fall of the slider under its load: load, separation, normal velocity, and their histograms."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -24,10 +24,10 @@ BINS: Final = 60
 
 
 def load_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
-    """Draw load, separation and normal velocity in time, to first order beside their exact means and spreads.
+    """Draw load, separation and normal velocity in time, for first order with their exact means and spreads.
 
-    Of free motion the exact mean of the load is drawn, flights are shaded, and impacts are marked. Another run is laid
-    over the first at the same times. Raises Refused for a run without a load that weighs.
+    For free motion the exact mean of the load is drawn, flights are shaded, and impacts are marked. Another run is
+    drawn over the first at the same times. Raises Refused for a run without a load that weighs.
     """
     shown = same_times(stretch, motions_of(stretch, beside, "load"))
     figure = new_figure(7.2, 5.4)
@@ -49,7 +49,7 @@ def load_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
 
 
 def _mark_impacts(bears: "Axes", speed: "Axes", motion: Motion) -> None:
-    """Mark the exact mean load of free motion, and where the slider falls back on the surface, if there is room."""
+    """Mark the exact mean load of free motion, and the impacts of the slider, if there is room."""
     found = motion.flights()
     if found is None:
         return
@@ -62,9 +62,9 @@ def _mark_impacts(bears: "Axes", speed: "Axes", motion: Motion) -> None:
 
 
 def motion_histogram_figure(stretch: Stretch, heard: Heard) -> "Figure":
-    """Draw how often each value of force, motion or load occurs, on a linear and on a logarithmic axis.
+    """Draw the histogram of force, motion or load, on a linear and on a logarithmic axis.
 
-    A load of 0 is no bar: a text states the share of the time in which the slider is off the surface. Raises Refused
+    A load of 0 has no bar: a text states the share of the time in which the slider is off the surface. Raises Refused
     if nothing but rounding varies.
     """
     quantity = QUANTITIES[heard]

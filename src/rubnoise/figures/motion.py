@@ -40,8 +40,8 @@ FORCE: Final = "friction_force"
 class Motion:
     """Rows ``first`` to before ``last`` of a group, ``apart`` s from one to the next, and the physics of the run.
 
-    ``swings`` is what swings by itself: the mass on its spring, or under a load the mass on its contact; None for the
-    force of a run without a slider.
+    ``swings`` is the oscillator: the mass on its spring, or under a load the mass on its contact; None for the force of
+    a run without a slider.
     """
 
     group: Group
@@ -57,7 +57,7 @@ class Motion:
     def of(cls, stretch: Stretch, group: Group = "slider", column: str | None = None) -> Self:
         """Return the motion in a stretch; raises Refused for a run without it, and for fewer than two rows.
 
-        If only the friction force is wanted of it (``column``), a run without a slider has that, too.
+        For the friction force alone (``column``) a run needs no slider.
         """
         model, file = stretch.model, stretch.file
         if column == FORCE and model.slider is None and column in file.columns["trace"]:
@@ -90,14 +90,14 @@ class Motion:
 
     @property
     def slider(self) -> Slider:
-        """What swings by itself."""
+        """The oscillator."""
         if self.swings is None:
             raise AssertionError("a run without a slider has nothing that swings")
         return self.swings
 
     @property
     def frequency(self) -> float:
-        """The natural frequency in Hz; of a force that drives no slider, how many mean lives pass in a second."""
+        """The natural frequency in Hz; for a force without a slider, the number of mean lives per second."""
         return self.speed / self.model.mean_life_distance if self.swings is None else self.swings.natural_frequency
 
     @property
@@ -111,7 +111,7 @@ class Motion:
         return self.apart * (self.last - 1)
 
     def beginning(self) -> Self:
-        """Return the first natural periods, and of a two-way slider the first sticks too, or all if there are fewer."""
+        """Return the first natural periods, with the first sticks of a two-way slider, or all if there are fewer."""
         duration = PERIODS / self.slider.natural_frequency
         if self.model.is_two_way:
             wanted = first_landmark(self.file, self.begin) + 2 * STICKS
@@ -123,7 +123,7 @@ class Motion:
         return self.between(self.begin, self.begin + duration)
 
     def between(self, begin: float, end: float) -> Self:
-        """Return the rows from one time to another, in s, as far as the run goes; raises Refused for fewer than two."""
+        """Return the rows between two times in s, up to the end of the run; raises Refused for fewer than two."""
         rows = self.file.rows(self.group)
         first = min(round(begin / self.apart), rows)
         last = min(max(round(end / self.apart) + 1, first + 2), rows)
@@ -142,7 +142,7 @@ class Motion:
         return "base" if self.driven_by_base else "friction force"
 
     def curve(self, name: str) -> tuple[Doubles, Doubles]:
-        """Return times in s and values of a column; of many rows the extremes of each few."""
+        """Return times in s and values of a column; of many rows only the extremes of each few."""
         place, value = thinned(self.file, self.group, name, self.first, self.last)
         return self.apart * place, value
 
@@ -162,18 +162,18 @@ class Motion:
         return self.file.column(self.group, self.present(name), self.first, last).astype(np.float64)
 
     def stick_slip(self) -> StickSlip:
-        """Return the sticks and slips of a two-way slider, of a very long stretch those of its beginning."""
+        """Return the sticks and slips of a two-way slider; for a very long stretch, those of its beginning."""
         return StickSlip.of(self.file, self.begin, self.end, MOST_READ)
 
     def flights(self) -> Flights | None:
-        """Return when a slider of free motion is off the surface, of a very long stretch its beginning; else None."""
+        """Return the flights of a free slider, of a very long stretch those of its beginning; None for others."""
         return None if self.model.free is None else Flights.of(self.file, self.begin, self.end, MOST_READ)
 
 
 def motions_of(
     stretch: Stretch, beside: Stretch | None, group: Group = "slider", column: str | None = None
 ) -> list[Motion]:
-    """Return the motion in a stretch, and in that of a run that is laid over it; raises Refused for runs without."""
+    """Return the motion in a stretch, and in that of a run drawn over it; raises Refused for runs without motion."""
     first = Motion.of(stretch, group, column)
     if beside is None:
         return [first]
@@ -193,7 +193,7 @@ def labels_of(motions: Sequence[Motion]) -> list[str]:
 
 @contextmanager
 def prefix_refusals(what: str) -> Iterator[None]:
-    """Begin what is refused with what it is about."""
+    """Put a prefix in front of the message of a refusal."""
     try:
         yield
     except Refused as refusal:
@@ -217,7 +217,7 @@ def shade_flights(axes: "Axes", motion: Motion) -> None:
 def _shade(axes: "Axes", motion: Motion, begins: Doubles, ends: Doubles, label: str) -> None:
     """Shade intervals of time in s.
 
-    A picture holds no more columns than so many: of more intervals each is as dark as the share of it that they take.
+    A picture has a limited number of columns: with more intervals, each column is as dark as their share of it.
     """
     begin, width, share = spans(begins, ends, motion.begin, motion.end)
     if begin.size:
@@ -234,7 +234,7 @@ def _shade(axes: "Axes", motion: Motion, begins: Doubles, ends: Doubles, label: 
 
 
 def spans(begin: Doubles, end: Doubles, first: float, last: float) -> tuple[Doubles, Doubles, Doubles]:
-    """Return where to shade: begins and widths in s, and the share of each that the intervals take."""
+    """Return the spans to shade: begins and widths in s, and the share of each that the intervals take."""
     if begin.size <= MOST_SPANS:
         return begin, end - begin, np.ones(begin.size)
     edges = np.linspace(first, last, MOST_SPANS + 1)

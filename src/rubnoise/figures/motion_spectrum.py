@@ -58,10 +58,10 @@ POINTS: Final = 1500
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Audible:
-    """A column as a picture shows it: its group, the factor to the unit on the axis, and the exact two-sided density.
+    """A column of a picture: its group, the factor to the unit on the axis, and the exact two-sided density.
 
-    ``white`` is the density that white noise of the same level at low frequency would have (Kilburn), None if that is
-    not known. ``still`` is the scale of a slider at rest: what varies by less than a tiny part of it is rounding.
+    ``white`` is the density for white noise of the same level at low frequency (Kilburn), None if it is unknown.
+    ``still`` is the scale of a slider at rest: variations much smaller than it are rounding.
     """
 
     column: str
@@ -97,7 +97,7 @@ def _mean_force(motion: Motion) -> float:
 
 
 def _deflection(motion: Motion) -> float:
-    """Return how far the mean force deflects a slider, in um."""
+    """Return the deflection of a slider by the mean force, in um."""
     return response(motion.model).mean_displacement
 
 
@@ -190,7 +190,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
 
 
 def is_expected(motion: Motion, heard: Heard) -> bool:
-    """Whether theory knows the spectrum of a motion: one way, damped, in contact, and not of lines alone."""
+    """Whether theory knows the spectrum of a motion: one-way, damped, in contact, and not only of lines."""
     if motion.model.is_two_way or motion.model.free is not None:
         return False
     try:
@@ -201,7 +201,7 @@ def is_expected(motion: Motion, heard: Heard) -> bool:
 
 
 def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, above: "Axes", label: str) -> None:
-    """Draw the estimate over what theory and the window let one expect, whose band is drawn in the axes above."""
+    """Draw the estimate over its expectation, whose band is drawn in the axes above."""
     last = int(np.searchsorted(seen.wavenumber, 2.0 * pi * above.get_xlim()[1], side="right")) - 1
     exact = partial(QUANTITIES[heard].exact, motion.model)
     expected = through_window(exact, motion.apart, hann(seen.ticks), last)[FIRST:]
@@ -231,7 +231,7 @@ def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
 
 
 def _longest_segment(motion: Motion) -> int:
-    """Return the rows of a segment that is long enough: of many natural periods and, if it sticks, of many sticks."""
+    """Return the rows of a long enough segment: many natural periods and, for a slider that sticks, many sticks."""
     duration = PERIODS / motion.frequency
     if motion.model.is_two_way:
         sticks = first_landmark(motion.file, motion.end) - first_landmark(motion.file, motion.begin)
@@ -242,7 +242,7 @@ def _longest_segment(motion: Motion) -> int:
 def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: Heard) -> None:
     """Draw one-sided densities over frequency, twice the two-sided ones over w at w = 2 pi f, and the exact one.
 
-    That of a one-way slider is drawn as a line, and where all sliders are two-way as dashes.
+    The exact density is a line for a one-way slider, and dashes if all sliders are two-way.
     """
     quantity = QUANTITIES[heard]
     natural = found[0][0].frequency
@@ -268,7 +268,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
 
 
 def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowest: float, highest: float) -> None:
-    """Draw the exact density of one-way coupling if theory knows one, and regular births leave one."""
+    """Draw the exact density of one-way coupling, if theory knows it and it is not only of lines."""
     shown = next((motion for motion in motions if not motion.model.is_two_way), motions[0])
     if shown.model.free is not None:
         return
@@ -291,7 +291,7 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowe
 
 
 def curve_styles(count: int) -> list[dict[str, Any]]:
-    """Return how the curves of one run, or of one and another over it, are drawn: the first broad and pale."""
+    """Return the styles of the curves of one run or two: with two, the first is broad and pale."""
     if count == 1:
         return [{"color": BLUE, "lw": 0.9}]
     return [

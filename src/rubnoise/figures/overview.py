@@ -1,4 +1,4 @@
-"""A run at a glance: junctions and their sum, one life, and the motion that it excites or the laws that it follows."""
+"""A run at a glance: junctions and their sum, one life, and the excited motion, or the statistics without a slider."""
 
 from typing import TYPE_CHECKING, Any, Final
 
@@ -28,8 +28,8 @@ SHOWN_LIVES: Final = 40.0
 def overview_figure(stretch: Stretch, number: int | None = None) -> "Figure":
     """Draw a run, and the life of one of its junctions: the first that is born in the second half, or ``number``.
 
-    With a slider its force and displacement stand below, without one area and count beside theory. Raises Refused for
-    a number that is not there.
+    With a slider its force and displacement are drawn below, without one area and count beside theory. Raises Refused
+    for a number without a junction.
     """
     junction = _chosen(stretch, number)
     figure = new_figure(9.0, 5.4)

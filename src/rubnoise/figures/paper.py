@@ -1,4 +1,4 @@
-"""The figures of the paper, by name: what each shows, which scenarios it is made of, and how it is drawn."""
+"""The figures of the paper, by name, with their titles, scenarios and drawing functions."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperFigure:
-    """One figure of the paper: title, caption, the scenario files that it is made of, and what draws it."""
+    """One figure of the paper: title, caption, the scenario files that it needs, and its drawing function."""
 
     title: str
     caption: str
@@ -114,7 +114,7 @@ def caption(name: str) -> str:
 
 
 def chosen(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the figures that are meant, in the paper's order; none or `all` means every one.
+    """Return the named figures, in the paper's order; no name or `all` means every one.
 
     Raises Refused for an unknown name, with those that exist.
     """
@@ -126,14 +126,14 @@ def chosen(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def check_sources(names: Iterable[str], folder: Path | None = None) -> None:
-    """Read every scenario of some figures, from a folder or from those that come along; raises ScenarioRefused."""
+    """Read every scenario of some figures, from a folder or from the shipped ones; raises ScenarioRefused."""
     sources = Sources(folder=folder)
     for scenario in dict.fromkeys(scenario for name in names for scenario in FIGURES[name].scenarios):
         load_either(sources.path(scenario))
 
 
 def paper_figure(name: str, formats: Iterable[Format], sources: Sources) -> dict[Format, bytes]:
-    """Return a figure of the paper as the bytes of its files, the same whenever it is drawn.
+    """Return a figure of the paper as the bytes of its files, which are equal at each call.
 
     Raises ScenarioRefused for its scenarios, PicturesMissing without matplotlib.
     """

@@ -1,4 +1,4 @@
-"""Where the figures of the paper come from: scenario files, and the runs and sweeps that are made of them."""
+"""The sources of the figures of the paper: scenario files, and their runs and sweeps."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ Watch = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sources:
-    """The scenario files of the figures: those that come with rubnoise, or those of a folder."""
+    """The scenario files of the figures: the shipped ones, or those of a folder."""
 
     folder: Path | None = None
     watch: Watch | None = None
 
     def path(self, name: str) -> Path:
-        """Return the path of a scenario file; raises Refused if a file that should have come along has not."""
+        """Return the path of a scenario file; raises Refused if a shipped file is missing."""
         return shipped(f"{FOLDER}/{name}") if self.folder is None else self.folder / name
 
     def scenario(self, name: str, changes: Sequence[str] = ()) -> Scenario:
@@ -38,7 +38,7 @@ class Sources:
         return load(self.path(name), changes)
 
     def stretch(self, name: str, stop: float | None = None) -> Stretch:
-        """Run a scenario, and return its run from the start to a distance in um, or all of it; refused as a picture."""
+        """Run a scenario, and return its run from the start to a distance in um, or all; raises as a picture does."""
         return Stretch.of(simulate(self.scenario(name)).reader(), 0.0, stop)
 
     def points(self, name: str) -> tuple[Point, ...]:

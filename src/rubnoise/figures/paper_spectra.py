@@ -47,7 +47,7 @@ def spectrum_of(model: Model, record: MemoryRecord) -> Spectrum:
 
 
 def merged_bins(spectrum: Spectrum) -> tuple[Doubles, Doubles]:
-    """Return wavenumbers and the mean density of the bins about each: of single bins first, then of ever more."""
+    """Return wavenumbers and the mean density of the bins about each: first of single bins, then of more and more."""
     wavenumber, density = spectrum.wavenumber[FIRST:], spectrum.density[FIRST:]
     edges = [float(wavenumber[0])]
     while edges[-1] < wavenumber[-1]:
@@ -108,7 +108,7 @@ def _draw_tail(axes: "Axes", model: Model, highest: float) -> None:
 
 
 def _draw_aliased(axes: "Axes", model: Model, seen: Spectrum) -> None:
-    """Draw the estimate over S(k) near the last wavenumber, and what aliases of the ticks let one expect."""
+    """Draw the estimate over S(k) near the last wavenumber, and its expectation with the aliases of the ticks."""
     wavenumber, density = merged_bins(seen)
     bins, level = expected_periodogram(model, model.tick, hann(seen.ticks))
     shown, lifted = wavenumber > ALIASED * wavenumber[-1], bins > ALIASED * bins[-1]
@@ -141,7 +141,7 @@ NUMBER_POINTS: Final = 14.0
 
 
 def draw_fig9(sources: Sources) -> "Figure":
-    """Draw S(k) of every point, and all of them once more over variance and mean life."""
+    """Draw S(k) of every point, and all of them again over variance and mean life."""
     figure = new_figure(7.2, 3.9)
     plain, scaled = figure.subplots(1, 2)
     looks = enumerate(cycle(SERIES))

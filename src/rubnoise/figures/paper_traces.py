@@ -66,7 +66,7 @@ def draw_fig5(sources: Sources) -> "Figure":
 
 
 def _draw_near_zero(axes: "Axes", motion: Motion) -> None:
-    """Draw the velocity once more near zero and the drive's speed, and shade where it is above that, or sticks."""
+    """Draw the velocity again near zero and the drive's speed, and shade where it is above that, or sticks."""
     (time, velocity), speed = motion.curve("velocity"), MILLI * motion.speed
     velocity = MILLI * velocity
     if motion.model.is_two_way:

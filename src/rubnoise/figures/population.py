@@ -1,4 +1,4 @@
-"""The junctions that were born in a stretch: how large they are, how long they live, how far apart they are born."""
+"""The junctions that were born in a stretch: their sizes, their lives, and the gaps between their births."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -37,7 +37,7 @@ def life_distances_figure(stretch: Stretch) -> "Figure":
 
 
 def gaps_figure(stretch: Stretch) -> "Figure":
-    """Draw the histogram of distances from birth to birth, with their law if it is closed."""
+    """Draw the histogram of gaps between births, with their law if it has a closed form."""
     values = np.diff(born(stretch, "birth_distance"))
     mean = stretch.model.births.mean
     edges = _edges(values) if np.ptp(values) < 1e-6 * mean else np.linspace(0.0, LONGEST_GAPS * mean, BINS + 1)
@@ -46,9 +46,9 @@ def gaps_figure(stretch: Stretch) -> "Figure":
 
 
 def born(stretch: Stretch, name: str) -> Doubles:
-    """Return a column of /junctions of those born in a stretch, of very many the first.
+    """Return a column of /junctions for those born in a stretch; if there are very many, the first ones.
 
-    Junctions that a run began with are left out: longer lives are more often met at a place at random. Raises Refused
+    Junctions alive at the start of a run are left out, since longer lives are more probable among them. Raises Refused
     for fewer than three.
     """
     first, last = stretch.first_born(max(stretch.start, 0.0)), stretch.first_born(stretch.stop)
@@ -58,7 +58,7 @@ def born(stretch: Stretch, name: str) -> Doubles:
 
 
 def _edges(values: Doubles) -> Doubles:
-    """Return edges of bins from the least value to the largest, about a value that never varies in one bin."""
+    """Return edges of bins from the least value to the largest; one bin about a constant value."""
     low, high = float(values.min()), float(values.max())
     room = (0.1 if high - low < NEAREST * high else 1e-9) * high
     return np.linspace(low - room, high + room, BINS + 1)

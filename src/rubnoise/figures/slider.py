@@ -34,9 +34,9 @@ MILLI: Final = 1e-3
 
 
 def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
-    """Draw force and displacement in time, and, of a stretch with rows enough, the displacement's spectrum.
+    """Draw force and displacement in time, and the displacement's spectrum if the stretch has enough rows.
 
-    What is exact is known of one-way coupling alone; where a two-way slider sticks is shaded. Another run is laid over
+    Exact values are known only for one-way coupling; sticks of a two-way slider are shaded. Another run is drawn over
     the first at the same times. Raises Refused for a run without a slider.
     """
     whole = motions_of(stretch, beside)
@@ -78,9 +78,9 @@ def same_times(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
 
 
 def draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: float) -> None:
-    """Draw a column of some motions over time, of one whose mean and spread theory knows with these.
+    """Draw a column of some motions over time, with exact mean and spread if theory knows them.
 
-    Where a two-way slider sticks, and where a slider is off the surface, is shaded.
+    Sticks of a two-way slider and flights of a free one are shaded.
     """
     first = motions[0]
     known = _exact_moments(first, name) if len(motions) == 1 else None
@@ -134,10 +134,10 @@ SPEED: Final = "velocity (mm/s)"
 
 
 def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
-    """Draw the path of a slider in the phase plane, and beside it where it is how often in the whole stretch.
+    """Draw the path of a slider in the phase plane, and beside it the density of its places in the whole stretch.
 
-    A slider that sticks rides on the horizontal line at the drive's speed V. Of a one-way slider the ellipse of the
-    exact standard deviations is drawn. Another run is laid over the first at the same times, and no density is drawn.
+    A slider that sticks is on the horizontal line at the drive's speed V. For a one-way slider the ellipse of the exact
+    standard deviations is drawn. Another run is drawn over the first at the same times, without the density.
     Raises Refused for a run without a slider.
     """
     whole = motions_of(stretch, beside)
@@ -172,7 +172,7 @@ def _draw_path(axes: "Axes", motions: Sequence[Motion]) -> None:
 
 
 def _draw_density(axes: "Axes", motion: Motion) -> None:
-    """Draw which share of the time is spent in each small box of the plane, in logarithmic shades."""
+    """Draw the share of the time in each small box of the plane, in logarithmic shades."""
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
     share, edges = time_shares(motion)
@@ -212,7 +212,7 @@ def _box_edges(motion: Motion, name: str, count: int) -> Doubles:
 
 
 def _mark_exact(axes: "Axes", motion: Motion, *, alone: bool) -> None:
-    """Mark the drive's speed, and, about a one-way slider alone, the ellipse of the exact standard deviations."""
+    """Mark the drive's speed, and for a single one-way slider the ellipse of the exact standard deviations."""
     drive = MILLI * motion.speed
     label = f"speed V of the drive, {drive:.4g} mm/s"
     axes.axhline(drive, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=0.5, label=label)
@@ -233,11 +233,11 @@ MOST_DECADES: Final = 8
 
 
 def landmarks_figure(stretch: Stretch) -> "Figure":
-    """Draw how often slips of each length and sticks of each duration occur, in bins of equal ratio.
+    """Draw the histograms of slip lengths and stick durations, in bins of equal ratio.
 
-    Beside them stand the mean diameter of a junction and the slider's natural period. Of a slider that may leave its
-    contact, impacts of each speed and flights of each duration. Raises Refused for a run without landmarks, and if
-    nothing of the kind occurs.
+    They show the mean diameter of a junction and the slider's natural period for comparison. For a slider that may
+    leave its contact, they are those of impact speeds and flight durations. Raises Refused for a run without landmarks,
+    and if nothing of the kind occurs.
     """
     if stretch.model.held is not None and not stretch.has_theory:
         return _flights_figure(stretch, stretch.model.held.height_scale)
@@ -282,13 +282,13 @@ def _flights_figure(stretch: Stretch, height_scale: float) -> "Figure":
 
 
 def _part_shown(motion: Motion) -> str:
-    """Return that not all landmarks are shown, if they are not."""
+    """Return a note if not all landmarks are shown."""
     total = motion.file.rows("landmarks")
     return f", of its first {MOST_READ:,} landmarks" if total > MOST_READ else ""
 
 
 def _draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, scale: float) -> None:
-    """Draw how many of some values lie in each bin; those that are 0 are counted in the legend."""
+    """Draw the counts of values in bins; values of 0 are counted in the legend."""
     shown = scale * values[values > 0.0]
     nothing = values.size - shown.size
     axes.set_xlabel(f"{label} ({unit})")
@@ -308,14 +308,14 @@ def _draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str
 
 
 def ratio_bins(values: Doubles) -> Doubles:
-    """Return the edges of bins of equal ratio, a power of ten among them, that hold the largest of some values > 0."""
+    """Return the edges of bins of equal ratio, which include a power of ten and the largest of some values > 0."""
     highest = np.ceil(PER_DECADE * np.log10(values.max()) + 1e-9)
     lowest = max(np.floor(PER_DECADE * np.log10(values.min())), highest - PER_DECADE * MOST_DECADES)
     return 10.0 ** (np.arange(lowest, highest + 1.0) / PER_DECADE)
 
 
 def _mark_reference(axes: "Axes", place: float, label: str) -> None:
-    """Mark a length or a time to compare with; if nothing is drawn there is nothing to compare."""
+    """Mark a length or a time for comparison, if anything is drawn."""
     if axes.get_xscale() != "log":
         return
     low, high = axes.get_xlim()

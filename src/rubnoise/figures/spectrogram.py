@@ -1,4 +1,4 @@
-"""How a spectrum changes along a run: of the real contact area, or of the slider's force and motion."""
+"""The change of a spectrum along a run: of the real contact area, or of the slider's force and motion."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -30,7 +30,7 @@ LIVES: Final = 8.0
 def spectrogram_figure(stretch: Stretch, heard: Heard | None = None) -> "Figure":
     """Draw spectra of short segments side by side, in decibels below the loudest.
 
-    The area is seen over wavenumber and sliding distance, a slider over frequency and time. Raises Refused for too
+    The area is drawn over wavenumber and sliding distance, a slider over frequency and time. Raises Refused for too
     short a stretch.
     """
     if heard is None:

@@ -1,4 +1,4 @@
-"""Junctions as pairs of circles that slide over each other, each pair in a place of its own; and a still of them."""
+"""Junctions as pairs of circles that slide over each other, each pair at its own place; and a picture of them."""
 
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
@@ -43,7 +43,7 @@ SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stage:
-    """Junctions and where their lower circles stand, in um; the model has no places, so these are for the eye alone."""
+    """Junctions and the places of their lower circles, in um; the model has no places: these are only for the eye."""
 
     junctions: Neighbours
     x: Doubles
@@ -53,7 +53,7 @@ class Stage:
     largest_area: float
 
     def set_up(self, axes: "Axes") -> None:
-        """Give axes the size of the stage and a key, and take their ticks and edges away."""
+        """Give axes the size of the stage and a key, and remove their ticks and edges."""
         axes.set_aspect("equal")
         axes.set_xlim(0.0, self.width)
         axes.set_ylim(0.0, self.height)
@@ -64,7 +64,7 @@ class Stage:
         _add_key(axes, self.largest_area)
 
     def draw(self, axes: "Axes", distance: float) -> list[Any]:
-        """Draw the pairs that are near each other at a distance in um, and return what was drawn."""
+        """Draw the pairs that are near each other at a distance in um, and return the artists."""
         from matplotlib.collections import PolyCollection
 
         pairs = self.junctions
@@ -86,7 +86,7 @@ class Stage:
         return [*drawn, *_edge_marks(axes, self.width, self.height, distance)]
 
     def _signs(self, axes: "Axes", events: Doubles, lasting: float, distance: float, **look: Any) -> list[Any]:
-        """Mark where pairs first or last touched, or were parted, from then on for some diameters."""
+        """Mark the first and last touch of pairs, and early ends, for some diameters of sliding."""
         pairs = self.junctions
         which = (events <= distance) & (distance < events + lasting * pairs.diameter)
         middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
@@ -104,7 +104,7 @@ class Stage:
         return PolyCollection(list(np.stack([x, y], axis=-1)), lw=0.7, **look)
 
     def _lens(self, row: int, shift: float) -> Doubles:
-        """Return the outline of what both circles of a pair cover, their centres ``shift`` um apart along it."""
+        """Return the outline of the overlap of a pair's circles, with centres ``shift`` um apart along the motion."""
         radius = 0.5 * float(self.junctions.diameter[row])
         if self.junctions.offset is not None:
             return self._turned_lens(row, shift, radius)
@@ -117,7 +117,7 @@ class Stage:
         return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
 
     def _turned_lens(self, row: int, shift: float, radius: float) -> Doubles:
-        """Return the same for a pair whose centres are apart across the motion, too."""
+        """Return the same for a pair with centres also apart across the motion."""
         across = 0.0 if self.junctions.offset is None else float(self.junctions.offset[row])
         apart, turn = np.hypot(shift, across), np.arctan2(across, shift)
         half = np.arccos(min(apart / (2.0 * radius), 1.0))
@@ -130,9 +130,9 @@ class Stage:
 
 
 def stage_of(junctions: Neighbours, aspect: float) -> Stage:
-    """Return a stage of a width over height, on which no two pairs that are seen at once have the same place.
+    """Return a stage of a width over height, on which no two pairs that are visible together have the same place.
 
-    Raises Refused if more of them are there at once than a picture shows.
+    Raises Refused if more of them are visible together than a picture shows.
     """
     largest = float(junctions.diameter.max(initial=1.0))
     lead = LEAD * junctions.diameter
@@ -164,7 +164,7 @@ def _columns_width(columns: int) -> float:
 
 
 def _height(cells: int, columns: int, aspect: float, spread: float) -> float:
-    """Return how high, in diameters, a view of this width over height is that holds the places in so many columns.
+    """Return the height in diameters of a view of this width over height, with the places in ``columns`` columns.
 
     Places are ``spread`` times as high as those of centred passes.
     """
@@ -172,20 +172,20 @@ def _height(cells: int, columns: int, aspect: float, spread: float) -> float:
 
 
 def shades(count: int) -> NDArray[np.uint8]:
-    """Return the colours of areas from none to the largest, a row of red, green and blue each."""
+    """Return the colours of areas from none to the largest, one row of red, green and blue for each."""
     colours: NDArray[np.uint8] = _shades()(np.linspace(0.0, 1.0, count), bytes=True)[:, :3]
     return colours
 
 
 def _most_at_once(begins: Doubles, ends: Doubles) -> int:
-    """Return how many are there at once at most, each from its begin on and no longer at its end."""
+    """Return the largest number that exist at once, each from its begin to just before its end."""
     first, last = np.sort(begins), np.sort(ends)
     there = np.arange(1, first.size + 1) - np.searchsorted(last, first, side="right")
     return int(there.max(initial=0))
 
 
 def _places(begins: Doubles, ends: Doubles) -> NDArray[np.int64]:
-    """Return a number for each junction, unlike that of any other there at once; few of them are."""
+    """Return a number for each junction, different from those of all others at the same time; few numbers are used."""
     free_from: list[float] = []
     numbers = np.empty(begins.size, dtype=np.int64)
     for i in np.argsort(begins, kind="stable").tolist():
@@ -220,7 +220,7 @@ def _shades() -> "Colormap":
 
 
 def _add_key(axes: "Axes", largest_area: float) -> None:
-    """Say what outlines and signs mean, and which shade is how much area."""
+    """Draw a key for outlines, signs and shades of area."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -237,8 +237,8 @@ def _add_key(axes: "Axes", largest_area: float) -> None:
 def contact_figure(stretch: Stretch) -> "Figure":
     """Draw the junctions alive at the start of a stretch, in the middle of a run if none was chosen.
 
-    The model has no places: where a junction stands is for the eye alone. Raises Refused if more of them are there than
-    a picture shows.
+    The model has no places: those of junctions are only for the eye. Raises Refused if there are more of them than a
+    picture shows.
     """
     distance = stretch.start if stretch.chosen else 0.5 * (stretch.start + stretch.stop)
     margin = stretch.model.mean_life_distance

@@ -1,4 +1,4 @@
-"""A stretch of a result that a picture shows, read in chunks and thinned to what a picture can hold."""
+"""A stretch of a result for a picture, read in chunks and thinned to the points that a picture can show."""
 
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
@@ -40,7 +40,7 @@ class Stretch:
 
     @classmethod
     def of(cls, file: Reader, start: float | None = None, stop: float | None = None) -> Self:
-        """Return a stretch of an open result, all of it by default; raises Refused if it holds no two ticks."""
+        """Return a stretch of an open result, all of it by default; raises Refused if it has fewer than two ticks."""
         model = stored(file.provenance["scenario_resolved"]).model()
         whole = cls(
             file=file,
@@ -59,7 +59,7 @@ class Stretch:
         return self.model.free is None
 
     def check(self) -> None:
-        """Raise Refused if there is nothing to be seen between the two distances."""
+        """Raise Refused if there is nothing to show between the two distances."""
         if not 0.0 <= self.start < self.stop:
             ends = f"{self.start:g} to {self.stop:g} um"
             raise Refused(f"nothing lies in {ends}; the run goes from 0 to {self.model.distance:g} um")
@@ -86,7 +86,7 @@ class Stretch:
         return replace(self, start=0.0, stop=self.model.distance)
 
     def rows(self, group: str) -> tuple[int, int]:
-        """Return the rows of /trace or /slider from the first to behind the last in the stretch.
+        """Return the rows of /trace or /slider in the stretch, as the first and the one after the last.
 
         Those of /trace are a tick apart. Those of a one-way /slider are, too; a two-way slider passes the two distances
         when it first reaches them.
@@ -98,7 +98,7 @@ class Stretch:
         return first, min(last, self.file.rows(group))
 
     def chunks(self, group: str, name: str, rows: int | None = None) -> Iterator[NDArray[Any]]:
-        """Yield a column of the stretch as arrays of so many rows (CHUNK_ROWS when None), the last one shorter."""
+        """Yield a column of the stretch as arrays of ``rows`` rows (CHUNK_ROWS when None), the last one shorter."""
         return column_chunks(self.file, group, name, *self.rows(group), size=rows)
 
     def record(self, group: str, name: str) -> Doubles:
@@ -129,7 +129,7 @@ class Stretch:
 
 
 def thinned(rows: Rows, group: str, name: str, first: int, last: int) -> tuple[Doubles, Doubles]:
-    """Return numbers of rows and a column's values in them; of many rows only the extremes of each few."""
+    """Return row numbers and a column's values; of many rows only the extremes of each few."""
     step = ceil((last - first) / MOST_POINTS)
     if step <= 2:
         return np.arange(first, last, dtype=np.float64), rows.column(group, name, first, last).astype(np.float64)

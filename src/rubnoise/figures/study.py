@@ -1,4 +1,4 @@
-"""A study: one quantity of a sweep against what is swept, in lines of points with the exact curve through each."""
+"""A study: one quantity of a sweep against a swept key, in lines of points with the exact curve of each."""
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -32,7 +32,7 @@ _EVEN: Final = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spot:
-    """One point of a sweep: where it lies on the axis, how it is called there, and the quantity with the exact one.
+    """One point of a sweep: its place and its name on the axis, and the quantity with the exact one.
 
     ``numbers`` are the values of all swept keys that have numbers, in working units.
     """
@@ -51,7 +51,7 @@ Curve = Callable[[Sequence[Spot]], tuple[Doubles, Doubles]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyLine:
-    """The points that belong together, and the exact curve through them; without one, their exact values alone."""
+    """The points of a line, and the exact curve through them; without one, only their exact values."""
 
     label: str
     spots: tuple[Spot, ...]
@@ -90,8 +90,8 @@ class Study:
 def exact_curve(spots: Sequence[Spot], keys: Sequence[str], quantity: str) -> tuple[Doubles, Doubles]:
     """Return exact values of a quantity between the points of a line; the first of the keys goes along the axis.
 
-    The others go along with it, straight from point to point, in logarithms if they are positive; all else is as at
-    the first point. If that makes no scenario the curve has a gap.
+    The others change with it, linearly from point to point, in logarithms if they are positive; all else is as at the
+    first point. If that is not a valid scenario the curve has a gap.
     """
     places = np.array([spot.place for spot in spots])
     low, high = float(places.min()), float(places.max())
@@ -115,7 +115,7 @@ def _interpolated(values: Sequence[float], spots: Sequence[Spot], place: float) 
 
 
 def exact_at(scenario: Scenario, changes: Mapping[str, float], quantity: str) -> float:
-    """Return the exact quantity where keys, all else being as in a scenario, have other values in working units."""
+    """Return the exact quantity for a scenario with other values of some keys, in working units."""
     resolved = scenario.resolved()
     for key, value in changes.items():
         table, _, name = key.partition(".")
@@ -127,7 +127,7 @@ def exact_at(scenario: Scenario, changes: Mapping[str, float], quantity: str) ->
 
 
 def exact_of(scenario: Scenario, quantity: str) -> float:
-    """Return the exact quantity of a scenario; nan if theory is silent."""
+    """Return the exact quantity of a scenario; nan if theory has none."""
     try:
         return expected_figure(scenario.model(), quantity)
     except Refused:
@@ -135,7 +135,7 @@ def exact_of(scenario: Scenario, quantity: str) -> float:
 
 
 def _as_written(scenario: Scenario, table: str, name: str, value: float) -> Any:
-    """Return a value as the key has it: a number, or a quantity of the same kind."""
+    """Return a value in the form of the key: a number, or a quantity of the same kind."""
     there = getattr(getattr(scenario, table), name)
     return Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
 

@@ -1,4 +1,4 @@
-"""What a trace cannot tell of its junctions and is taken for granted: said with every answer."""
+"""The assumptions about junctions that a trace cannot show; every answer names them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,10 +19,10 @@ ENOUGH_CYCLES: Final = 40.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assumed:
-    """What is taken for granted.
+    """The assumptions of an inference.
 
-    ``strength_spread`` is the standard deviation over the mean of lognormal strengths, ``pulse`` how the area of a
-    junction rises and falls, ``bandwidth`` the corner of each of the sensor's ``poles`` in cycles per um.
+    ``strength_spread`` is the standard deviation over the mean of lognormal strengths, ``pulse`` the pulse of a
+    junction's area, ``bandwidth`` the corner of each of the sensor's ``poles`` in cycles per um.
     """
 
     strength_spread: float = 0.0
@@ -54,12 +54,12 @@ class IfSpread:
 
 
 def moves_with_spread(known: Given) -> bool:
-    """Return whether a number is told that leans on the spread of strengths, which is not told itself."""
+    """Return whether an estimate depends on the spread of strengths, which has no estimate itself."""
     return "inequality" not in known.free and known.free != ("strength",)
 
 
 def by_spread(estimates: Mapping[str, Estimate], known: Given) -> tuple[IfSpread, ...]:
-    """Return how number and strength move with the spread of strengths; nothing if they do not lean on it.
+    """Return how number and strength depend on the spread of strengths; empty if they do not.
 
     Mean and spectrum give A = lam E[psi] and B = lam E[psi^2]: the strength is B / (A (1 + v)), the number goes as
     A^2 (1 + v) / B. With a known strength and no mean the number goes as B / (psi^2 (1 + v)).
@@ -82,7 +82,7 @@ def by_spread(estimates: Mapping[str, Estimate], known: Given) -> tuple[IfSpread
 
 
 def sentences(assumed: Assumed, fit: Fit, signal: Signal) -> tuple[str, ...]:
-    """Return what the answer takes for granted, a sentence each."""
+    """Return the assumptions, one sentence each."""
     said = []
     if moves_with_spread(fit.known) and not signal.is_area:
         said.append(
@@ -103,7 +103,7 @@ def sentences(assumed: Assumed, fit: Fit, signal: Signal) -> tuple[str, ...]:
 
 
 def _of_sensor(assumed: Assumed, life: float) -> str:
-    """Return what is taken of the sensor, for a mean ``life`` of 2 d in um."""
+    """Return the assumption about the sensor, for a mean ``life`` of 2 d in um."""
     if isinf(assumed.bandwidth):
         return f"the sensor is taken to pass {ENOUGH_CYCLES:g} cycles per life or more (bandwidth= gives its corner)"
     poles = "one pole" if assumed.poles == 1 else f"{assumed.poles} poles"

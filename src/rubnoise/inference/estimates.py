@@ -1,4 +1,4 @@
-"""What a fit says by name and unit, with 95 % intervals: under one law, and under all that are not distinguished."""
+"""The estimates of a fit by name and unit, with 95 % intervals: for one law, and for all laws not distinguished."""
 
 from dataclasses import dataclass
 from math import erf, exp, log, sqrt
@@ -23,7 +23,7 @@ class Estimate:
 def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
     """Return the estimates of a fit by name, in um, MPa and the unit of the trace.
 
-    A law of one spread, such as exponential, has an estimate of it only if laws are ``compared``: alone, the law is
+    A law of one spread, such as exponential, has an estimate of it only if laws are ``compared``: alone, its spread is
     an assumption.
     """
     contact, place, tick = fit.contact, fit.contact.place, signal.tick
@@ -62,7 +62,7 @@ def _positive(value: float, error: float, unit: str) -> Estimate:
 
 
 def _spread(fit: Fit, spread: float) -> Estimate:
-    """Return the spread with its interval; if its law is at its narrowest, from 0 to what could be seen."""
+    """Return the spread with its interval; for the narrowest law, from 0 to the least spread that could be seen."""
     population, shape = fit.problem.population, fit.contact.place.shape
     step = 1e-4 * shape
     slope = (population.relative_spread(shape + step) - population.relative_spread(shape - step)) / (2.0 * step)
@@ -92,7 +92,7 @@ def _strength_spread(inequality: float, error: float) -> Estimate:
 
 
 def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
-    """Return an estimate with the 95 % interval of its number, given those of all laws that are not distinguished.
+    """Return an estimate with its 95 % interval, given the estimates of all laws that are not distinguished.
 
     It reaches C standard errors beyond the estimates of all laws, Phi(C + range / error) - Phi(-C) = 0.95: C is 1.96
     if laws agree, and 1.64 if they differ by much, because the truth can lie beyond one end only.
@@ -119,7 +119,7 @@ def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
 
 
 def reach_beyond(apart: float) -> float:
-    """Return C of Imbens and Manski for estimates that are so many standard errors apart, by halving."""
+    """Return C of Imbens and Manski for estimates at a distance in standard errors, by bisection."""
     low, high = 1.6, Z
     while high - low > 1e-6:
         middle = 0.5 * (low + high)

@@ -1,8 +1,8 @@
-"""A population fitted to bands of a periodogram: Levenberg steps, several starts, then weights that know of shot noise.
+"""Fit a population to bands of a periodogram: Levenberg steps from several starts, then weights with shot noise.
 
-First Whittle's likelihood finds the place: bands independent, each gamma distributed about its mean. The few large
-junctions of a record make all its bands rise and fall together, however, and its mean with them. So `scoring` goes on
-with weights that know of this.
+First Whittle's likelihood finds the optimum, as if bands were independent and gamma distributed about their means.
+But the few large junctions of a record move all bands and the mean together. So `scoring` continues with weights that
+account for this.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitPoint:
-    """Where a fit stands, lengths in ticks and the trace in its own unit.
+    """The parameters of a fit, with lengths in ticks and the trace in its own unit.
 
     ``rate`` is lam E[psi^2], ``diameter`` the mean one, ``shape`` that of the population, ``noise`` the variance of
     white noise, ``drift`` that of the steps of a random walk (None if none is fitted).
@@ -48,7 +48,7 @@ NAMES = ("rate", "diameter", "shape", "noise", "drift")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expected:
-    """The expected bands at a place, and their derivatives by the logarithms of what is fitted (columns ``names``)."""
+    """The expected bands at a point, and their derivatives by the logarithms of the parameters (columns ``names``)."""
 
     mean: Doubles
     by: Doubles
@@ -56,12 +56,12 @@ class Expected:
 
 
 class FitProblem:
-    """Bands and a population whose parameters are wanted, with the pulse of a life and the filter of the sensor."""
+    """Bands and the population to be fitted, with the pulse of a life and the filter of the sensor."""
 
     def __init__(
         self, bands: Bands, population: Population, *, drift: bool, pulse: Pulse = LENS, sensor: Sensor = OPEN
     ) -> None:
-        """Keep what does not change from step to step."""
+        """Compute what does not change from step to step."""
         self.bands = bands
         self.population = population
         self.pulse = pulse
@@ -71,11 +71,11 @@ class FitProblem:
         self.walk = self.expectation.drift() if drift else None
 
     def table(self, place: FitPoint) -> EnergyTable:
-        """Return the energies of the population at a place."""
+        """Return the energies of the population at a point."""
         return energy_table(self.population.name, place.shape, self.pulse)
 
     def expected(self, place: FitPoint) -> Expected:
-        """Return what is expected of each band at a place; what lies at a bound is not among the derivatives."""
+        """Return the expected bands at a point; parameters at a bound have no derivatives."""
         energy, slope, by_shape = self.expectation.population(self.table(place), place.diameter) * place.rate
         mean = energy + place.noise
         names, by = ["rate", "diameter"], [energy, slope]
@@ -98,11 +98,11 @@ class FitProblem:
         return place.rate * self.pulse.squared_integral * sixth + place.noise
 
     def is_widest(self, place: FitPoint) -> bool:
-        """Return whether the shape is at its upper bound: a step beyond would move the others alone, and wrongly."""
+        """Return whether the shape is at its upper bound, beyond which a step would move the others wrongly."""
         return self.population.spread and place.shape >= self.population.widest
 
     def moved(self, place: FitPoint, names: tuple[str, ...], step: Doubles) -> FitPoint:
-        """Return a place a step in logarithms away, kept within bounds."""
+        """Return the point one step in logarithms away, kept within bounds."""
         move = dict(zip(names, np.clip(step, -1.0, 1.0).tolist(), strict=True))
         values = {name: getattr(place, name) for name in NAMES}
         for name, by in move.items():
@@ -120,7 +120,7 @@ class FitProblem:
 def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> float:
     """Return twice the Whittle log likelihood ratio of the bands themselves to their expected means.
 
-    ``weight`` stands in for that of the bands, if some are left out.
+    ``weight`` replaces that of the bands, if some are left out.
     """
     ratio = bands.energy / np.maximum(mean, 1e-300)
     worth = bands.weight if weight is None else weight
@@ -128,9 +128,9 @@ def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> floa
 
 
 def climb(problem: FitProblem, start: FitPoint, reach: float = inf) -> tuple[FitPoint, float]:
-    """Return the place of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
+    """Return the point of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
 
-    Bands beyond ``reach`` of k d are left out; those below say nothing of the noise, which then stays as it is.
+    Bands beyond ``reach`` of k d are left out; the others cannot show the noise, which then stays constant.
     Source: Whittle (1953); Levenberg (1944); Marquardt (1963), doi:10.1137/0111030.
     """
     bands, place = problem.bands, start
@@ -170,7 +170,7 @@ def climb(problem: FitProblem, start: FitPoint, reach: float = inf) -> tuple[Fit
 
 
 def _within(problem: FitProblem, place: FitPoint, reach: float) -> Doubles:
-    """Return the worth of the bands up to a reach of k d, and of a tenth of all bands at least."""
+    """Return the weights of the bands up to a reach of k d, and of at least a tenth of all bands."""
     bands = problem.bands
     kept = bands.wavenumber * place.diameter <= reach
     kept[: max(8, bands.energy.size // 10)] = True
@@ -178,9 +178,9 @@ def _within(problem: FitProblem, place: FitPoint, reach: float) -> Doubles:
 
 
 def starts(problem: FitProblem, diameter: float, noise: float) -> list[FitPoint]:
-    """Return places from which to climb: each shape, with diameters about one that is known to a factor of some.
+    """Return the starts of the search: each shape, with diameters about a rough estimate.
 
-    ``rate`` is chosen so that the low bands have their energy.
+    ``rate`` is chosen so that the low bands have their measured energy.
     """
     bands = problem.bands
     low = bands.energy[: max(3, bands.energy.size // 12)]
@@ -202,10 +202,10 @@ def starts(problem: FitProblem, diameter: float, noise: float) -> list[FitPoint]
 
 
 def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[FitPoint, float]:
-    """Return the best place of several starts, and its deviance.
+    """Return the best point of several starts, and its deviance.
 
-    Each climbs by the low bands first and takes the rest in as it comes closer: far from the right diameter the swing
-    of the high bands leads to one of its other periods.
+    Each search uses the low bands first and adds the rest as it comes closer: far from the right diameter the
+    oscillation of the high bands leads to a wrong period.
     """
     begun = [
         (deviance(problem.bands, problem.expected(place).mean, _within(problem, place, _REACHES[0])), place)
@@ -222,5 +222,5 @@ def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[FitPoin
 
 
 def _is_same(one: FitPoint, other: FitPoint) -> bool:
-    """Return whether two places lead to one minimum: within a small part of a period of the swing."""
+    """Return whether two points lead to one minimum: they are within a small part of a period of the oscillation."""
     return abs(log(one.diameter / other.diameter)) < _SAME and abs(one.shape - other.shape) <= _SAME * other.shape

@@ -1,7 +1,7 @@
-"""Tests that a trace is what the model says, each with a rate of false alarms that adds up to less than 5 %.
+"""Tests that a trace follows the model, whose rates of false alarms add up to less than 5 %.
 
-Spectrum, time reversal, largest line, third cumulant, steadiness of the mean and drift: if one speaks, the numbers
-found are those of a model that the trace does not follow.
+Spectrum, time reversal, largest line, third cumulant, steadiness of the mean and drift: if one fails, the
+estimates are those of a model that the trace does not follow.
 """
 
 from dataclasses import dataclass
@@ -38,9 +38,9 @@ DRIFT: Final = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HonestyTest:
-    """One test: its name, statistic, probability ``p`` under the model, the ``level`` below which it speaks, and words.
+    """One test: its name, statistic, probability ``p`` under the model, the ``level`` below which it fails, and words.
 
-    ``flagged`` says whether it speaks; ``words`` what was found, as a sentence.
+    ``flagged`` is whether it fails; ``words`` is the finding, as a sentence.
     """
 
     name: str
@@ -56,7 +56,7 @@ class HonestyTest:
 
 
 def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
-    """Return the tests of a trace against a fit; ``level`` is its mean, or if it drifts its course."""
+    """Return the tests of a trace against a fit; ``level`` is its mean, or its course if it drifts."""
     return (
         spectrum_test(fit),
         reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
@@ -87,9 +87,9 @@ def _of(level: Doubles | float, piece: slice) -> Doubles | float:
 
 
 def spectrum_test(fit: Fit) -> HonestyTest:
-    """Return the chi-square of relative residuals in log bands, with the covariance that fitting leaves of them.
+    """Return the chi-square test of relative residuals in log bands, with their covariance after fitting.
 
-    Sigma - D (D' Sigma^-1 D)^-1 D', averaged over the bands of a group by their worth.
+    The covariance is Sigma - D (D' Sigma^-1 D)^-1 D', averaged over the bands of a group by their weights.
     """
     from scipy.special import gammaincc
 
@@ -120,7 +120,7 @@ def spectrum_test(fit: Fit) -> HonestyTest:
 
 
 def _groups(bands: Bands) -> Doubles:
-    """Return a matrix that averages bands into groups of equal extent in ln k, each worth 16 values at least."""
+    """Return a matrix that averages bands into groups of equal width in ln k, each worth at least 16 values."""
     place = np.log(bands.wavenumber)
     edges = np.linspace(place[0], place[-1], _GROUPS + 1)[1:-1]
     number = np.searchsorted(edges, place, side="right")
@@ -145,8 +145,8 @@ def _groups(bands: Bands) -> Doubles:
 def reversal_test(values: Doubles, level: Doubles | float, diameter: float) -> HonestyTest:
     """Return Student's test that E[y(s)^2 y(s + tau) - y(s) y(s + tau)^2] is zero, over blocks, at three lags.
 
-    y is the trace about its mean or its course. A life is its own mirror image, so that a right trace has no direction.
-    The largest of the three counts, thrice.
+    y is the trace about its mean or its course. A life is its own mirror image, so a trace of the model has no
+    direction. The largest of the three counts, with three times its probability.
     Source: Ramsey and Rothman (1996), doi:10.2307/2077961.
     """
     from scipy.special import stdtr
@@ -204,9 +204,9 @@ def line_test(fit: Fit) -> HonestyTest:
 
 
 def _leans_on(fit: Fit) -> tuple[float, float]:
-    """Return the powers of B = lam E[psi^2] and A = lam E[psi] that the third cumulant of a fitted contact goes with.
+    """Return the powers of B = lam E[psi^2] and A = lam E[psi] in the third cumulant of a fitted contact.
 
-    B^2 (1 + v)/A with a known mean, B psi (1 + v)^2 with a known strength, and B^3/(A^2 psi) if both tell v.
+    B^2 (1 + v)/A with a known mean, B psi (1 + v)^2 with a known strength, and B^3/(A^2 psi) if both together show v.
     """
     if fit.known.mean is None:
         return 1.0, 0.0
@@ -214,9 +214,9 @@ def _leans_on(fit: Fit) -> tuple[float, float]:
 
 
 def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
-    """Return the standard error of the third cumulant beside what mean and variance lead to expect, over blocks.
+    """Return the standard error of the third cumulant given mean and variance, over blocks.
 
-    A large junction raises all three, so that their ratio scatters by half as much: to first order as the mean of
+    A large junction raises all three, so their ratio scatters half as much: to first order as the mean of
     y^3 - 3 R(0) y - K3 (b y^2/R(0) + a y/mean), for b and a of `_leans_on`.
     """
     b, a = _leans_on(fit)
@@ -235,10 +235,10 @@ def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
 def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: float = 0.0) -> HonestyTest:
     """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
 
-    If neither mean nor strength is known, and if the trace drifts (so that it is taken about its course and lacks
-    some of it), only its sign can be tested. Its error over ``n`` samples then has a Gaussian part, 6 int R^3, and one
-    of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand. Otherwise it is
-    ``scatter``, or what single junctions bring if that is more: a record may lack the largest of them.
+    If neither mean nor strength is known, or if the trace drifts (so that its course is taken off, with a part of it),
+    only its sign can be tested. Its error over ``n`` samples then has a Gaussian part, 6 int R^3, and one
+    of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added. Otherwise it is
+    ``scatter``, or the part of single junctions if that is larger, since a record may lack the largest of them.
     """
     from scipy.special import stdtr
 
@@ -286,9 +286,9 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: 
 
 
 def _spread_words(ratio: float, error: float, fit: Fit) -> str:
-    """Return the spread of strengths that a third cumulant speaks for, beside the one assumed.
+    """Return the spread of strengths that fits a third cumulant, beside the assumed one.
 
-    It goes with 1 + v, v their squared spread, or with its square (see `_leans_on`).
+    The cumulant is proportional to 1 + v, v their squared spread, or to its square (see `_leans_on`).
     """
     power = 1.0 if fit.known.mean is not None else 0.5
     w = fit.known.inequality
@@ -300,7 +300,7 @@ def _spread_words(ratio: float, error: float, fit: Fit) -> str:
 
 
 def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
-    """Return the chi-square of the means of four quarters; if it speaks, its words name a run-in that can be cut."""
+    """Return the chi-square test of the means of four quarters; if it fails, its words name a run-in to cut."""
     statistic, p = _steadiness(values, fit)
     words = f"steadiness: means of four quarters differ by chi-square {statistic:.1f} on {_PARTS - 1}"
     if p < STEADY:
@@ -317,8 +317,8 @@ def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
 def drift_test(values: Doubles, fit: Fit) -> HonestyTest:
     """Return the test of the line of least squares through the trace: its rise has the variance 12 S(0)/n.
 
-    A random walk with steps of variance q adds (6/5) q n. For a ramp no other test of a trace that long has more power,
-    because S(k) is flat where the ramp is.
+    A random walk with steps of variance q adds (6/5) q n. For a ramp no other test of a long trace has more power,
+    because S(k) is flat at the wavenumbers of the ramp.
     """
     place, n = fit.contact.place, values.size
     rise = ramp_of(values)

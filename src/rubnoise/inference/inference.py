@@ -1,4 +1,4 @@
-"""From a trace to its junctions: number, size, spread and strength with intervals, or why the trace cannot tell."""
+"""Infer the junctions of a trace: number, size, spread and strength with intervals, or why they are unknown."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -39,7 +39,7 @@ _APART = 4.0  # of a deviance: two standard errors of one more parameter, which 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawFit:
-    """One law beside the others: its criterion, and by how much it is worse than the best.
+    """One law compared with the others: its criterion, and the difference to the best one.
 
     ``criterion`` is the Whittle deviance plus twice the number of parameters; ``worse_by`` its excess over the best
     law's, with the standard error that the excess has; ``told_apart`` whether the excess of the deviance alone is above
@@ -104,7 +104,7 @@ class InferenceResult:
 
     @property
     def flags(self) -> list[str]:
-        """What speaks against the model, a sentence each."""
+        """Findings against the model, one sentence each."""
         return [each.words for each in self.tests if each.flagged]
 
 
@@ -119,11 +119,11 @@ def infer_signal(
     assumed: Assumed = NOTHING,
     tests: bool = True,
 ) -> InferenceResult:
-    """Return what a signal tells: by its spectrum, and by its mean if the zero of the sensor is known.
+    """Return the inference of a signal from its spectrum, and from its mean if the zero of the sensor is known.
 
-    Strokes of both ways tell the zero themselves. ``strength`` in MPa is E[psi], if it is known; ``masked`` are
-    ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` is taken for granted.
-    Raises Refused for a law that is not one of LAWS, for values that are no trace.
+    Strokes of both ways show the zero themselves. ``strength`` in MPa is E[psi], if it is known; ``masked`` are
+    ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` are the assumptions.
+    Raises Refused for a law that is not one of LAWS, and for values that are not a trace.
     """
     if law != "auto" and law not in POPULATIONS:
         raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
@@ -198,7 +198,7 @@ def _known(
     *,
     drift: bool,
 ) -> Given:
-    """Return what is known beside the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
+    """Return known quantities besides the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
     given = 1.0 if signal.is_area else strength
     unit = None if signal.scale is None else signal.scale * scale
     inside = None if given is None or unit is None else given * signal.tick**2 / unit
@@ -208,7 +208,7 @@ def _known(
 
 
 def _fitted(problems: list[FitProblem], half_width: float, known: Given, third: float) -> list[Fit]:
-    """Return the fit of each law; one that is hopeless by its Whittle deviance stays where that is least."""
+    """Return the fit of each law; a law with a hopeless Whittle deviance stays at its least deviance."""
     bands = problems[0].bands
     floor = 10.0 * max(problem.floor for problem in problems)
     noise = max(0.5 * float(np.median(bands.energy[-_NOISE_BANDS:])), floor)
@@ -240,7 +240,7 @@ def _criterion(fit: Fit) -> float:
 
 
 def _too_little(fit: Fit, signal: Signal) -> str:
-    """Return why a record says too little, with the number that would be needed; nothing if it is enough."""
+    """Return why a record shows too little, with the number that it would need; empty if it is enough."""
     bands, place = fit.problem.bands, fit.contact.place
     flat = float(np.sum(bands.weight * bands.energy) / bands.weight.sum())
     without = [np.full(bands.energy.size, flat)]
@@ -290,7 +290,7 @@ def _walk_alone(problem: FitProblem, flat: float) -> Doubles:
 
 
 def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, str]:
-    """Return what is not identified, each with what would identify it."""
+    """Return the quantities that are not identified, each with a way to identify it."""
     free, reasons = fit.known.free, {}
     if free == ("strength",):
         either = 'a trusted zero of the sensor (zero="known") or the strength (strength="250 MPa") would identify it'
@@ -315,7 +315,7 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
 
 
 def _other(fits: list[Fit], best: Fit, signal: Signal) -> OtherPulse:
-    """Return the best fit of another pulse beside the best of the one that was assumed."""
+    """Return the best fit of another pulse, compared with the best fit of the assumed one."""
     other = min(fits, key=_criterion)
     beside = _beside(other, best, {})
     found, own = (fit.contact.place.diameter * signal.tick for fit in (other, best))
@@ -329,7 +329,7 @@ def _other(fits: list[Fit], best: Fit, signal: Signal) -> OtherPulse:
 
 
 def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
-    """Return a law's fit beside the best one: Vuong's test on the difference of their Whittle likelihoods.
+    """Return a law's fit compared with the best one: Vuong's test on the difference of their Whittle likelihoods.
 
     Twice the number of parameters chooses the best law; it is no evidence against another, and is not tested.
     Source: Vuong (1989), doi:10.2307/1912557, with the covariance of the bands instead of that of independent values.
@@ -350,7 +350,7 @@ def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
 
 
 def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
-    """Return numbers that lean on no law: m_6/m_5 from S(0) over the variance, and N of equal sizes from the mean.
+    """Return numbers that depend on no law: m_6/m_5 from S(0) over the variance, and N for equal sizes from the mean.
 
     d_eff = S(0) c_2 / (variance E[(int a)^2]), N_eff = L c_2 / c_1^2 mean^2 / variance, for the lens 1.5124 of them,
     L the mean life of unit diameter; S(0) is the mean of the bands below a tenth of k d, the variance that of the trace

@@ -1,7 +1,7 @@
-"""Single passes of two junctions, at each offset and behind the filter of the sensor: what shot noise is made of.
+"""Single passes of junctions, at each offset and after the filter of the sensor, of which shot noise consists.
 
-Averages over offsets have closed forms, single offsets have none. A few offsets stand for all here; what they hold is
-found by sums, and scaled so that its average is the closed form.
+Averages over offsets have closed forms, single offsets have none. Here a few offsets represent all; their values are
+found by sums, and scaled so that their average is the closed form.
 """
 
 from functools import cache
@@ -27,7 +27,7 @@ _SLOWEST: Final = 1.0  # of the decay of the sensor over d: smaller junctions br
 
 @cache
 def offsets(pulse: Pulse) -> tuple[Doubles, Doubles]:
-    """Return offsets b over d that stand for all, and their probabilities; one of 0 for passes through both centres."""
+    """Return offsets b over d that represent all, and their probabilities; only 0 for passes through both centres."""
     if pulse.offset == "none":
         return np.zeros(1), np.ones(1)
     place, weight = np.polynomial.legendre.leggauss(_OFFSETS)
@@ -53,7 +53,7 @@ def energies(pulse: Pulse, log_phase: Doubles, width: Doubles) -> Doubles:
 
 @cache
 def _shares(pulse: Pulse) -> Doubles:
-    """Return the energy at each offset over the mean of all, without its swing; beyond the ends it stays as there."""
+    """Return the energy at each offset over the mean of all, without its oscillation; constant beyond the ends."""
     from scipy.ndimage import uniform_filter1d
 
     level = uniform_filter1d(np.square(_transforms(pulse, np.exp(_LOG_PHASES))), _SMOOTHED, axis=1, mode="nearest")
@@ -73,7 +73,7 @@ def _transforms(pulse: Pulse, phases: Doubles) -> Doubles:
 
 
 def life_integrals(pulse: Pulse, sensor: Sensor, diameters: Doubles) -> tuple[Doubles, Doubles]:
-    """Return int g^2 ds and int g^3 ds, g the area behind the sensor, at each diameter (rows) and offset, in ticks.
+    """Return int g^2 ds and int g^3 ds, g the area after the sensor, at each diameter (rows) and offset, in ticks.
 
     Without a filter and through both centres they are c_2 d^5 and c_3 d^7.
     """
@@ -97,7 +97,7 @@ def life_integrals(pulse: Pulse, sensor: Sensor, diameters: Doubles) -> tuple[Do
 
 
 def passed(pulse: Pulse, sensor: Sensor, diameters: Doubles, probability: Doubles) -> tuple[float, float]:
-    """Return which part of the second and of the third cumulant of a population passes the sensor."""
+    """Return the shares of the second and third cumulants of a population that pass the sensor."""
     if sensor.is_open:
         return 1.0, 1.0
     weights = np.outer(probability, offsets(pulse)[1])

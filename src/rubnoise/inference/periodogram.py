@@ -1,6 +1,6 @@
-"""The tapered periodogram of a trace in bands, and what theory expects of each band.
+"""The tapered periodogram of a trace in bands, and the expectation of each band.
 
-A record is cut into equal segments (one, unless it is long), each is tapered at both ends and transformed, and the
+A record is cut into equal segments (one, if it is not long); each is tapered at both ends and transformed, and the
 energy is averaged over the segments and over the wavenumbers of a band.
 """
 
@@ -33,7 +33,7 @@ _NODES, _WEIGHTS = np.array([-0.7745966692414834, 0.0, 0.7745966692414834]), np.
 
 
 def tukey(count: int) -> Doubles:
-    """Return a taper of so many samples, flat but for cosines of 5 % of the samples at either end."""
+    """Return a taper of ``count`` samples, flat except for cosines of 5 % of the samples at either end."""
     rise = max(int(0.5 * TAPER * count), 1)
     ramp = 0.5 * (1.0 - np.cos(pi * (np.arange(rise) + 0.5) / rise))
     window = np.ones(count)
@@ -74,22 +74,22 @@ class Bands:
 
     @property
     def log_width(self) -> Doubles:
-        """The extent of each band in ln k."""
+        """The width of each band in ln k."""
         return np.log((self.last + 0.5) / (self.first - 0.5))
 
     @property
     def span(self) -> int:
-        """How many samples the periodogram rests on."""
+        """Number of samples in the periodogram."""
         return self.samples * self.segments
 
     @property
     def weight(self) -> Doubles:
-        """How many independent values each band is worth."""
+        """Number of independent values that each band is worth."""
         return np.maximum(self.bins * self.segments / self.variance_factor, 1.0)
 
 
 def band_edges(samples: int, phase_per_bin: float) -> Integers:
-    """Return the first bin of each band, and one beyond the last: bands are wider further up, to 0.8 of k d.
+    """Return the first bin of each band, and one beyond the last: bands are wider at higher k, up to 0.8 of k d.
 
     ``phase_per_bin`` is k d of the first bin, as far as d is known. If that makes more bands than their covariance
     can be computed for, they are wider: a band's expectation is exact at any width.
@@ -109,10 +109,10 @@ def banded(
     masked: tuple[tuple[float, float], ...] = (),
     ways: tuple[int, int] = (1, 0),
 ) -> Bands:
-    """Return the periodogram of a trace less its mean; ``diameter`` in ticks says how narrow its bands need to be.
+    """Return the periodogram of a trace less its mean; ``diameter`` in ticks determines how narrow its bands are.
 
-    ``masked`` are ranges in cycles per tick that are left out; ``ways`` how many strokes of equal length go to and fro:
-    each way has lost its own mean.
+    ``masked`` are ranges in cycles per tick that are left out; ``ways`` is the number of strokes of equal length, to
+    and fro, and each way has lost its own mean.
     """
     from scipy.fft import rfft
 
@@ -156,7 +156,7 @@ def banded(
 
 
 def masked_bins(masked: tuple[tuple[float, float], ...], samples: int) -> NDArray[np.bool_]:
-    """Return which bins lie in ranges in cycles per tick, or so near that the taper carries them there."""
+    """Return which bins lie in ranges in cycles per tick, or so close that the taper leaks into them."""
     cycles = np.arange(samples // 2 + 1) / samples
     within = np.zeros(cycles.size, dtype=np.bool_)
     for low, high in masked:
@@ -165,10 +165,10 @@ def masked_bins(masked: tuple[tuple[float, float], ...], samples: int) -> NDArra
 
 
 class Expectation:
-    """What a Poisson population of one strength brings to each band, as far as it does not depend on the population."""
+    """The expectation of each band for a Poisson population of one strength: the parts common to all populations."""
 
     def __init__(self, bands: Bands, pulse: Pulse = LENS, sensor: Sensor = OPEN) -> None:
-        """Lay out the wavenumbers at which spectra are asked for: three in each band, with their aliases."""
+        """Choose the wavenumbers at which spectra are computed: three in each band, with their aliases."""
         width = (bands.last + 1 - bands.first).astype(np.float64)
         middle = 0.5 * (bands.first + bands.last)
         bins = middle[:, None] + 0.5 * width[:, None] * _NODES
@@ -187,7 +187,7 @@ class Expectation:
         """Return the bands' means for E[psi^2] lam = 1, and their derivatives by ln d and by the shape: a row each.
 
         S(k) = d^6 e(k d) |H(k)|^2 summed over aliases, d the mean diameter in ticks; with its own curvature for
-        leakage, and less what the removed mean takes.
+        leakage, and less the power that the removed mean takes.
         """
         seen, passed = table.at(self._wavenumbers * diameter), self._passed
         near = seen * passed
@@ -234,10 +234,10 @@ _WALK_BINS = 200
 
 
 def _walk_leakage(bands: Bands) -> Doubles:
-    """Return how much more of a random walk each band sees than its own wavenumbers hold.
+    """Return the leakage of a random walk into each band, beyond the power at its own wavenumbers.
 
     A walk has no spectrum; X(p) = sum over steps m of e_m T_m(p), with T_m the transform of the window from m on, less
-    that of the removed mean. Found on a coarse grid, for the lowest bins; further up it is what leaks from the taper.
+    that of the removed mean. Found on a coarse grid for the lowest bins; at higher bins it is the leakage of the taper.
     """
     points = min(bands.samples, _WALK_POINTS)
     window = tukey(points)

@@ -1,7 +1,7 @@
-"""Laws of junction sizes as a fit needs them: of unit mean, by one shape, with their energy spectra at hand.
+"""Laws of junction sizes for a fit: of unit mean, with one shape parameter, and with tables of their energy spectra.
 
-A fit asks for the mean energy of a life some hundred times, each time for another shape. In the logarithm of the
-diameter it is a convolution, so that two fast transforms give it at all wavenumbers at once.
+A fit needs the mean energy of a life some hundred times, each time for another shape. In the logarithm of the diameter
+it is a convolution, so two fast transforms give it at all wavenumbers at once.
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ _SHOT_POWER = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Population:
-    """A law of diameters of unit mean that one shape parameter s describes.
+    """A law of diameters of unit mean with one shape parameter s.
 
     ``moment`` returns E[d^n] at n and s. The shape of the normal law is std over centre before drawing again, of the
     others std over mean; it is to be found, up to ``widest``, or the one of ``starts``.
@@ -126,7 +126,7 @@ def _balanced_transform(pulse: Pulse) -> tuple[Doubles, int]:
 def _energy_integral(pulse: Pulse) -> Doubles:
     """Return the integral of a^(z)^2 (1 + z^p) over y = ln z up to each phase of `_single_energies`.
 
-    This neither rises nor falls far out, so that differences keep their digits.
+    It is constant at its ends, so that differences keep their digits.
     """
     phases, energies = _single_energies(pulse)
     level = energies * (1.0 + phases ** pulse.tail[1])
@@ -134,9 +134,9 @@ def _energy_integral(pulse: Pulse) -> Doubles:
 
 
 def mean_life_energy(log_phase: Doubles, width: Doubles, pulse: Pulse = LENS) -> Doubles:
-    """Return a^(z)^2 at each ``log_phase``, its level averaged over ``width`` of ln z: without a swing within it.
+    """Return a^(z)^2 at each ``log_phase``, averaged over ``width`` of ln z, without the oscillation within it.
 
-    Below and above the tables the level is that of their ends; ``width`` is at least two of their steps.
+    Below and above the tables it is constant; ``width`` is at least two of their steps.
     """
     integral = _energy_integral(pulse)
     half = np.maximum(0.5 * width, STEP)
@@ -155,7 +155,7 @@ def mean_life_energy(log_phase: Doubles, width: Doubles, pulse: Pulse = LENS) ->
 
 
 def life_energy(phase: Doubles, pulse: Pulse = LENS) -> Doubles:
-    """Return a^(z)^2 of a life of unit diameter at z = k d, any shape; its swing is faded out from z = 400 to 700."""
+    """Return a^(z)^2 of a life of unit diameter at z = k d; its oscillation fades out from z = 400 to 700."""
     spectrum = energy_of(pulse)
     near = np.minimum(phase, _SETTLED)
     energy = spectrum.square(near)
@@ -249,7 +249,7 @@ def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
 
 
 def moment_slope(population: Population, shape: float, power: int) -> float:
-    """Return dE[x^n]/ds of sizes of unit mean, by a central difference; 0 without a shape to be found."""
+    """Return dE[x^n]/ds of sizes of unit mean, by a central difference; 0 if the shape is not fitted."""
     if not population.spread:
         return 0.0
     change = _SHAPE_STEP * shape
@@ -257,7 +257,7 @@ def moment_slope(population: Population, shape: float, power: int) -> float:
 
 
 def _averaged(weights: Doubles, pulse: Pulse) -> Doubles:
-    """Return E[x^6 a^(z x)^2] at every phase of the table, a row for each row of probabilities or their slopes."""
+    """Return E[x^6 a^(z x)^2] at every phase of the table, one row for each row of probabilities or their slopes."""
     from scipy.fft import irfft, rfft
 
     transform, length = _balanced_transform(pulse)
@@ -275,10 +275,10 @@ def _slope(values: Doubles) -> Doubles:
 
 
 def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles, float]:
-    """Return sizes of unit mean, their probabilities and their step in ln x, for what single junctions bring.
+    """Return sizes of unit mean, their probabilities and their step in ln x, for averages over single junctions.
 
-    It averages up to x^12, so that its sizes reach further than those that most traces hold. They lie too far apart for
-    the swing of an energy at large k d: `mean_life_energy` over a step leaves it out.
+    Averages go up to x^12, so the sizes reach further than those in most traces. They are too far apart for the
+    oscillation of an energy at large k d: `mean_life_energy` over a step leaves it out.
     """
     if population.name == "fixed":
         return np.ones(1), np.ones(1), 0.0

@@ -1,7 +1,7 @@
-"""Number and strength beside size: scoring steps on the bands and the mean, weighed by their whole covariance.
+"""Fit number and strength together with size: scoring steps on bands and mean, weighted by their whole covariance.
 
-What a record holds of its large junctions moves its bands and its mean together. The covariance of this is the shot
-noise of the junctions themselves, so that intervals need no bootstrap.
+The large junctions in a record move its bands and its mean together. This covariance is the shot noise of the junctions
+themselves, so intervals need no bootstrap.
 """
 
 from dataclasses import dataclass, field, replace
@@ -39,10 +39,10 @@ class Contact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
-    """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
+    """What is known besides the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
 
-    Strength in the trace's unit per tick^2. ``births`` per tick stands in if neither is known: it sets the size of
-    the shot noise alone. ``ramp`` is how far the record rises from end to end.
+    Strength in the trace's unit per tick^2. ``births`` per tick is used if neither is known: it only determines the
+    size of the shot noise. ``ramp`` is the rise of the record from end to end.
     ``inequality`` E[psi^2] / E[psi]^2 is given, unless mean and strength are both known.
     """
 
@@ -54,7 +54,7 @@ class Given:
 
     @property
     def free(self) -> tuple[str, ...]:
-        """Which of number, strength and inequality the record then tells."""
+        """Which of number, strength and inequality the record then shows."""
         if self.mean is None:
             return ("strength",) if self.strength is None else ("births",)
         return ("births", "strength") if self.strength is None else ("births", "inequality")
@@ -106,12 +106,12 @@ def expected_mean(problem: FitProblem, contact: Contact) -> float:
 
 
 def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
-    """Return the covariance of the mean of the record (row 0) and of its bands, which are expected to be ``bands``.
+    """Return the covariance of the mean of the record (row 0) and of its bands, with the expectation ``bands``.
 
-    Gaussian: E[P]^2 over the worth of the band, on the diagonal. Shot noise: (lam / T) E[f f'] over single junctions,
-    f = (psi A^(0), psi^2 |A^(k)|^2): the fourth cumulant between bands, raised by the taper as the other, the third
-    between a band and the mean, the second for the mean itself, which is all of it. Unequal strengths are taken for
-    lognormal, E[psi^n] = E[psi]^n w^(n (n - 1) / 2).
+    Gaussian part: E[P]^2 over the weight of the band, on the diagonal. Shot noise: (lam / T) E[f f'] over single
+    junctions, f = (psi A^(0), psi^2 |A^(k)|^2): the fourth cumulant between bands, raised by the taper as the other,
+    the third between a band and the mean, the second for the mean itself, which is all of it. Unequal strengths are
+    taken as lognormal, E[psi^n] = E[psi]^n w^(n (n - 1) / 2).
     Source: Brillinger, Time Series: Data Analysis and Theory (1981), theorem 5.10.1.
     """
     periodogram, place = problem.bands, contact.place
@@ -145,8 +145,8 @@ def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: floa
 def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = STEPS) -> Fit:
     """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
 
-    z are the bands, and the mean if it is known; D the derivatives of E[z], Sigma its covariance at the place
-    itself, so that the estimate has the covariance (D' Sigma^-1 D)^-1. Without ``steps`` the contact stays as begun.
+    z are the bands, and the mean if it is known; D the derivatives of E[z], Sigma its covariance at the same
+    point, so the estimate has the covariance (D' Sigma^-1 D)^-1. Without ``steps`` the contact is that of the start.
     Source: Godambe and Heyde (1987), doi:10.2307/1403403; a sandwich (Huber 1967) whose two slices are equal.
     """
     contact = _begun(problem, start, known)
@@ -188,7 +188,7 @@ def score(problem: FitProblem, start: FitPoint, known: Given, *, steps: int = ST
 
 
 def _begun(problem: FitProblem, place: FitPoint, known: Given) -> Contact:
-    """Return the contact that a place means with what is known."""
+    """Return the contact for a point of the fit and the known quantities."""
     third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
     w = known.inequality
     if known.mean is None:

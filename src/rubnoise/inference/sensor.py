@@ -1,4 +1,4 @@
-"""The sensor's filter: equal analogue poles before the samples are taken, white noise after it."""
+"""The sensor's filter: equal analogue poles before sampling, and white noise after it."""
 
 from dataclasses import dataclass
 from math import inf, isinf
@@ -34,11 +34,11 @@ class Sensor:
         return -2.0 * p * x * (1.0 + x) * whole, 4.0 * p * x * (p * x - 1.0) * whole
 
     def response(self, wavenumber: Doubles) -> Complexes:
-        """Return H = 1/(1 + i k/kc)^p, which looks back alone."""
+        """Return H = 1/(1 + i k/kc)^p, a causal filter."""
         return np.asarray((1.0 + 1j * wavenumber / self.corner) ** -self.poles, dtype=np.complex128)
 
     def filtered(self, values: Doubles) -> Doubles:
-        """Return a trace behind the filter; it wraps round at its ends."""
+        """Return a trace after the filter; it wraps round at its ends."""
         from scipy.fft import irfft, rfft
 
         k = 2.0 * np.pi * np.arange(values.size // 2 + 1) / values.size
@@ -48,7 +48,7 @@ class Sensor:
     def mirrored(self, values: Doubles) -> Doubles:
         """Return a trace without the delay of the filter, |H|/H, in which a life is its own mirror image again.
 
-        It is done in parts, which bounds memory; white noise stays white.
+        It is done in parts, to limit memory; white noise stays white.
         """
         from scipy.fft import irfft, rfft
 

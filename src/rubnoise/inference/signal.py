@@ -1,4 +1,4 @@
-"""A trace ready for inference, and what shows before any fit: a clipped sensor, several strokes, a first size."""
+"""A trace ready for inference, and findings before any fit: a clipped sensor, several strokes, a first size."""
 
 from dataclasses import dataclass, field
 from typing import Final
@@ -36,7 +36,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clipped:
-    """A sensor at its end: how many samples are at the largest value, how many in a row, and the ``first`` of them."""
+    """A saturated sensor: the number of samples at the largest value, how many in a row, and the ``first`` of them."""
 
     samples: int
     longest: int
@@ -44,10 +44,10 @@ class Clipped:
 
 
 def clipped(values: Doubles) -> Clipped | None:
-    """Return what shows that a sensor was at its end; None if it was not.
+    """Return the samples that show a saturated sensor; None if there are none.
 
-    A maximum that lasts: a trace of junctions has a kink at each of its maxima, and never a plateau there. A trace of
-    one value was not clipped: it is constant.
+    They are a maximum that lasts: a trace of junctions has a kink at each maximum, and never a plateau. A constant
+    trace was not clipped.
     """
     top = float(values.max())
     if top == float(values.min()):
@@ -63,10 +63,10 @@ def clipped(values: Doubles) -> Clipped | None:
 
 
 def strokes(values: Doubles, zero: str) -> str:
-    """Return what shows that a trace has strokes both ways; nothing if it has not.
+    """Return a text if a trace has strokes both ways; empty if it has not.
 
-    With a trusted zero the force changes its sign. Without one it leaps between two levels, and is hardly ever between
-    them: a trace of junctions has no such gap.
+    With a trusted zero the force changes its sign. Without one it jumps between two levels and is rarely between them,
+    while a trace of junctions has no such gap.
     """
     if zero == "known":
         middle, half_gap = 0.0, 0.3 * float(np.median(np.abs(values[:: values.size // _SEEN + 1])))
@@ -93,7 +93,7 @@ def strokes(values: Doubles, zero: str) -> str:
 
 
 def two_levels(values: Doubles) -> tuple[float, float]:
-    """Return the middle between the means on both sides of it, and a sixth of their distance."""
+    """Return the middle between the means of the values on its two sides, and a sixth of their distance."""
     seen = values[:: values.size // _SEEN + 1]
     low, high = float(seen.min()), float(seen.max())
     for _ in range(_LEVEL_STEPS):
@@ -103,7 +103,7 @@ def two_levels(values: Doubles) -> tuple[float, float]:
 
 
 def course(values: Doubles, half_width: float) -> Doubles:
-    """Return the running mean of a trace that drifts, over as many half widths as hold its junctions' lives."""
+    """Return the running mean of a drifting trace, over several half widths, which cover the lives of its junctions."""
     from scipy.ndimage import uniform_filter1d
 
     length = min(int(_COURSE * half_width) + 1, values.size)
@@ -112,7 +112,7 @@ def course(values: Doubles, half_width: float) -> Doubles:
 
 
 def ramp_of(values: Doubles) -> float:
-    """Return how far the straight line of least squares rises over a trace.
+    """Return the rise of the straight line of least squares over a trace.
 
     Of a trace whose mean of n samples has the variance S(0)/n, it has the variance 12 S(0)/n.
     """
@@ -132,10 +132,10 @@ def half_width_of(values: Doubles) -> float:
 
 
 def half_width_under_drift(values: Doubles) -> float:
-    """Return about the same lag in ticks for a trace with a random walk in it, whose own autocovariance falls slowly.
+    """Return about the same lag in ticks for a trace with a random walk, whose own autocovariance falls slowly.
 
-    The steps of a walk are uncorrelated, so that the covariance of increments, summed from lag 2 on, shows junctions
-    alone. It is largest where their autocovariance falls fastest, a little before it has fallen to half.
+    The steps of a walk are uncorrelated, so the covariance of increments, summed from lag 2 on, shows only junctions.
+    It is largest where their autocovariance falls fastest, a little before it has fallen to half.
     """
     fastest = int(np.argmax(np.cumsum(_autocovariance(np.diff(values))[2:]))) + 2
     return _HALF_OVER_FASTEST * fastest

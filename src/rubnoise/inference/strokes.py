@@ -1,4 +1,4 @@
-"""Strokes to and fro: cut at the reversals, turned one way, and laid one behind the other; nothing is cut unsaid."""
+"""Strokes to and fro: cut at the reversals, turned one way, and joined; every cut is reported."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -17,7 +17,7 @@ _NAMED: Final = 6
 
 
 def reversals(values: Doubles) -> list[int]:
-    """Return the samples at which strokes begin, the first one among them, with the number of samples at the end.
+    """Return the samples at which strokes begin, from the first sample on, and the number of samples at the end.
 
     The force is on one side of the middle of two levels, and a third of the way to the next level beyond it. A reversal
     lies half-way between the last sample of one side and the first of the other.
@@ -33,10 +33,9 @@ def reversals(values: Doubles) -> list[int]:
 def joined(signal: Signal, left_out: float, first: int = 0) -> Signal:
     """Return a signal whose strokes are turned one way, without ``left_out`` of each stroke at either end.
 
-    The force is half the difference of the mean levels of both ways, and the zero of the sensor is half their sum: it
-    is taken off. All strokes keep as many samples as the shortest, from their middle. The signal says so, and counts
-    samples from ``first`` on. Raises Refused if a trace has
-    no strokes both ways.
+    The force is half the difference of the mean levels of both ways, and the zero of the sensor is half their sum,
+    which is subtracted. All strokes keep as many samples as the shortest, from their middle. The signal reports that,
+    and counts samples from ``first`` on. Raises Refused if a trace has no strokes both ways.
     """
     values = signal.values
     edges = reversals(values)

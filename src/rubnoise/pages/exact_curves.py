@@ -1,4 +1,4 @@
-"""What theory says beside the statistics of a window in a page: expected spectra, and the density of the area."""
+"""The exact curves beside the statistics of a window in a page: expected spectra, and the density of the area."""
 
 from collections.abc import Callable
 from functools import partial
@@ -33,7 +33,7 @@ POINTS: Final = 200
 
 
 def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
-    """Return for area, velocities and load the ticks of a segment and what to expect of its spectrum.
+    """Return for area, velocities and load the ticks of a segment and the expectation of its spectrum.
 
     Densities are two-sided, in um^4 per rad/um, um^2/s^2 per rad/s and uN^2 per rad/s; one that theory does not know is
     None, as is the density of the area in 1/um^2. A motion that the run does not have is None.
@@ -63,7 +63,7 @@ def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
 
 
 def _of_motion(slider: Slider, step: float, exact: Callable[[Doubles], Doubles] | None) -> dict[str, Any]:
-    """Return the step in s, the ticks of a segment, and what to expect of the spectrum of a motion, None if unknown."""
+    """Return the step in s, the ticks of a segment, and the expected spectrum of a motion, None if unknown."""
     ticks = _power_of_two(PERIODS / slider.natural_frequency / step) if slider.stiffness else 1 << 10
     expected = None if exact is None else _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
     return {"step": step, "ticks": ticks, "expected": expected}

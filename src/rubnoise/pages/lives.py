@@ -1,7 +1,7 @@
-"""Lives as a page holds them: a birth and a diameter are four bytes each, and what follows from them is left out.
+"""Lives in the form of a page: a birth and a diameter have four bytes each; values that follow from them are left out.
 
-Births are float32 numbers behind a float64 base for every 256 rows, so that a birth is right to some 1e-5 um wherever
-it lies. A column of few different values is a table of them and a byte a row; of a single value it is that value.
+Births are float32 numbers after a float64 base for every 256 rows, so that a birth is right to about 1e-5 um anywhere.
+A column of few different values is a table of them and one byte per row; a column of one value is that value.
 """
 
 from typing import Any, Final
@@ -41,7 +41,7 @@ SAME: Final = 1e-9
 
 
 def bytes_of(file: Reader) -> int:
-    """Return how many bytes all lives of a file take at most, without their times."""
+    """Return the largest number of bytes that all lives of a file take, without their times."""
     there = file.columns["junctions"]
     columns = 1 + sum(name in there for name in OWN[:2])
     if "encounter" in there:
@@ -52,8 +52,8 @@ def bytes_of(file: Reader) -> int:
 def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, Any]:
     """Return rows of /junctions of a file, in order of birth, as a page holds them, ``timed`` with their times.
 
-    Left out is what the page works out: deaths if a diameter says them, areas, and times at constant speed. Raises
-    RunFileRefused, naming the row, for what is no life.
+    Values that the page computes are left out: deaths if they follow from diameters, areas, and times at constant
+    speed. Raises RunFileRefused, naming the row, if a row is not a life.
     """
     there = file.columns["junctions"]
     own = [name for name in OWN if name in there]
@@ -82,14 +82,14 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
 
 
 def _behind_bases(values: Doubles) -> dict[str, Any]:
-    """Return ascending values as float32 numbers behind the first of each chunk."""
+    """Return ascending values as float32 differences to the first value of each chunk."""
     bases = values[::CHUNK]
     behind = values - np.repeat(bases, CHUNK)[: values.size]
     return {"chunk": CHUNK, "bases": packed(bases), "behind": packed(behind.astype(np.float32))}
 
 
 def _in_short(values: Doubles) -> dict[str, Any]:
-    """Return values as a table of few different ones, a byte a row, or as float32 numbers."""
+    """Return values as a table of few different ones with one byte per row, or as float32 numbers."""
     different = np.unique(values[:: max(1, values.size // FEW)])
     if different.size <= FEW // 2:
         different, which = np.unique(values, return_inverse=True)

@@ -28,7 +28,7 @@ FORMULA: Final = re.compile(r"(?<![\\$`\w])\$([^$`\n]+)\$(?![\w$])")
 
 
 def manual() -> str:
-    """Return the text of the web page; raises Refused if the installation has lost its pages."""
+    """Return the text of the web page; raises Refused if the installation does not have the pages."""
     folder = next((home for home in HOMES if (home / f"{FIRST[0]}.md").is_file()), None)
     if folder is None:
         raise Refused(f"docs: not found beside rubnoise in {PACKAGE}; is the installation complete?")
@@ -43,7 +43,7 @@ def manual() -> str:
 
 
 def _with_formulas(path: Path) -> str:
-    """Return the text of a page with its formulas as code, which says them in the words of TeX."""
+    """Return the text of a page with its formulas as code, in TeX."""
     lines, fenced = [], False
     for line in BLOCK.sub(r"```\n\1\n```", path.read_text(encoding="utf-8")).splitlines():
         if line.lstrip().startswith("```"):
@@ -53,7 +53,7 @@ def _with_formulas(path: Path) -> str:
 
 
 class _Page:
-    """One page as tokens of Markdown, whose headings have names that links of all pages find."""
+    """One page as tokens of Markdown, whose headings have names for links from all pages."""
 
     def __init__(self, name: str, tokens: list[Token]) -> None:
         self.name, self.tokens = name, tokens
@@ -64,7 +64,7 @@ class _Page:
             tokens[each].attrSet("id", f"{name}-{linked}")
 
     def html(self, markdown: MarkdownIt, folder: Path, names: Sequence[str]) -> str:
-        """Return the page as HTML; a link to another page leads to its place, a link to a file becomes its text."""
+        """Return the page as HTML; links to other pages lead to their places, links to files become their texts."""
         for token in self.tokens:
             for child in token.children or ():
                 if child.type == "link_open":
@@ -86,7 +86,7 @@ class _Page:
 
 
 def _embed(image: Token, folder: Path) -> None:
-    """Put a drawing into the page; the words of any other picture stand in its place."""
+    """Put a drawing into the page; any other picture is replaced by its words."""
     path = folder / str(image.attrGet("src"))
     if path.suffix == ".svg" and path.is_file():
         coded = base64.b64encode(path.read_bytes()).decode()

@@ -1,4 +1,4 @@
-"""What the pages of runs and sweeps share: their own parts around a template, and arrays as a page holds them."""
+"""Common parts of the pages of runs and sweeps: styles and scripts around a template, and arrays in text form."""
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +27,7 @@ def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[
 
 
 def packed(values: NDArray[Any]) -> dict[str, str]:
-    """Return an array as a page holds it: its type, little-endian, and its bytes in base 64."""
+    """Return an array in the form of a page: its type, little-endian, and its bytes in base 64."""
     little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
     return {"type": little.dtype.str.lstrip("<|"), "bytes": b64encode(little.tobytes()).decode("ascii")}
 

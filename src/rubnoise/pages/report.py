@@ -68,7 +68,8 @@ Between = Callable[[], None]
 def run_report(file: Reader, between: Between) -> str:
     """Return the report of a finished run; ``between`` is called between its parts and may raise to stop.
 
-    What a run does not have, such as a sound without a slider, is left out. Raises PicturesMissing without matplotlib.
+    Parts that a run does not have, such as a sound without a slider, are left out. Raises PicturesMissing without
+    matplotlib.
     """
     stretch = Stretch.of(file)
     figures = from_attributes(file.summary)

@@ -1,4 +1,4 @@
-"""A run in words, as its report has them: what slides on what, how it moves, and whether it may be believed."""
+"""The words of a report about a run: the contact, the motion, and whether the assumptions hold."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -18,7 +18,7 @@ _RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def number(value: float | None, digits: int = 6) -> str:
-    """Return a number as people write it, with so many digits; nothing for one that is not known."""
+    """Return a number in plain notation with some digits; an empty text if it is not known."""
     if value is None or not isfinite(value):
         return ""
     digits_of, _, power = f"{value:.{digits}g}".partition("e")
@@ -28,7 +28,7 @@ def number(value: float | None, digits: int = 6) -> str:
 
 
 def in_words(model: Model) -> list[str]:
-    """Return sentences about a model, each with the numbers that matter."""
+    """Return sentences about a model, with its main numbers."""
     lines = _contact(model) if model.free is None else _free_contact(model, model.free)
     if model.sliding_speed is not None:
         lines.append(f"The sliding speed is {model.sliding_speed / 1000.0:.4g} mm/s.")
@@ -43,7 +43,7 @@ def in_words(model: Model) -> list[str]:
 
 
 def _free_contact(model: Model, free: FreeSeparation) -> list[str]:
-    """Say what carries a slider that may leave its contact, and what an impact costs."""
+    """Return sentences about the contact of a slider that may leave it, and the loss of an impact."""
     known, held = free_motion(model), free.held
     loss = (
         f"An overlap that shrinks pushes with {free.restitution**2:.3g} times the force of one that grows"
@@ -66,7 +66,7 @@ def _free_contact(model: Model, free: FreeSeparation) -> list[str]:
 
 
 def flights_in_words(stretch: Stretch) -> list[str]:
-    """Say how long a slider was off the surface, how often it fell on it, and how fast an overlap grew at most."""
+    """Return how long a slider was off the surface, how often it fell on it, and the largest speed of an overlap."""
     file = stretch.file
     if stretch.has_theory or file.rows("load") < 2:
         return []
@@ -85,7 +85,7 @@ def flights_in_words(stretch: Stretch) -> list[str]:
 
 
 def _contact(model: Model) -> list[str]:
-    """Say what is in contact at a separation that does not leave it."""
+    """Return sentences about a contact that the slider does not leave."""
     area = area_cumulants(model)
     lines = [
         (
@@ -112,7 +112,7 @@ def _contact(model: Model) -> list[str]:
 
 
 def _separation(model: Model) -> str:
-    """Say how the separation moves, or that it is held."""
+    """Return how the separation moves, or that it is held."""
     held = model.separation
     if held is None:
         return "The separation of the surfaces is held, so that the load varies as the area does."
@@ -134,7 +134,7 @@ def _slider(slider: Slider, *, two_way: bool) -> str:
 
 
 def motion_in_words(model: Model, figures: Sequence[Agreement]) -> list[str]:
-    """Return sentences about the motion that was measured: whether one-way coupling holds, or how the slider sticks."""
+    """Return sentences about the measured motion: whether one-way coupling holds, or how the slider sticks."""
     measured = {each.name: each.observed for each in figures}
     lines = []
     if "one_way_validity" in measured:

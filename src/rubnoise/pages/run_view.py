@@ -1,6 +1,6 @@
-"""What of a run goes into its page: every life, every tick of a stretch, and the lowest and highest values elsewhere.
+"""The data of a run in its page: every life, every tick of a stretch, and the lowest and highest values elsewhere.
 
-A life is eight bytes, so a page holds those of a million junctions, and sums their areas wherever its reader looks. It
+A life is eight bytes, so a page holds the lives of a million junctions, and sums their areas at the place in view. It
 holds each tick between two sliding distances, and the extremes of each curve of the whole run in some thousand cells.
 """
 
@@ -52,9 +52,9 @@ SCRIPTS: Final = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunView:
-    """A stretch of a run that is shown with all its rows; ``name`` is how its reader knows the file.
+    """A stretch of a run that is shown with all its rows; ``name`` is the file's name in the page.
 
-    planned: the sliding distance in um of the whole run, if only a part of it is there.
+    planned: the sliding distance in um of the whole run, if only a part of it exists.
     """
 
     stretch: Stretch
@@ -63,7 +63,7 @@ class RunView:
 
     @classmethod
     def of(cls, stretch: Stretch, name: str) -> Self:
-        """Return the view of a stretch, if chosen, else of as much of the beginning as a page usually holds.
+        """Return the view of a chosen stretch, otherwise of as much of the beginning as a page usually holds.
 
         Raises Refused for a chosen stretch of more rows than a page can hold.
         """
@@ -81,7 +81,7 @@ class RunView:
 
     @classmethod
     def of_part(cls, run: CommittedRun, ends: tuple[float | None, float | None], name: str) -> Self:
-        """Return the view of an unfinished run as far as it is committed; raises Refused as Stretch.of does."""
+        """Return the view of the committed part of an unfinished run; raises Refused as `of` does."""
         whole = Stretch.of(run, *ends)
         reached = min((run.rows("trace") - 1) * whole.model.tick, whole.model.distance)
         model = replace(whole.model, distance=reached)
@@ -128,7 +128,7 @@ class RunView:
         }
 
     def _lives(self) -> dict[str, Any]:
-        """Return every life of the run, or of too many those of the stretch and of all who lived beside these."""
+        """Return every life of the run; if there are too many, those of the stretch and all lives at the same time."""
         file, start, stop = self.stretch.file, self.stretch.start, self.stretch.stop
         if bytes_of(file) <= LIVES_BYTES:
             rows, (start, stop) = np.arange(file.rows("junctions")), (0.0, self.stretch.model.distance)
@@ -170,7 +170,7 @@ class RunView:
         }
 
     def _flights(self) -> dict[str, Any]:
-        """Return distances in um of flights and impacts, and how fast the overlap grows at each impact, in um/s."""
+        """Return distances in um of flights and impacts, and the speed in um/s of the overlap at each impact."""
         file, speed = self.stretch.file, self.stretch.model.sliding_speed or 1.0
         end = float(file.column("load", "time", file.rows("load") - 1, file.rows("load"))[0])
         found = Flights.of(file, 0.0, end, MOST_FLIGHTS)
@@ -187,13 +187,13 @@ MOST_FLIGHTS: Final = 200_000
 
 
 def _is_shown(group: str, name: str) -> bool:
-    """Leave out what the page computes: places and times of ticks, and the one-way force, which /trace has."""
+    """Whether a page needs a column: it computes places and times of ticks, and takes the one-way force from /trace."""
     left_out = {"trace": ("distance",), "slider": ("friction_force",), "load": ("time", "live_overlap")}
     return name not in left_out[group]
 
 
 def _tick_bytes(stretch: Stretch) -> float:
-    """Return about how many bytes the ticks of a stretch take; a two-way slider is taken to move evenly."""
+    """Return about how many bytes the ticks of a stretch take, as if a two-way slider moved evenly."""
     file, share = stretch.file, (stretch.stop - stretch.start) / stretch.model.distance
     shown = [(group, column) for group in GROUPS for column in group.columns if group.name in CURVES]
     return share * sum(
@@ -208,7 +208,7 @@ def _column(name: str) -> Dataset:
 
 
 def _units() -> dict[str, dict[str, int]]:
-    """Return for each unit of a column the usual units that it can be compared in, as powers of ten of it."""
+    """Return for each unit of a column other usual units, as powers of ten of it."""
     wanted = {column.units for column in JUNCTIONS.columns} - {"1"}
     found: dict[str, dict[str, int]] = {}
     for kind in KINDS:
@@ -227,7 +227,7 @@ def _power_of_ten(size: Any) -> int:
 
 
 def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
-    """Return the lowest and highest values of columns in cells of equally many rows; a chunk is held at a time."""
+    """Return the lowest and highest values of columns in cells of equally many rows; memory holds a chunk at a time."""
     rows = file.rows(group)
     step = max(1, ceil(rows / CELLS))
     kept = [name for name in (*names, "distance") if name in file.columns[group]]
@@ -243,7 +243,7 @@ FORCES: Final = ("friction_force", "real_contact_area")
 
 
 def extremes(file: Reader, tick: float) -> dict[str, Any]:
-    """Return the extremes of a whole run, read in chunks; of equal ones the first.
+    """Return the extremes of a whole run, read in chunks; among equal ones the first.
 
     ``junction``: the row of the largest diameter; ``force``: the column of /trace, its value, and the distance in um of
     that tick; ``stick``, of a slider that sticks: begin and end in s, and the distance in um at which it stands;

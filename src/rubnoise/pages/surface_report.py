@@ -1,4 +1,4 @@
-"""A report of two surfaces: one page with the answers, the maps and curves, the scenario, and how it sounds."""
+"""A report of two surfaces: one page with the answers, the maps and curves, the scenario, and its sound."""
 
 from base64 import b64encode
 from html import escape
@@ -44,7 +44,7 @@ def surface_report(contact: SlidingContact, lines: list[str], **scenario: Any) -
 
 
 def _sound(contact: SlidingContact) -> tuple[str, str]:
-    """Return a WAV file in base 64, the area of the scenario less its mean, and words that say its speed."""
+    """Return a WAV file in base 64 of the scenario's area less its mean, and words with its speed."""
     tick = 2.0 * sqrt(contact.gaussian.real_contact_area / contact.gaussian.junction_count) / SAMPLES_A_LIFE
     samples = int(SECONDS * RATE)
     text = contact.scenario_text(distance=samples * tick)

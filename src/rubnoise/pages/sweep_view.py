@@ -1,4 +1,4 @@
-"""What of a sweep goes into its page: every figure of every run, and the beginnings of some hundred runs."""
+"""The data of a sweep in its page: every figure of every run, and the beginnings of some hundred runs."""
 
 from math import ceil
 from typing import Any, Final
@@ -32,7 +32,7 @@ SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "sweep.js")
 
 
 def sweep_page(sweep: SweepResult, name: str) -> str:
-    """Return the page of an open sweep, whose folder its reader knows by a name.
+    """Return the page of an open sweep; ``name`` is that of its folder in the page.
 
     Raises Refused for a sweep without a finished run, or of more than 20 000 runs.
     """
@@ -65,7 +65,7 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
 
 
 def _as_json(values: NDArray[Any]) -> list[Any]:
-    """Return values as JSON has them: what was not measured is null."""
+    """Return values for JSON; those not measured are null."""
     if values.dtype.kind == "f":
         return [value if np.isfinite(value) else None for value in values.tolist()]
     exact = 2**53  # a larger whole number is no number of the page's language
@@ -73,7 +73,7 @@ def _as_json(values: NDArray[Any]) -> list[Any]:
 
 
 def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
-    """Return the first rows of runs, all of them or the first of each point, by name of the run."""
+    """Return the first rows of all runs, or of the first run of each point, by name of the run."""
     point, names = sweep.runs["point"][:], sweep.runs["run_id"][:]
     chosen = rows if rows.size <= MOST_BEGINNINGS else rows[np.unique(point[rows], return_index=True)[1]]
     found: dict[str, Any] = {}
@@ -119,7 +119,7 @@ def _spectra(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
 
 
 def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
-    """Return places and values of the beginning of a run, the lowest and highest of each cell."""
+    """Return places and values of the beginning of a run: the lowest and highest of each cell."""
     rows = min(len(columns), ROWS)
     places, values = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
     step = max(1, ceil(rows / CELLS))

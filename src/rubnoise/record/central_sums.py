@@ -1,4 +1,4 @@
-"""Sums of powers about the mean, in as few passes as there can be; compiled."""
+"""Sums of powers about the mean, in the least number of passes; compiled."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from rubnoise.compiling import compiled_for_speed
 
 @compiled_for_speed
 def central_sums(values: NDArray[Any], powers: int) -> tuple[float, float, float, float]:
-    """Return the mean and the sums of the second to fourth powers about it, the last two only if asked for."""
+    """Return the mean and the sums of the second to fourth powers about it, the last two only on request."""
     count = len(values)
     mean = 0.0
     for n in range(count):

@@ -55,13 +55,13 @@ class MemoryRecord:
             kept[name][first_row : first_row + values.size] = values
 
     def protect(self) -> None:
-        """Make all columns read-only: the run is over, and its arrays are handed out without a copy."""
+        """Make all columns read-only, since the run has ended and its arrays are given to callers without a copy."""
         for columns in self.groups.values():
             for values in columns.values():
                 values.flags.writeable = False
 
     def _grow(self, group: str, columns: Columns, rows: int) -> None:
-        """Let a group have so many rows; room is made for twice as many, so that rows are seldom copied."""
+        """Enlarge a group to a number of rows; allocate memory for twice as many, so that rows are seldom copied."""
         room = self._room.get(group)
         if room is None or rows > next(iter(room.values())).size:
             room = self._room[group] = _room_for(columns, 2 * rows)
@@ -71,7 +71,7 @@ class MemoryRecord:
 
 
 def _room_for(columns: Columns, rows: int) -> dict[str, NDArray[Any]]:
-    """Return columns of so many rows in one piece of memory: the system hands out one sooner than many."""
+    """Return columns of ``rows`` rows in one piece of memory, which the system allocates faster than many pieces."""
     sizes = {name: rows * values.itemsize for name, values in columns.items()}
     places = np.cumsum([0, *(ceil(size / _LINE) * _LINE for size in sizes.values())])
     memory = np.empty(int(places[-1]), dtype=np.uint8)

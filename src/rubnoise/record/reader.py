@@ -1,4 +1,4 @@
-"""Where the rows of a run come from: protocols between those who keep a run and those who look at it, and chunks."""
+"""Protocols for readers of a run's rows, and chunks of rows."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ Attributes = Mapping[str, float | int | str]
 
 
 class Rows(Protocol):
-    """The columns of a run, in a file or elsewhere, named and in the units of a result file."""
+    """The columns of a run, in a file or elsewhere, with the names and units of a result file."""
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
@@ -30,16 +30,16 @@ class Rows(Protocol):
 
 
 class Reader(Rows, Protocol):
-    """A run with what it says of itself beside its rows."""
+    """A run with its rows and its attributes."""
 
     @property
     def path(self) -> Path:
-        """Where it lies."""
+        """The path of the file."""
         ...
 
     @property
     def extent(self) -> Extent:
-        """How many rows it has."""
+        """The number of rows of each group."""
         ...
 
     @property
@@ -59,7 +59,7 @@ class Reader(Rows, Protocol):
 
 
 class HashedReader(Reader, Protocol):
-    """A run that keeps hashes of its columns and of what it says of itself."""
+    """A run that stores hashes of its columns and attributes."""
 
     @property
     def seal(self) -> str | None:
@@ -67,7 +67,7 @@ class HashedReader(Reader, Protocol):
         ...
 
     def damaged(self) -> tuple[str, ...]:
-        """Return the columns that are unreadable or do not have the hash written beside them."""
+        """Return the columns that cannot be read or differ from their stored hash."""
         ...
 
 
@@ -75,7 +75,7 @@ class Chunk(Mapping[str, NDArray[Any]]):
     """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is asked for."""
 
     def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
-        """Read nothing yet: to unpack a column takes time."""
+        """Read nothing yet, since unpacking a column takes time."""
         self.first, self.end = first, end
         self._rows, self._group = rows, group
         self._read: dict[str, NDArray[Any]] = {}
@@ -97,7 +97,7 @@ class Chunk(Mapping[str, NDArray[Any]]):
         return len(self._rows.columns[self._group])
 
     def __contains__(self, name: object) -> bool:
-        """Whether the group has a column; it is not read for that."""
+        """Whether the group has a column, without reading it."""
         return name in self._rows.columns[self._group]
 
 

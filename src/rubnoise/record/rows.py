@@ -1,4 +1,4 @@
-"""The columns of /junctions, one row a junction, and the codes of all that rows tell in whole numbers."""
+"""The columns of /junctions, one row for each junction, and the codes in whole numbers of all groups."""
 
 from collections.abc import Container
 from enum import IntEnum, IntFlag
@@ -14,7 +14,7 @@ from rubnoise.errors import Refused
 
 
 class JunctionState(IntFlag):
-    """What the ``state`` of a junction's row says, in bits.
+    """The bits of the ``state`` of a junction's row.
 
     >>> import rubnoise
     >>> rubnoise.JunctionState(3) == rubnoise.JunctionState.ALIVE_AT_START | rubnoise.JunctionState.ALIVE_AT_END
@@ -28,7 +28,7 @@ class JunctionState(IntFlag):
 
 
 class Phase(IntEnum):
-    """What the ``phase`` of a two-way slider's row says: how it moves over the surface."""
+    """The ``phase`` in a row of a two-way slider: how it moves over the surface."""
 
     SLIP = 0
     STICK = 1
@@ -36,7 +36,7 @@ class Phase(IntEnum):
 
 
 class LandmarkKind(IntEnum):
-    """What the ``kind`` of a landmark says: what a two-way slider begins there. A slip is a breakaway from a stick."""
+    """The ``kind`` of a landmark: what a two-way slider begins there. A slip begins with the breakaway from a stick."""
 
     STICK = 0
     SLIP = 1
@@ -45,14 +45,14 @@ class LandmarkKind(IntEnum):
 
 
 class ContactKind(IntEnum):
-    """What the ``kind`` of a landmark says of a slider that may leave its contact."""
+    """The ``kind`` of a landmark of a slider that may leave its contact."""
 
     CONTACT_LOST = 4
     CONTACT_MADE = 5
 
 
 def refuse_touches(names: Container[str]) -> None:
-    """Raise Refused if rows are touches: their areas follow the separation, and no curve of a row."""
+    """Raise Refused if rows are touches, since their areas follow the separation and not the curve of a row."""
     if "encounter" in names:
         raise Refused("rows of free motion are touches, whose areas follow the separation; no row says its curve")
 
@@ -94,10 +94,10 @@ def junction_columns(
     offset: Doubles | None = None,
     peak: Doubles | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s), of their natural deaths.
+    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s), with their natural deaths given.
 
-    A row ended early has the death and life that it had; every other has death = birth + 2d, also beyond the run.
-    offset and peak (um, um^2): of passes off the centre line, by how much they miss it and the area at mid-life.
+    A row that was ended early has its real death and life; every other row has death = birth + 2d, also beyond the run.
+    offset and peak (um, um^2): lateral offset and area at mid-life of passes off the centre line.
     """
     early = departure < natural
     death, life = natural, 2.0 * half_life(diameter, offset)

@@ -1,4 +1,4 @@
-"""Where the rows of a run go: one small protocol between those who make them and those who keep them."""
+"""The protocol for code that takes the rows of a run."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ Columns = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Extent:
-    """How many rows each group of a run has, known exactly before its first event.
+    """The number of rows of each group of a run, known exactly before its first event.
 
-    None: rows grow with the run, so that only its end shows how many there are. junctions: None under a slider that
+    None: the rows grow with the run, and only its end tells their number. junctions: None under a slider that
     may leave its contact; slider: 0 without one, None in a two-way run; landmarks: None in either of these, else 0;
     balance: a row in a two-way run; load: 0 without one that weighs.
     """
@@ -44,14 +44,14 @@ class Sink(Protocol):
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Keep rows ``first_row``... of a group, such as "junctions" or "trace"; `Extent.rows` knows them all.
 
-        Rows come in order and without gaps; a row of "junctions" may come once more when its junction is ended early.
+        Rows come in order and without gaps; a row of "junctions" may come again when its junction is ended early.
         """
         ...
 
 
 @dataclass(slots=True)
 class Appender:
-    """Hands rows of one group to a sink, each time behind those before; ``rows``: how many there are so far."""
+    """Appends rows of one group to a sink; ``rows`` is their number so far."""
 
     sink: Sink
     group: str
@@ -65,11 +65,11 @@ class Appender:
 
 @dataclass(frozen=True, slots=True)
 class Tee:
-    """A sink that hands every row to several sinks in turn."""
+    """A sink that passes every row to several sinks in turn."""
 
     sinks: Iterable[Sink]
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Hand the rows on."""
+        """Pass the rows on."""
         for sink in self.sinks:
             sink.write(group, first_row, columns)

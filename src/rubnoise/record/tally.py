@@ -1,4 +1,4 @@
-"""Running moments of what a run records, gathered while its rows pass by."""
+"""Running moments of the columns of a run, computed from its chunks."""
 
 from dataclasses import dataclass, field
 from math import inf, nan, sqrt
@@ -56,7 +56,7 @@ TALLIED = {
 class Moments:
     """Count, mean and the sums of the second to fourth powers about the mean of a stream of values.
 
-    With ``powers`` 2 the third and fourth are left out, and skewness and kurtosis with them.
+    With ``powers`` 2 the third and fourth sums are left out, and with them skewness and kurtosis.
 
     Panels are merged by the pairwise formulas of Chan, Golub and LeVeque (1983) and Pebay (2008), so that nothing is
     lost to cancellation however long the run.
@@ -70,7 +70,7 @@ class Moments:
     fourth: float = 0.0
 
     def add(self, values: NDArray[Any]) -> None:
-        """Take in one panel of values of any kind of number."""
+        """Add one panel of values of any numeric type."""
         if not values.size:
             return
         from rubnoise.record.central_sums import central_sums  # which loads the compiler
@@ -80,7 +80,7 @@ class Moments:
         self._merge(values.size, mean, second, third, fourth)
 
     def add_plain(self, values: NDArray[np.float64]) -> None:
-        """Take in one panel as `add` does, but for its last digits: who reads a column waits for no compiler."""
+        """Add one panel as `add` does up to last digits, with numpy: reading a column does not load the compiler."""
         if not values.size:
             return
         mean = float(values.mean())
@@ -116,18 +116,18 @@ class Moments:
 
     @property
     def skewness(self) -> float:
-        """Third standardised moment; 0 for values that do not vary."""
+        """Third standardised moment; 0 for constant values."""
         return self.third / self.count / self.variance**1.5 if self.variance > 0.0 else 0.0
 
     @property
     def excess_kurtosis(self) -> float:
-        """Fourth standardised moment less 3; 0 for values that do not vary."""
+        """Fourth standardised moment less 3; 0 for constant values."""
         return self.fourth / self.count / self.variance**2 - 3.0 if self.variance > 0.0 else 0.0
 
 
 @dataclass(slots=True)
 class Slips:
-    """How many slips of a two-way slider are longer than a length in um, from rows of /landmarks as they come.
+    """The number of slips of a two-way slider that are longer than a length in um, from chunks of /landmarks.
 
     A slip goes from a breakaway to the next stick; its length is that of its path, back and forth added up.
     """
@@ -139,7 +139,7 @@ class Slips:
     _place: float = nan
 
     def add(self, kind: NDArray[Any], distance: NDArray[Any]) -> None:
-        """Take in rows of /landmarks."""
+        """Add rows of /landmarks."""
         if not kind.size:
             return
         steps = np.abs(np.diff(distance, prepend=self._place))
@@ -152,9 +152,9 @@ class Slips:
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """A sink that keeps little of the columns it watches: moments, how often each number comes, or the last value.
+    """A sink that keeps a few numbers of the columns it watches: moments, counts of each value, or the last value.
 
-    All by name; slips of a two-way slider are counted beside them.
+    All are kept by name; slips of a two-way slider are counted, too.
     """
 
     moments: dict[str, Moments] = field(default_factory=dict)
@@ -164,11 +164,11 @@ class Tally:
 
     @classmethod
     def of(cls, model: Model) -> Self:
-        """Return an empty tally for the runs of a model: slips are counted that are longer than its diameter d_m."""
+        """Return an empty tally for the runs of a model, which counts slips longer than its diameter d_m."""
         return cls(slips=Slips(longer_than=model.calibrated_diameter))
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Take in rows of a group (see Sink)."""
+        """Add rows of a group (see Sink)."""
         del first_row
         for name, powers in WATCHED.get(group, {}).items():
             if name in columns:

@@ -1,4 +1,4 @@
-"""Exact theory of two Gaussian surfaces that slide on each other: areas, junctions, lives and the noise of their sum.
+"""Exact theory of two Gaussian surfaces that slide on each other: areas, junctions, lives and the noise of the area.
 
 Contact is where z(x, y; s) = h1(x + s, y) + h2(x, y) exceeds the gap D = u sigma: an excursion set of one Gaussian
 field in (x, y, s). h1 is the track, h2 the slider. Sources: Rice (1944), Adler, The Geometry of Random Fields (1981,
@@ -51,7 +51,7 @@ class GaussianContact:
 
     @property
     def height_scale(self) -> float:
-        """sigma/u in um: how fast the density of summits falls above the gap."""
+        """sigma/u in um: the scale on which the density of summits falls above the gap."""
         return self.roughness / self.level
 
     @property
@@ -119,11 +119,11 @@ class GaussianContact:
 
     @cached_property
     def _chance(self) -> tuple[float, float, Doubles]:
-        """What one map's chance adds to the sum of rho^2 over all lags: of the track, of the slider, of both by shift.
+        """The part of a map's chance in the sum of rho^2 over all lags: of the track, of the slider, of both by shift.
 
-        The power of a wave on one map scatters as much as its mean. Its autocorrelation does not die away, and
-        squares of what is left raise R. Far lags show how much, and it is the same near 0. Both maps have it in common
-        if one surface slides on itself.
+        The power of a wave on one map scatters as much as its mean. Its autocorrelation does not decay to 0, and
+        the squares of the rest raise R. Far lags show how much, and it is the same near 0. Both maps share it if one
+        surface slides on itself.
         """
         track, slider, _ = self._maps
         if self.track.scatter is None or self.slider.scatter is None:
@@ -139,9 +139,9 @@ class GaussianContact:
         return sums[0], sums[1], common * sqrt(shares[0] * shares[1])
 
     def _summed(self, shift: int, which: tuple[bool, bool] = (True, True)) -> float:
-        """Return A0 int int [int_0^rho phi2 dr] dx dy at a lag of so many points, in um^4, the track going on for ever.
+        """Return A0 int int [int_0^rho phi2 dr] dx dy at a lag of ``shift`` points, in um^4, on an endless track.
 
-        ``which`` of both autocorrelations count. What the chance of one map adds is taken away, to second order.
+        ``which`` of both autocorrelations count. The part of a single map's chance is subtracted, to second order.
         """
         track, slider, spacing = self._maps
         maps = [own if counts else np.zeros_like(own) for own, counts in zip((track, slider), which, strict=True)]
@@ -161,13 +161,13 @@ class GaussianContact:
         """(J_1, J_2) in um^4: J_i = A0 int int int_0^(C_i/sigma^2) phi2 dr dx dy, of the track and of the slider.
 
         J_2 is frozen for ever: the mean differs from slider to slider. J_1 is that of the track below the slider, which
-        changes as the slider moves by its length.
+        changes when the slider moves by its length.
         """
         return self._summed(0, (True, False)), self._summed(0, (False, True))
 
     @property
     def frozen_share(self) -> float:
-        """J_2/R(0): which part of the variance no sliding ever shows, because the slider carries its own asperities."""
+        """J_2/R(0): the share of the variance that sliding never shows, since the slider carries its own asperities."""
         return self.frozen_variances[1] / self.ensemble_variance
 
     @property
@@ -182,7 +182,7 @@ class GaussianContact:
 
     @cached_property
     def curve(self) -> tuple[Doubles, Doubles]:
-        """Lags in um up to half of the slider's map, and R(lag) - J_1 - J_2 in um^4: what moves in a short run."""
+        """Lags in um up to half of the slider's map, and R(lag) - J_1 - J_2 in um^4, the covariance in a short run."""
         points, spacing = self._maps[1].shape[0] // 2, self._maps[2][0]
         far = np.geomspace(_FIRST, max(points, _FIRST + 1), _MOST_LAGS - _FIRST)
         shifts = np.unique(np.concatenate((np.arange(_FIRST), far.astype(np.int64))))
@@ -191,16 +191,16 @@ class GaussianContact:
         return shifts * spacing, np.array([self._summed(int(each)) for each in shifts]) - frozen
 
     def autocovariance(self, lag: Doubles) -> Doubles:
-        """Return R(tau) - J_2 in um^4 of a slider of its length on a fresh track: what a long run shows.
+        """Return R(tau) - J_2 in um^4 of a slider of its length on a fresh track, the covariance in a long run.
 
-        R(tau) = what moves + J_1 max(0, 1 - tau/L_x), L_x the slider's length; lags in um up to half of the map.
+        R(tau) = `curve` + J_1 max(0, 1 - tau/L_x) + J_2, L_x the slider's length; lags in um up to half of the map.
         """
         lags, moving = self.curve
         track = self.frozen_variances[0]
         return np.interp(np.abs(lag), lags, moving) + track * np.maximum(0.0, 1.0 - np.abs(lag) / self.slider_length)
 
     def spectrum(self, wavenumber: Doubles) -> Doubles:
-        """Return S(k) in um^5 of what moves in a short run: int R exp(-i k tau) dtau, two-sided, k in rad/um.
+        """Return S(k) in um^5 of a short run: int R exp(-i k tau) dtau, two-sided, k in rad/um.
 
         R is `curve` under Parzen's window, which ends at twice the first lag without correlation: no power is negative.
         """
@@ -217,7 +217,7 @@ class GaussianContact:
 
     @cached_property
     def correlation_length(self) -> float:
-        """The lag in um at which what moves in a short run has fallen to one half; nan beyond half of the map."""
+        """The lag in um at which the covariance in a short run has fallen to one half; nan beyond half of the map."""
         return half_width(*self.curve)
 
     @property
@@ -234,7 +234,7 @@ class GaussianContact:
 
 
 def half_width(lags: Doubles, values: Doubles) -> float:
-    """Return the first lag at which a curve has fallen to half of its first value, nan if it does not; by a spline."""
+    """Return the first lag at which a curve is half of its first value, by a spline; nan if there is none."""
     from scipy.interpolate import CubicSpline
 
     roots = CubicSpline(lags, values).solve(0.5 * float(values[0]), extrapolate=False)

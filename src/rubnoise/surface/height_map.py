@@ -1,4 +1,4 @@
-"""A map of heights: what a scan measures and what `--synthesise` makes, and how it is laid beside another."""
+"""A map of heights, from a scan or from `--synthesise`, and its values on the grid of another map."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -19,8 +19,8 @@ FEWEST_POINTS: Final = 16
 class HeightMap:
     """Heights h in um over a grid whose first index runs along the sliding, spacings in um.
 
-    ``periodic`` says that the map repeats itself at its edges, as synthetic surfaces do. ``history`` says what was done
-    to it, in words: missing points filled, form removed, waves cut.
+    ``periodic``: the map repeats itself at its edges, as synthetic surfaces do. ``history``: the changes so far, in
+    words: missing points filled, form removed, waves cut.
     """
 
     heights: Doubles = field(repr=False)
@@ -30,7 +30,7 @@ class HeightMap:
     history: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Raises Refused for what is no map: too few points, a spacing of 0, a height that is no number."""
+        """Raises Refused for invalid maps: too few points, a spacing of 0, a height that is not a number."""
         if self.heights.ndim != 2 or min(self.heights.shape) < FEWEST_POINTS:
             shape = " x ".join(map(str, self.heights.shape))
             raise Refused(
@@ -54,23 +54,23 @@ class HeightMap:
 
     @property
     def digest(self) -> str:
-        """The first half of the SHA-256 of shape, spacings and heights: which surface this is, as it came."""
+        """The first half of the SHA-256 of shape, spacings and heights, which identifies the surface."""
         content = np.ascontiguousarray(self.heights, dtype="<f8")
         head = repr((content.shape, tuple(map(float, self.spacing)))).encode()
         return sha256(head + content.tobytes()).hexdigest()[:32]
 
     def changed(self, heights: Doubles, done: str) -> Self:
-        """Return the map with other heights, and with what was done to it."""
+        """Return the map with other heights, and with the change in its history."""
         return replace(self, heights=heights, history=(*self.history, done))
 
     def turned(self) -> Self:
-        """Return the map turned by 180 degrees about its normal: a partner for a surface that slides on its like."""
+        """Return the map turned by 180 degrees about its normal, as a partner for a surface that slides on itself."""
         return replace(self, heights=self.heights[::-1, ::-1], name=f"{self.name} turned by 180 degrees")
 
     def on_grid_of(self, other: "HeightMap") -> Doubles:
-        """Return heights at the points of another map, from the first corner on, as far as both reach.
+        """Return heights at the points of another map, from the first corner on, over the part that both cover.
 
-        Interpolation by cubic splines; a periodic map of the same grid is taken as it is.
+        Interpolation is by cubic splines; a periodic map of the same grid is returned unchanged.
         """
         if self.heights.shape == other.heights.shape and np.allclose(self.spacing, other.spacing, rtol=1e-6):
             return self.heights
@@ -97,8 +97,8 @@ def without_form(surface: HeightMap, form: str) -> HeightMap:
     """Return a map without its form, by least squares; see `FORMS`.
 
     A sphere or cylinder of radius R and centre (x0, y0, z0) is fitted as z = z0 -+ (R - sqrt(R^2 - r^2)), r the
-    distance from the centre or the axis, after its paraboloid. A map that repeats itself has no form, and stays as
-    it is. Raises Refused for a form that the points do not have.
+    distance from the centre or the axis, after its paraboloid. A periodic map has no form and stays as it is.
+    Raises Refused for a form that the points do not have.
     """
     if form == "none" or surface.periodic:
         return surface

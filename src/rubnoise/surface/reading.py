@@ -1,4 +1,4 @@
-"""Scans read from files of 42 instruments and formats by SurfaceTopography, or taken from its objects as they are."""
+"""Read scans from files of 42 instruments and formats by SurfaceTopography, or take its objects."""
 
 import os
 import warnings
@@ -26,7 +26,7 @@ def read_surface(path: str | os.PathLike[str], unit: str | None = None) -> Heigh
     """Return the first map of a file in um, missing points filled by a harmonic function of their neighbours.
 
     The first index of the map is the sliding direction. ``unit`` is that of all lengths if the file names none. Raises
-    Refused for what is no file of a surface, for a profile, a map without a unit, and one with too many missing points.
+    Refused if the file is not a surface, for a profile, a map without a unit, and one with too many missing points.
     """
     name = os.fspath(path)
     if not Path(name).is_file():
@@ -73,7 +73,7 @@ def from_topography(topography: Any, name: str = "surface", unit: str | None = N
 
 
 def length_scale(unit: str, name: str) -> float:
-    """Return how many um a unit of length is; raises Refused for another unit."""
+    """Return the size of a unit of length in um; raises Refused for another unit."""
     try:
         size = parse_unit(unit.replace("\u00c5", "angstrom"))
     except QuantityError as problem:
@@ -84,7 +84,7 @@ def length_scale(unit: str, name: str) -> float:
 
 
 def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
-    """Return heights without missing points, and what was done about them."""
+    """Return heights without missing points, and how they were filled."""
     values = topography.heights()
     heights = np.ma.filled(np.ma.masked_invalid(values), np.nan).astype(np.float64)
     missing = int(np.isnan(heights).sum())
@@ -101,7 +101,7 @@ def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
 
 
 def to_file(surface: HeightMap, path: Path) -> None:
-    """Write a map as netCDF, in a form that SurfaceTopography reads again with its unit and its period."""
+    """Write a map as netCDF, which SurfaceTopography reads again with its unit and its period."""
     made = _library().Topography(surface.heights, surface.size, unit="um", periodic=surface.periodic)
     made.to_netcdf(str(path))
 

@@ -38,7 +38,7 @@ class Patches:
 
     @property
     def patch_count(self) -> int:
-        """How many patches there are."""
+        """Number of patches."""
         return int(self.areas.size)
 
     @property
@@ -76,8 +76,8 @@ class SlidingContact:
     """A slider on a track under a load: ``track`` and ``slider`` are maps without form, their waves cut.
 
     ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um. ``gaussian`` is exact for
-    Gaussian surfaces with the measured spectra, ``counted`` what the maps show, ``refused`` why numbers are not to
-    be used.
+    Gaussian surfaces with the measured spectra, ``counted`` the patches on the maps, ``refused`` the reasons why
+    numbers must not be used.
     """
 
     track: HeightMap
@@ -108,7 +108,7 @@ class SlidingContact:
 
     @cached_property
     def counted(self) -> Patches:
-        """Patches of one map pressed against the other at the same share of their area, if both reach."""
+        """Patches of one map pressed against the other at the same share of their area, if both are large enough."""
         laid = self.track.on_grid_of(self.slider)
         slider = self.slider.heights[: laid.shape[0], : laid.shape[1]]
         return patches(laid + slider, self.share, self.slider.spacing)
@@ -121,7 +121,7 @@ class SlidingContact:
 
     @cached_property
     def refused(self) -> tuple[str, ...]:
-        """Why these numbers are not to be used, each with a remedy; empty if they are."""
+        """The reasons why these numbers must not be used, each with a remedy; empty if there are none."""
         return tuple(self._reasons())
 
     def _reasons(self) -> Iterator[str]:
@@ -164,7 +164,7 @@ class SlidingContact:
         ``speed`` in um/s, ``distance`` in um (1000 mean lives without one); with ``mass`` in kg and
         ``damping_ratio`` the slider also rises and falls on its load, on summits whose density falls over sigma/u.
         Its text names scans, filters and hashes. Raises Refused for a mass without a speed or a damping ratio, and
-        where `refused` says why.
+        if `refused` has reasons.
         """
         if self.refused:
             raise Refused(f"no scenario is written: {'; '.join(self.refused)}")
@@ -214,7 +214,7 @@ class SlidingContact:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The scenario of the same area and number, whatever `refused` says: what theory compares with the surfaces.
+        """The scenario of the same area and number, even if `refused`: theory compares it with the surfaces.
 
         Raises Refused for numbers that no scenario can have.
         """
@@ -241,7 +241,7 @@ class SlidingContact:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Where the scenario's spread or correlation length is off by more than a tenth, with both numbers."""
+        """Sentences with both numbers if the scenario's spread or correlation length is off by more than a tenth."""
         gaussian = self.gaussian
         pairs = (
             ("standard deviation over mean", self.scenario_relative_std, gaussian.relative_std, ""),
@@ -294,7 +294,7 @@ def count_over_cutoff(
 ) -> tuple[Doubles, Doubles]:
     """Return cut-offs in um and N_jm at each, from two points to a quarter of the smaller scan, at a share of the area.
 
-    The number of junctions has no value without a cut-off; this is the curve that says so.
+    The number of junctions depends on the cut-off; this curve shows how.
     """
     own = track.turned() if slider is None else slider
     shortest = 2.0 * max(*track.spacing, *own.spacing)

@@ -17,7 +17,7 @@ RING: Final = 0.8
 
 
 def check_wavelengths(surface: HeightMap, cutoff: float, longest: float | None) -> None:
-    """Raises Refused for a cut-off below two points or above half the scan, and for limits that leave no waves."""
+    """Raises Refused for a cut-off below two points or above half of the scan, and for limits without waves between."""
     points, half = 2.0 * max(surface.spacing), 0.5 * min(surface.size)
     if not points * (1.0 - 1e-9) <= cutoff <= half:
         raise Refused(
@@ -31,8 +31,8 @@ def check_wavelengths(surface: HeightMap, cutoff: float, longest: float | None) 
 def band_limited(surface: HeightMap, cutoff: float, longest: float | None = None) -> HeightMap:
     """Return a map without waves shorter than ``cutoff`` and longer than ``longest`` (both in um) and without mean.
 
-    A sharp limit in frequency, so that a second call changes nothing. A periodic map is transformed as it is; another
-    one is continued by its mirror image at each edge, where it has no jump (a cosine transform).
+    The limit in frequency is sharp, so a second call changes nothing. A periodic map is transformed as it is; another
+    one is continued by its mirror image at each edge, without a jump (a cosine transform).
     """
     check_wavelengths(surface, cutoff, longest)
     sides = surface.heights.shape

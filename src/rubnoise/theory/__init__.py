@@ -1,5 +1,5 @@
-"""Shot-noise theory: what a contact and its slider do on average, exactly, and how far a finite run may differ.
+"""Shot-noise theory: exact averages of a contact and its slider, and how far a finite run may differ from them.
 
-No simulation is imported here, so either can be tested with the other. Begin with `campbell`, the cumulants of area and
-force, then `spectrum` and `sampling`; `exact` gathers all of it for one model.
+No simulation is imported here, so each can be tested with the other. Begin with `campbell`, the cumulants of area and
+force, then `spectrum` and `sampling`; `exact` collects all of it for one model.
 """

@@ -23,11 +23,11 @@ class BaseResponse:
 
 
 def base_response(model: Model) -> BaseResponse:
-    """Return how far and how fast the slider is moved by its base; the mean of x is that of y.
+    """Return the stationary motion of a slider that its base drives; the mean of x is that of y.
 
     A triangle of height r d is 4 r/(pi d) times the area of a triangular life of one size d, and so is y of the area;
     S_x(w) = S_y(w/V)/V (k^2 + c^2 w^2) / |k - m w^2 + i c w|^2. Infinite without damping. Raises Refused for a slider
-    that is not driven so, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
+    without a base, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
     """
     slider = model.slider
     if slider is None or model.sliding_speed is None or slider.excitation != "base":

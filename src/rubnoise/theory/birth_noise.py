@@ -1,4 +1,4 @@
-"""What births that are neither random nor regular add to a contact: covariances and higher cumulants.
+"""The part of births that are neither random nor regular in covariances and higher cumulants of a contact.
 
 Births of density S_N(k) make the spectrum lam E[|A^|^2] + (S_N - lam) |E[A^]|^2, A^ about the birth. The first part is
 that of births at random; this file has the rest.
@@ -45,10 +45,10 @@ def excess_density(model: Model, wavenumber: Doubles, *, exact: bool = True) -> 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Excess:
-    """What births add to a covariance beside that of births at random: (1/2 pi) int excess exp(i k tau) dk.
+    """The part of births in a covariance, beside that of random births: (1/2 pi) int excess exp(i k tau) dk.
 
-    As a sum over wavenumbers one step apart, which is exact for lags below ``reach`` um but for what lies beyond the
-    last: the covariance ends there. ``power`` is that of each, twice over but for the first.
+    It is a sum over evenly spaced wavenumbers, exact for lags below ``reach`` um, where the covariance ends, except for
+    the part beyond the last wavenumber. ``power`` is that of each, doubled except for the first.
     """
 
     wavenumber: Doubles
@@ -57,23 +57,23 @@ class Excess:
     _spline: Callable[[Doubles], Doubles]
 
     def covariance(self, lag: Doubles) -> Doubles:
-        """Return it at lags >= 0 in um of any shape, 0 beyond its reach."""
+        """Return the part at lags >= 0 in um of any shape, 0 beyond its reach."""
         return np.where(lag < self.reach, self._spline(np.minimum(lag, self.reach)), 0.0)
 
 
 def excess_of_area(model: Model) -> Excess:
-    """Return what births add to the covariance of real contact area, in um^4; error some 1e-9 of the variance."""
+    """Return the part of births in the covariance of real contact area, in um^4; error about 1e-9 of the variance."""
     return _excess(model.sizes, model.births, model.pulse)
 
 
 def excess_of_count(model: Model) -> Excess:
-    """Return what births add to the covariance of the live count; error some 1e-6 of it, since a count jumps."""
+    """Return the part of births in the covariance of the live count; error about 1e-6 of it, since a count jumps."""
     return _excess(model.sizes, model.births, None)
 
 
 @lru_cache(maxsize=16)
 def _excess(sizes: Law, births: BirthLaw, pulse: Pulse | None) -> Excess:
-    """Return the excess of the area; of the count where no pulse is given."""
+    """Return the excess of the area, or of the count if no pulse is given."""
     from scipy.interpolate import CubicSpline
 
     reach = 2.0 * size_range(sizes)[1] + births.memory
@@ -108,9 +108,9 @@ def cumulants(model: Model, at_random: tuple[float, ...], strength_moments: tupl
 
 @lru_cache(maxsize=8)
 def jittered_lines(model: Model, *, of_count: bool) -> tuple[Doubles, Doubles]:
-    """Return wavenumbers in rad/um and powers of the lines that jitter leaves, down to 1e-17 of themselves.
+    """Return wavenumbers in rad/um and powers of the lines under jitter, down to 1e-17 of their power without it.
 
-    As `rubnoise.theory.regular_births.spectral_lines`, with the share that the law of births says.
+    As `rubnoise.theory.regular_births.spectral_lines`, times the line share of the law of births.
     """
     if not isinstance(model.births, JitteredBirths):
         return np.empty(0), np.empty(0)

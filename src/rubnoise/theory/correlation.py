@@ -47,10 +47,10 @@ def force_autocovariance(model: Model, strengths: Law, lag: ArrayLike) -> Double
 
 
 def unphased_covariance(model: Model, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
-    """Return the covariance of sum psi A at a lag in um (any shape) but for the lines: given the phase of the births.
+    """Return the covariance of sum psi A at a lag in um (any shape) without the lines: given the phase of the births.
 
-    E[psi^2] and E[psi]^2 are given; zero beyond the longest life and what births remember. Of Poisson births it is
-    all there is.
+    E[psi^2] and E[psi]^2 are given; zero beyond the longest life and the memory of births. For Poisson births it is
+    the whole covariance.
     """
     lags = np.abs(np.asarray(lag, dtype=np.float64))
     shot = joint_cumulants(model, lags, ((1, 1),))[1, 1]
@@ -75,8 +75,8 @@ def joint_cumulants(
     """Return kappa_ij(tau), the joint cumulant of i times A_r(s) and j times A_r(s + tau), in um^(2i + 2j).
 
     kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each (i, j) asked for
-    and lags tau in um (any shape), by so many diameters on each panel of the size law. Of Poisson births; of others it
-    is what single junctions bring, whatever comes before and after them.
+    and lags tau in um (any shape), by ``sizes`` diameters on each panel of the size law. For Poisson births; for others
+    it is the part of single junctions, whatever comes before and after them.
     Source: Campbell's theorem for two places at once (Rice 1944, as above).
     """
     lags = np.abs(np.asarray(lag, dtype=np.float64))
@@ -103,9 +103,9 @@ def _averages(model: Model, lags: Doubles, powers: tuple[Powers, ...], sizes: in
 def life_overlaps(pulse: Pulse, lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
     """Return q_ij(t) = int a(s)^i a(s + t)^j ds for lives of unit diameter, t >= 0 of any shape; zero for t >= 2.
 
-    A life is its own mirror image, so the half up to s = 1 - t/2 holds all, with i and j exchanged for the other. It is
-    cut at s = 1 - t, mid-life of the later factor, and s = 1 - cos(theta) makes the birth at s = 0 smooth. Passes off
-    the centre line are averaged over their offsets.
+    A life is its own mirror image, so the half up to s = 1 - t/2 is enough, and the other half has i and j exchanged.
+    It is cut at s = 1 - t, mid-life of the later factor, and s = 1 - cos(theta) makes the birth at s = 0 smooth. Passes
+    off the centre line are averaged over their offsets.
     """
     if pulse.offset != "none":
         return off_centre.overlaps(pulse, lag, powers)
@@ -138,7 +138,7 @@ _FINEST = 2.0**-6  # of a typical life
 
 
 def _reach(model: Model) -> float:
-    """Return the lag in um beyond which covariances have ended: the longest life, and what births remember."""
+    """Return the lag in um beyond which covariances are zero: the longest life, plus the memory of births."""
     return longest_life(model) + (model.births.memory if isfinite(model.births.memory) else 0.0)
 
 
@@ -147,7 +147,7 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
 
     The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
     over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at tau = 0. Lags end
-    with the longest life: beyond it nothing of the contact is left. Many ticks a life are equivalent to a continuous
+    with the longest life. Many ticks a life are equivalent to a continuous
     record of n h, and are treated as one; so are the lags of few ticks a life beyond the 512th.
     """
     if distance is not None:
@@ -190,9 +190,9 @@ def lag_edges(model: Model, end: float) -> Doubles:
 
 
 def _as_fine_as_births(end: float, width: float) -> list[NDArray[Any]]:
-    """Return edges in um up to an end, as narrow as what births remember; of too many, few beyond ``width``.
+    """Return edges in um up to an end, as narrow as the memory of births; wider, if too many, beyond ``width``.
 
-    What so short a memory rounds off is at lag 0 alone.
+    So short a memory matters only at lag 0.
     """
     count = ceil(_PANELS * end / width)
     if count <= _MOST_PANELS:
@@ -211,7 +211,7 @@ _PLACES = 17
 def covariance_reach(model: Model, part: float) -> float:
     """Return a lag in um beyond which |R| is below a part of the variance: the longest life, or half of it, or less.
 
-    A size law with a long tail has lives that hardly ever come, up to hundreds of mean lives: most lags up to them show
+    A size law with a long tail has very rare lives of up to hundreds of mean lives, and most lags up to them show
     nothing. If R never falls so far, as with regular births of one size, it is the longest life.
     """
     reach, least = longest_life(model), part * float(autocovariance(model, 0.0))

@@ -1,4 +1,4 @@
-"""How much the slider acts back on the contact that drives it: the numbers that judge one-way coupling.
+"""The numbers that judge one-way coupling: how strongly the slider acts back on the contact that drives it.
 
 They follow from how steeply the friction force rises and falls along the sliding distance.
 """
@@ -51,7 +51,7 @@ def force_slope_std(model: Model) -> float:
 
 
 def _together(model: Model) -> float:
-    """Return what the mean slopes of different junctions add to each other's squares, in um^2, births regular."""
+    """Return the products of mean slopes of different junctions, summed, in um^2, for regular births."""
     phases, probabilities = phase_rule(model)
     slope, spacing = _mean_slope(model), model.births.mean
     total, squares = np.zeros_like(phases), np.zeros_like(phases)
@@ -88,7 +88,7 @@ WHITE = 0.95
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:
-    """What two-way coupling would be for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
+    """The strength of two-way coupling for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
 
     ``expected_change`` is nan if the law of weak coupling does not hold, and ``unknown`` then says why; else it is
     None.
@@ -102,7 +102,7 @@ class Coupling:
 
 @lru_cache(maxsize=8)
 def coupling(model: Model) -> Coupling:
-    """Return how strongly a slider acts back on its contact, and how that changes the vibration while it is weak.
+    """Return how strongly a slider acts back on its contact, and the change of vibration for weak coupling.
 
     strength Pi = S_F(0)/(2 m c V^3), S_F the spectral density of the force (E[psi^2] S of the area, Poisson births);
     inf without damping. It is the square of r = std x'/V, one-way, for a force white in s; r^2/Pi <= 1 is the mean of
@@ -140,10 +140,10 @@ def weak_coupling_change(strength: float, kick: float) -> float:
 
 
 def weak_motion(model: Model) -> Response:
-    """Return the stationary motion of a two-way slider while its coupling is weak.
+    """Return the stationary motion of a two-way slider with weak coupling.
 
     Spreads are those of one-way coupling times `Coupling.expected_change`. The mean force exceeds that of one-way
-    coupling by what the dashpot takes, c Var x'/V. Raises Refused, with the reason, if the law does not hold.
+    coupling by the dissipation of the dashpot, c Var x'/V. Raises Refused, with the reason, if the law does not hold.
     """
     found = coupling(model)
     if found.unknown is not None:
@@ -160,7 +160,7 @@ def weak_motion(model: Model) -> Response:
 
 
 def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
-    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um, as far as the law is known.
+    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um, with the error of the law.
 
     Those of one-way coupling grow with the spread. To those of spreads comes by how much the law itself may miss them:
     the next term of <V^2/w^2> is 105 u^3, half of which is in a spread; and of what acting back adds, a share
@@ -191,7 +191,7 @@ def _kick(model: Model, drive: Drive) -> float:
 
 
 def _unknown(model: Model, drive: Drive, strength: float) -> str | None:
-    """Return why nothing is known of the change, if so."""
+    """Return the reason why the change is unknown, if it is."""
     if strength == inf:
         return "without damping nothing is stationary"
     if not are_at_random(model):

@@ -65,7 +65,7 @@ def _pair(live: LiveArea, breaks: Doubles, area: Doubles) -> Doubles:
 
 
 def _adapted(functions: Callable[[Doubles], Doubles], edges: Doubles, tolerance: float) -> tuple[Piecewise, Piecewise]:
-    """Return two functions on panels that are halved until their series have converged."""
+    """Return two functions as series on panels, which are halved until the series have converged."""
     done: list[tuple[Doubles, Doubles]] = []
     largest = 0.0
     panel = np.stack([edges[:-1], edges[1:]], axis=-1)
@@ -88,7 +88,7 @@ def _adapted(functions: Callable[[Doubles], Doubles], edges: Doubles, tolerance:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FewLive:
-    """What none, one and two live junctions contribute, their number Poisson of mean ``mean_count``."""
+    """The contributions of none, one and two live junctions, whose number is Poisson with mean ``mean_count``."""
 
     mean_count: float
     live: LiveArea
@@ -148,7 +148,7 @@ class Distribution:
     def quantile(self, probability: ArrayLike) -> Doubles:
         """Return the least areas in um^2 with P(A_r <= a) >= p, for p in [0, 1] of any shape; inf for p = 1.
 
-        0 up to the atom; by bisection to rounding. Raises Refused for a p that is no probability.
+        0 up to the atom; by bisection to rounding. Raises Refused for a p that is not a probability.
         """
         p = real_numbers(probability, "probability", "1")
         if not np.all((p >= 0.0) & (p <= 1.0)):
@@ -163,7 +163,7 @@ class Distribution:
     def _everywhere(
         self, area: ArrayLike, function: Callable[[Doubles], Doubles], most: float, limits: tuple[float, float]
     ) -> Doubles:
-        """Return a function at areas of any shape, between its bounds; few at a time, for memory's sake."""
+        """Return a function at areas of any shape, between its bounds; some at a time, to limit memory."""
 
         def found(areas: Doubles) -> Doubles:
             parts = np.array_split(areas.ravel(), 1 + areas.size // _AT_ONCE)
@@ -186,7 +186,7 @@ class Distribution:
         return result
 
     def _shares(self, area: Doubles) -> list[tuple[Window, NDArray[np.bool_]]]:
-        """Return each window with the rows of the areas that it is the first to hold."""
+        """Return each window with the rows of the areas that no earlier window has."""
         before = [self.windows[0].start, *(window.end for window in self.windows)]
         return [(w, (area > low) & (area <= w.end)) for low, w in zip(before, self.windows, strict=False)]
 

@@ -1,4 +1,4 @@
-"""The friction force on a one-way slider: what the response needs, gathered and checked once."""
+"""The friction force on a one-way slider: the inputs of the response, collected and checked once."""
 
 from dataclasses import dataclass, replace
 
@@ -65,9 +65,9 @@ def drive_of(model: Model) -> Drive:
 
 
 def motion_drive_of(model: Model) -> Drive:
-    """Return the drive of a model, that of a base included: um of its height per um^2 stand in place of strengths.
+    """Return the drive of a model, also of a base: its height per area in um per um^2 takes the place of strengths.
 
-    Raises Refused as `drive_of` does, and for a base whose lives are no triangles of one size.
+    Raises Refused as `drive_of` does, and for a base whose lives are not triangles of one size.
     """
     if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
         return drive_of(model)
@@ -103,9 +103,9 @@ def force_power(model: Model, strengths: Law, wavenumber: Doubles) -> Doubles:
 
 
 def force_terms(model: Model, strengths: Law, wavenumber: Doubles) -> Doubles:
-    """Return what the friction force makes of one junction's |A^|^2: rows of factors of powers of its strength.
+    """Return the factors of one junction's |A^|^2 in the friction force: a row for each power of its strength.
 
-    At constant separation psi^2 alone has one. Under a load, with q = psi - E[psi], those of q^2, q and 1.
+    At constant separation only psi^2 has one. Under a load, with q = psi - E[psi], they are those of q^2, q and 1.
     """
     one = np.ones_like(wavenumber)
     if model.separation is None:
@@ -115,7 +115,7 @@ def force_terms(model: Model, strengths: Law, wavenumber: Doubles) -> Doubles:
 
 
 def squared_strengths(strengths: Law, terms: Doubles) -> Doubles:
-    """Return the mean over strengths of the square of what the rows of `force_terms` have become."""
+    """Return the mean over strengths of the square of integrated rows of `force_terms`."""
     if len(terms) == 1:
         return strengths.moment(4) * np.square(terms[0])
     mean, square, cube, fourth = (strengths.moment(n) for n in (1, 2, 3, 4))

@@ -1,4 +1,4 @@
-"""The spectrum as an estimate from ticks shows it: its mean, with aliases and leakage, and how far it strays.
+"""The spectrum estimated from ticks: its exact mean, with aliases and leakage, and its scatter.
 
 Read it from above: the covariance of two windowed segments of a record, the mean of a periodogram, and the scatter of
 Welch's estimate, bin by bin and over bands of bins.
@@ -138,7 +138,7 @@ def expected_periodogram(
 def through_window(
     density: Callable[[Doubles], Doubles], step: float, window: NDArray[np.float64], last: int
 ) -> Doubles:
-    """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the density S(w), two-sided.
+    """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the two-sided density S(w).
 
     E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), with W the transform of the window padded to 2 n
     values and S_a(w) = sum_a S(|w + 2 pi a / h|): exact if covariances end before n values of ``step`` h, but for
@@ -156,7 +156,7 @@ def through_window(
 
 
 def checked_window(window: NDArray[np.float64]) -> Doubles:
-    """Return the window as doubles; raises Refused if it cannot weigh a segment."""
+    """Return the window as doubles; raises Refused if it is not valid."""
     weights = np.asarray(window, dtype=np.float64)
     if weights.ndim != 1 or weights.size < 2 or not weights.any():
         raise Refused("a window needs at least 2 ticks in one row, and not all of them zero")
@@ -177,7 +177,7 @@ _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Segments:
-    """How a record is cut: ``count`` segments of len(window) ticks of ``tick`` um, ``step`` ticks from start to start.
+    """The segments of a record: ``count`` of len(window) ticks of ``tick`` um each, ``step`` ticks from start to start.
 
     scipy.signal.welch with nperseg n and noverlap m cuts N ticks into 1 + (N - n) // (n - m) segments of step n - m.
     """
@@ -189,7 +189,7 @@ class Segments:
     detrend: bool = True
 
     def __post_init__(self) -> None:
-        """Raise Refused for no segment, no step, or a window that cannot weigh one."""
+        """Raise Refused for no segment, no step, or a window that is not valid."""
         checked_window(self.window)
         if self.count < 1 or self.step < 1:
             raise Refused("a Welch estimate needs at least 1 segment and a step of at least 1 tick")
@@ -206,11 +206,11 @@ class Segments:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class EstimatedSpectrum:
-    """What Welch's method is expected to show of the real contact area, and how far one estimate strays from it.
+    """The expectation of Welch's method for the real contact area, and the standard error of one estimate.
 
     ``density`` is the exact mean of the estimate in um^4 per rad/um, two-sided, at ``wavenumber`` in rad/um: aliases,
     leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf if the
-    bin holds nothing, nan if it is not known: for births that are not Poisson, and for passes off the centre line.
+    bin has no power, nan if it is not known: for births that are not Poisson, and for passes off the centre line.
     ``ticks`` are those of each of the ``segments``.
     """
 
@@ -240,7 +240,7 @@ class EstimatedSpectrum:
 
 
 def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpectrum:
-    """Return what Welch's method shows of a record of the model: every tick from 0 to its distance.
+    """Return the expectation of Welch's method for a record of the model: every tick from 0 to its distance.
 
     Segments have ``ticks`` values, half of them shared with the next, under the Hann window sin^2(pi j / n), each less
     its own mean; without ``ticks`` there are about 64 of them. Equations and sources are those of
@@ -323,7 +323,7 @@ def welch_covariance(model: Model, segments: Segments, bins: NDArray[np.int64]) 
 
 
 def _covariance(model: Model, segments: Segments) -> tuple[Doubles, int]:
-    """Return the covariance by ticks, and how far apart segments may start and still have something in common."""
+    """Return the covariance by ticks, and the largest distance of the starts of two correlated segments."""
     n = segments.window.size
     lags = min(2 + int(correlation_reach(model) / segments.tick), _LONGEST * n)
     return tick_covariance(model, segments.tick, lags), n + lags

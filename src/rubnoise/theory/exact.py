@@ -1,4 +1,4 @@
-"""Everything the theory says about one model, in one frozen answer."""
+"""All exact results for one model, in one frozen object."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -41,8 +41,8 @@ from rubnoise.theory.spectrum import spectral_density, visible_lines
 class Exact:
     """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
-    ``load`` is the motion under a load that weighs, of first order: None without one. ``free`` is what is exact of free
-    motion; all else is then that of constant separation, its limit at high speeds.
+    ``load`` is the motion under a load that weighs, of first order: None without one. ``free`` are the exact results of
+    free motion; all others are then those of constant separation, its limit at high speeds.
 
     >>> import rubnoise
     >>> theory = rubnoise.exact(rubnoise.load("scenarios/paper/fig5.toml"))
@@ -100,7 +100,7 @@ class Exact:
         return distribution(self.model)
 
     def estimated_spectrum(self, ticks: int | None = None) -> EstimatedSpectrum:
-        """Return what Welch's method shows of a run: its mean and its standard error at each wavenumber.
+        """Return the expectation of Welch's method for a run, and its standard error, at each wavenumber.
 
         Segments of ``ticks`` half overlap, under a Hann window, each less its mean; about 64 of them without ``ticks``.
         Raises Refused for a segment longer than the run.
@@ -118,11 +118,11 @@ class Exact:
         return at_each(partial(count_from_empty, self.model), s, "distance", (0.0, self.count_mean))
 
     def expected_mean_area(self, distance: float | None = None) -> float:
-        """Return the expected mean of the area in um^2 over a run from its own start, or over its first um alone."""
+        """Return the expected mean of the area in um^2 over a run from its own start, or its first ``distance`` um."""
         return expected_mean_area(self.model, self._slid(distance))
 
     def expected_mean_count(self, distance: float | None = None) -> float:
-        """Return the expected mean of the live count over a run from its own start, or over its first um alone."""
+        """Return the expected mean of the live count over a run from its own start, or its first ``distance`` um."""
         return expected_mean_count(self.model, self._slid(distance))
 
     def _slid(self, distance: float | None) -> float:
@@ -171,7 +171,7 @@ def _is_known(model: Model, slider: Slider) -> bool:
 def exact(model: Model) -> Exact:
     """Return the exact results for a model: cumulants of area and force, the live count, the one-way slider's response.
 
-    Diameters in um are the means of a junction as it is born and as it is found alive. Equations and sources are those
+    Diameters in um are the means of junctions at birth and of live junctions. Equations and sources are those
     of `area_cumulants`, `mean_count`, `count_variance`, `length_biased_mean_diameter` and `response`.
     """
     return Exact(

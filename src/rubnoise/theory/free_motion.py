@@ -1,6 +1,6 @@
-"""What is exact of a slider that is free to leave its contact; of all else there is no theory.
+"""The exact results for a slider that is free to leave its contact; for the rest there is no theory.
 
-With c, s_0, 1/omega_c and W as units, N, v = V/(c omega_c) and the loss are all that is left. So with these laws and a
+With c, s_0, 1/omega_c and W as units, only N, v = V/(c omega_c) and the loss remain. So with these laws and a
 loss without a scale of its own, the velocity is (V s_0/c) F(V^2 s_0 m/(c^2 W); N, loss): its exponent n of speed and m
 of height obey m = (1 + n)/2, in every regime.
 """
@@ -40,7 +40,7 @@ def height_exponent(speed_exponent: float) -> float:
 
 
 def free_motion(model: Model) -> FreeMotion:
-    """Return what is exact of free motion.
+    """Return the exact results of free motion.
 
     Momentum: the mean of P is W. If nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
     is A_rm, the mean summed overlap N s_0, and the mean friction force E[psi] A_rm: strengths do not move the slider.

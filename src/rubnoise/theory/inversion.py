@@ -1,4 +1,4 @@
-"""From characteristic function to distribution: what a Poisson number of live areas adds up to.
+"""From characteristic function to distribution: the law of the sum of a Poisson number of live areas.
 
 Exponential bounds say how far both tails reach; sums over points that lie anywhere take one fast transform.
 """
@@ -42,13 +42,13 @@ class AreaTails:
         return max(0.0, float(np.max(-(growth + nats) / rates)))
 
     def nats_above(self, area: float) -> float:
-        """Return what -ln P(A_r >= area) is at least."""
+        """Return a lower bound of -ln P(A_r >= area)."""
         rates, growth = self.up
         return float(np.max(rates * area - growth))
 
 
 def area_tails(live: LiveArea, mean_count: float) -> AreaTails:
-    """Return the bounds for a Poisson number of live areas of so many on average."""
+    """Return the bounds for a Poisson number of live areas with a mean count."""
     area, probability = live.rule()
     likely = mean_count * np.cumsum(probability[::-1])[::-1] > _UNLIKELY
     area, probability = area[likely], probability[likely]
@@ -95,7 +95,7 @@ def _kernel(offset: Doubles) -> Doubles:
 
 @lru_cache(maxsize=8)
 def _kernel_transform(count: int) -> Doubles:
-    """Return the sum over the grid of the window times exp(2 pi i f x), which is its integral, for so many f to 1/4."""
+    """Return the sum over the grid of the window times exp(2 pi i f x), its integral, for ``count`` f up to 1/4."""
     offsets, weights = panels([0.0, 1.0], _NODES)
     phases = np.multiply.outer(np.pi * _WIDTH * (np.arange(count) / (4 * count)), offsets)
     return _WIDTH * np.cos(phases) @ (weights * _kernel(offsets))
@@ -146,8 +146,8 @@ class Window:
 def windows(live: LiveArea, mean_count: float, tails: AreaTails, *, above_two: bool) -> tuple[Window, ...]:
     """Return windows from the first area that occurs, each reaching 16 times further, until nothing is left beyond.
 
-    One is enough unless sizes are spread so widely that what resolves the smallest does not reach the largest.
-    ``above_two`` leaves out what two junctions and fewer contribute.
+    One is enough unless sizes are spread so widely that a step for the smallest does not reach the largest.
+    ``above_two`` leaves out the contributions of two junctions and fewer.
     """
     start, top = tails.lower(NOTHING), tails.upper(NOTHING)
     cutoff = _cutoff(live, mean_count)
@@ -167,12 +167,12 @@ def windows(live: LiveArea, mean_count: float, tails: AreaTails, *, above_two: b
 
 
 def _count(wanted: float) -> int:
-    """Return the power of 2 that gives so many frequencies, within bounds."""
+    """Return the least power of 2 with enough frequencies, within bounds."""
     return int(2 ** np.ceil(np.log2(np.clip(wanted, _FEWEST, _MOST))))
 
 
 def _cutoff(live: LiveArea, mean_count: float) -> float:
-    """Return the wavenumber in 1/um^2 beyond which the characteristic function holds nothing of three and more.
+    """Return the wavenumber in 1/um^2 beyond which three and more junctions add nothing to the characteristic function.
 
     For N live junctions each |phi(th)| <= y in practice, y twice the
     probability of the lowest or highest 1/|th| of a live area; with
@@ -208,7 +208,7 @@ def _window(exponent: Complexes, rates: Complexes, above_two_of: float | None, s
 
 @lru_cache(maxsize=8)
 def _taper(count: int) -> Doubles:
-    """Return by how much each of so many frequencies is kept."""
+    """Return the factor by which each frequency is kept."""
     return 0.5 * complementary_error((np.arange(count) / count - _TAPER_CENTRE) / (sqrt(2.0) * _TAPER_WIDTH))
 
 

@@ -1,4 +1,4 @@
-"""The laws of single junctions that a histogram is held against: how long they live, and how far births lie apart."""
+"""The laws of single junctions for histograms: of sizes, of lives, and of gaps between births."""
 
 from typing import Final
 
@@ -18,9 +18,9 @@ def share_of_sizes(model: Model, edges: Doubles) -> Doubles:
 
 
 def share_of_lives(model: Model, edges: Doubles) -> Doubles:
-    """Return the probability that a life is as long as each bin between edges in um.
+    """Return the probability that the length of a life is in each bin between edges in um.
 
-    P(L > l) = P(2 d > l) if circles pass centred, and E[sqrt(1 - (l/2d)^2)] if they miss by an even offset.
+    P(L > l) = P(2 d > l) for passes through both centres, and E[sqrt(1 - (l/2d)^2)] for uniform offsets.
     """
     sizes = _sizes(model)
     if model.pulse.offset == "none":
@@ -30,7 +30,7 @@ def share_of_lives(model: Model, edges: Doubles) -> Doubles:
 
 
 def share_of_gaps(births: BirthLaw, edges: Doubles) -> Doubles | None:
-    """Return the probability that the next birth follows in each bin between edges in um; None if no law is closed.
+    """Return the probability that a gap is in each bin between edges in um; None if the law has no closed form.
 
     Poisson: 1 - exp(-x/s_jm). Gamma: the incomplete gamma function of a x/s_jm. Source: Cox, Renewal Theory (1962).
     """

@@ -1,7 +1,7 @@
-"""The area of one junction found alive at a random place: its law, as polynomials on panels.
+"""The law of the area of one live junction at a random place, as polynomials on panels.
 
-Read it from above: smooth functions kept as polynomials, how long a pulse of unit diameter stays about each area, and
-the law for junctions of all sizes.
+Read it from above: smooth functions as polynomials, how long a pulse of unit diameter has about each area, and the law
+for junctions of all sizes.
 """
 
 from collections.abc import Callable
@@ -38,7 +38,7 @@ class Piecewise:
     infinite: bool = False
 
     def __call__(self, x: Doubles) -> Doubles:
-        """Return the values at places of any shape; places outside are taken as the nearest end."""
+        """Return the values at places of any shape; places outside have the value of the nearest end."""
         places = np.clip(x, self.edges[0], self.edges[-1]).ravel()
         result = np.empty_like(places)
         for part in slices(0, places.size, _AT_ONCE):
@@ -278,7 +278,7 @@ def _cuts_and_edges(sizes: Law) -> tuple[Doubles, Doubles]:
 
 
 def _closer_to_peaks(edges: Doubles, cuts: Doubles) -> Doubles:
-    """Return edges that come closer by 2 to the least peak area from below, up to what all peaks lie in."""
+    """Return edges that approach the least peak area from below by factors of 2, up to the range of all peaks."""
     low, high = np.cbrt(_PEAK * np.square(cuts[[0, -1]]))
     if low == high:
         return edges

@@ -1,6 +1,6 @@
-"""A load that weighs, of first order: how the separation moves, what is left of the friction force, when to trust it.
+"""A load that weighs, of first order: the motion of the separation, the friction force under it, and their validity.
 
-Read it from above: the contact's scales and the regime they make, how each quantity answers the area at constant
+Read it from above: the contact's scales and its regime, the response of each quantity to the area at constant
 separation, the spreads and covariances that follow, levels in third octaves, and the errors of a finite run.
 """
 
@@ -130,7 +130,7 @@ def load_motion(model: Model) -> LoadMotion:
 
 
 def _regime(live: float, speed: float, kept: float) -> Regime:
-    """Return the regime of so many live junctions, a relative speed and a share of the load's spread that is kept."""
+    """Return the regime for a live count, a relative speed and the share of the load's spread that is kept."""
     if live < FEWEST_LIVE:
         return "bouncing"
     if speed < 1.0 and kept <= STILL:
@@ -165,7 +165,7 @@ def _suppression(model: Model, spread: dict[str, float], still: float) -> float:
 
 
 def answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Complexes]]:
-    """Return how each quantity answers the transform of the area at wavenumbers in rad/um, by its name.
+    """Return the response of each quantity to the transform of the area at wavenumbers in rad/um, by name.
 
     A pair o, m: a junction of strength psi brings (psi - E[psi]) o + m to it. The separation (um), its velocity (um/s)
     and the load P (uN) take no notice of strengths, whose deviations reach the friction force (uN) whole.
@@ -276,9 +276,9 @@ class LoadErrors:
 
 
 def start_excess(model: Model, distance: float) -> tuple[float, float]:
-    """Return what the start at z = z' = 0 adds to the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
+    """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
 
-    It is the free decay y of what a stationary separation would have there, over ``distance`` um or T: E[int y'^2 dt]/T
+    It is the free decay y from the values of a stationary separation, over ``distance`` um or T: E[int y'^2 dt]/T
     and K^2 E[int y^2 dt]/T, with int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and
     int y^2 dt = (c y_0^2/2 + m y_0 y'_0 + m e/c)/K, from m y'' + c y' + K y = 0.
     """

@@ -1,4 +1,4 @@
-"""Functions of a positive distance kept as polynomials in its logarithm, however sharp their turns."""
+"""Functions of a positive distance as polynomials in its logarithm, also with sharp turns."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a junction of a given age is on average: its area and the cumulants about it, over all sizes."""
+"""The mean area of a junction of a given age, and the cumulants about it, over all sizes."""
 
 from functools import lru_cache
 from math import comb
@@ -23,7 +23,7 @@ _LAGS_AT_ONCE = 64
 def area_by_age(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
     """Return E[A(a; d)] in um^2 and the central moments of A(a; d) of order 2 to 6, the first axis, by age a in um.
 
-    Ages a >= 0 of any shape; a junction past its life has no area. Lives of one size have no moments but the first.
+    Ages a >= 0 of any shape; a junction past its life has no area. Lives of one size have only the first moment.
     """
     if is_one_size(law):
         moments = np.zeros((ORDERS, *age.shape))
@@ -51,7 +51,7 @@ def _moments(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
 
 
 def _central(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
-    """Average over sizes cut at mid-life and end; what the probabilities miss belongs to sizes near 0, long dead."""
+    """Average over sizes, cut at mid-life and end; missing probability belongs to sizes near 0, which are dead."""
     diameters, probabilities = cut_size_rule(law, np.multiply.outer(age, (0.5, 1.0)), _NODES, rooted=True)
     areas = diameters**2 * pulse.area(age[:, None] / diameters, 1.0)  # of unit diameter, which keeps young digits
     mean = np.sum(areas * probabilities, axis=-1)

@@ -1,7 +1,7 @@
 """The joint cumulants of the one-way slider's displacement and velocity: filtered shot noise is not Gaussian.
 
-Read it from above: how a displacement and a velocity of the free slider die away, what one junction of unit strength
-does to the slider from its birth until the slider rests, and the cumulants that many such junctions add up to.
+Read it from above: the free decay of the slider, its response to one junction of unit strength until it is at rest,
+and the cumulants of many such junctions.
 """
 
 from dataclasses import dataclass
@@ -96,7 +96,7 @@ class JunctionResponse:
 
 
 def _power(values: Doubles, exponent: int) -> Doubles | float:
-    """Return a power up to the fourth by products, which numpy takes far less time for than for powers."""
+    """Return a power up to the fourth by products, which are much faster than numpy's powers."""
     if exponent < 2:
         return values if exponent else 1.0
     squared = np.square(values)
@@ -125,7 +125,7 @@ def junction_response(pulse: Pulse, drive: Drive, diameters: Doubles) -> Junctio
 
 
 def panels_of_half_a_life(drive: Drive, diameter: float) -> int:
-    """Return how many panels follow a slider up to a junction's mid-life; raises Refused if they are too many."""
+    """Return the number of panels for a slider's motion to a mid-life; raises Refused if they are too many."""
     count = ceil(0.5 * pi * free_motion(drive.slider).fastest * diameter / drive.speed / _PHASE)
     if count > _MOST:
         raise Refused("the slider swings too often within one junction's life to compute its level crossings")
@@ -164,7 +164,7 @@ def _moved(free: FreeDecay, motion: tuple[Doubles, Doubles], state: tuple[Double
 
 
 def _after(free: FreeDecay, state: tuple[Doubles, Doubles], mass: float) -> tuple[Doubles, Doubles, Doubles]:
-    """Return weights, displacement and velocity at nodes of the decay from a state, over what does not repeat."""
+    """Return weights, displacement and velocity at nodes of the decay from a state, up to its first repetition."""
     horizon = _GONE / free.slowest
     if free.square_root < 0.0:
         horizon = min(horizon, pi / float(np.sqrt(-free.square_root)))
@@ -180,7 +180,7 @@ def _after(free: FreeDecay, state: tuple[Doubles, Doubles], mass: float) -> tupl
 
 
 def _repeats(free: FreeDecay) -> float:
-    """Return what half a turn leaves of a ringing slider, with its sign; 0 if it is gone by then."""
+    """Return the factor of a ringing slider's decay over half a turn, with its sign; 0 if it has died away."""
     if free.square_root >= 0.0:
         return 0.0
     decay = free.rate * pi / float(np.sqrt(-free.square_root))
@@ -321,7 +321,7 @@ def _correction(k: dict[Powers, float], z: Doubles) -> Doubles:
 
 
 def _sizes_that_count(diameters: Doubles, probabilities: Doubles) -> tuple[Doubles, Doubles]:
-    """Leave out the largest diameters, which take the most time, as far as all of them together change no average."""
+    """Leave out the largest diameters, which take the most time, if all of them together change no average."""
     weights = probabilities * (diameters / diameters.max()) ** _GROWTH
     above = np.cumsum(weights[::-1])[::-1]
     counts = above > _LEFT_OUT * above[0]

@@ -1,4 +1,4 @@
-"""How many junctions are alive, a queue with infinitely many servers; and count and area after an empty start."""
+"""The live count, a queue with infinitely many servers; and count and area after an empty start."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ def length_biased_mean_diameter(model: Model) -> float:
 def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
     """Return Cov[N(s), N(s + tau)] for lags tau in um (any shape): lam E[(2d - |tau|)+] for Poisson births.
 
-    Regular births: less the part of each junction that the phase fixes, and with that of them all; see
+    Regular births: less the part of each junction that the phase determines, plus that of all of them; see
     `rubnoise.theory.regular_births`.
     """
     reach = np.abs(np.asarray(lag, dtype=np.float64))
@@ -92,8 +92,8 @@ def expected_junction_rows(model: Model) -> float:
 def mean_count_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error of the mean of N over a stationary record; 0 below 1e-12 of the mean, by rounding.
 
-    Over ``distance`` um, or over the model's ticks: Var = (2/T^2) int_0^T (T - tau) Cov[N(0), N(tau)] dtau, and what
-    the record leaves of the lines of regular births (to 1e-4 if ticks keep meeting the same phases: a count jumps).
+    Over ``distance`` um, or over the model's ticks: Var = (2/T^2) int_0^T (T - tau) Cov[N(0), N(tau)] dtau, plus
+    the lines of regular births (to 1e-4 if ticks always meet the same phases, since a count jumps).
     """
     lags, weights = lag_rule(model, distance)
     if are_at_random(model):
@@ -131,7 +131,7 @@ def zero_share(model: Model) -> ZeroShare:
 
 
 def _unphased(model: Model, lag: Doubles) -> Doubles:
-    """Return the covariance of the count but for lines."""
+    """Return the covariance of the count without lines."""
     if has_noise_of_its_own(model):
         return _lives_left(model, lag) + excess_of_count(model).covariance(lag)
     return unphased_count_covariance(model, lag)

@@ -63,7 +63,7 @@ def mean_square(phase: ArrayLike) -> Doubles:
 
 
 def level(phase: Doubles) -> Doubles:
-    """Return what is left of `mean_square` without its swing, for z >= 32 of any shape: about (9/16) pi^2 / z^5."""
+    """Return `mean_square` without its oscillation, for z >= 32 of any shape: about (9/16) pi^2 / z^5."""
     return np.asarray(_level()(_FAR / phase) / phase**5, dtype=np.float64)
 
 

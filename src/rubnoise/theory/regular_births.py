@@ -1,6 +1,6 @@
 """Contacts with regular births: their lines in the spectrum, averages over their phase, cumulants and counts.
 
-The phase of regular births is uniform over one spacing. What holds for births at random alone refuses them here.
+The phase of regular births is uniform over one spacing. Formulas that hold only for random births refuse others here.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ from rubnoise.theory.quadrature import (
 
 
 def need_random_births(model: Model, quantity: str, *, centred: bool = False) -> None:
-    """Raise Refused unless births are a Poisson process, as every formula made of filtered shot noise takes them.
+    """Raise Refused unless births are a Poisson process, which every formula of filtered shot noise assumes.
 
     With ``centred`` also for passes off the centre line, whose single lives differ more than their sizes say.
     """
@@ -102,7 +102,7 @@ def line_covariance(lines: Lines, lag: Doubles) -> Doubles:
 
 
 def variance_of_line_mean(model: Model, lines: Lines, distance: float | None = None) -> float:
-    """Return what the lines add to the variance of the mean over a record whose phase is uniform; exact.
+    """Return the part of the lines in the variance of the mean over a record whose phase is uniform; exact.
 
     A line keeps (sin(k T/2) / (k T/2))^2 of its power over a continuous record of ``distance`` T um, and over the
     model's n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2: all of it if ticks always meet the same phase.
@@ -118,7 +118,7 @@ def variance_of_line_mean(model: Model, lines: Lines, distance: float | None = N
 
 
 def resolved_error(variance: float, mean: float) -> float:
-    """Return the root of the variance of a mean, or 0 if it is below 1e-12 of the mean and rounding decides."""
+    """Return the root of the variance of a mean, or 0 if it is below 1e-12 of the mean, where it is rounding."""
     error = sqrt(max(variance, 0.0))
     return error if error > _ROUNDING * mean else 0.0
 
@@ -131,7 +131,7 @@ _PHASES_AT_ONCE = 2**16
 
 
 def phase_rule(model: Model) -> tuple[Doubles, Doubles]:
-    """Return phases in um, the age of the youngest junction there would be, and their probabilities.
+    """Return phases in um, which are the age of the youngest possible junction, and their probabilities.
 
     Panels end where a life begins, is at its middle or ends, or, for more than one size, at those edges of the mean
     life's panels that lie closer together than a spacing.
@@ -257,7 +257,7 @@ def _from_lines(model: Model, lag: Doubles, part: Doubles) -> Doubles:
 
 
 def _fraction(lives: float) -> float:
-    """Return what a number exceeds the whole number below by, 0 if only rounding is above it."""
+    """Return the fractional part of a number, 0 if it is only rounding."""
     nearest = round(lives)
     return 0.0 if abs(lives - nearest) <= _WHOLE * lives else lives - floor(lives)
 
@@ -311,7 +311,7 @@ def regular_cumulants(model: Model, strength_moments: tuple[float, ...]) -> tupl
 
 
 def _ripples(model: Model) -> bool:
-    """Return whether the mean given the phase varies; lives of many sizes are not asked, since they vary anyhow."""
+    """Return whether the mean given the phase varies; it always does for lives of many sizes."""
     if not is_one_size(model.sizes):
         return True
     return 2.0 * float(spectral_lines(model)[1].sum()) > (CONSTANT * model.stationary_mean_area) ** 2

@@ -1,4 +1,4 @@
-"""How far and how fast the one-way slider swings: the spectra of displacement and velocity, and their integrals."""
+"""The response of the one-way slider: the spectra of displacement and velocity, and their integrals."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -28,7 +28,7 @@ _SHARP = 30.0  # half-width of the resonance, as a phase, above which it average
 
 
 def response_rules(model: Model, drive: Drive) -> tuple[Rule, Rule]:
-    """Return nodes and weights over k > 0 in rad/um: where panels follow the swing of S(k), where they average over it.
+    """Return nodes and weights over k > 0 in rad/um: on panels that resolve the oscillation of S(k), and on wider ones.
 
     Panels grow by octaves from far below to far above every corner, by octaves of distance from the resonance
     (beginning at half its half-width), and never exceed a phase of 8 where the swing counts. Under a load that weighs
@@ -113,7 +113,7 @@ class Response:
 
     @property
     def one_way_validity(self) -> float:
-        """Spread of x' over V: one-way coupling takes it to be small; above 0.1 its results want a warning."""
+        """Spread of x' over V: one-way coupling assumes that it is small; above 0.1 results get a warning."""
         return self.velocity_std / self.sliding_speed
 
 
@@ -169,6 +169,6 @@ def force_variance(model: Model) -> float:
 
 
 def _moved(drive: Drive, wavenumber: Doubles, force: Doubles) -> Doubles:
-    """Return the variances of displacement and velocity that variances of the force at wavenumbers bring."""
+    """Return the variances of displacement and velocity due to variances of the force at wavenumbers."""
     displacement = force * drive.gain(wavenumber)
     return np.array([displacement.sum(), displacement @ np.square(drive.speed * wavenumber)])

@@ -1,4 +1,4 @@
-"""Standard errors of what a finite record of area, friction force or motion shows, from the theory alone."""
+"""Standard errors of the figures of a finite record of area, friction force or motion, from theory alone."""
 
 from cmath import exp as complex_exp
 from cmath import sqrt as complex_sqrt
@@ -67,9 +67,9 @@ def mean_area_error(model: Model, distance: float | None = None) -> float:
 def variance_of_mean_force(model: Model, distance: float | None = None) -> float:
     """Return the variance in uN^2 of the mean friction force over a stationary record, exact for every length.
 
-    Over ``distance`` um or the model's ticks, for strengths psi independent of sizes: E[psi^2] goes with what each
-    junction brings, E[psi]^2 with what they bring on average. Under a load that weighs, of the deviations of strengths
-    alone. Raises Refused without a strength.
+    Over ``distance`` um or the model's ticks, for strengths psi independent of sizes: E[psi^2] multiplies the part of
+    single junctions, E[psi]^2 that of their means. Under a load that weighs, only the deviations of strengths count.
+    Raises Refused without a strength.
     """
     psi = strengths_of(model)
     if model.separation is not None:
@@ -222,7 +222,7 @@ def mean_displacement_error(model: Model, distance: float) -> float:
 
 
 def carried_momentum(model: Model) -> float:
-    """Return a bound in uN s of the spread of m dv + c dx over a run: what the mean force need not balance."""
+    """Return a bound in uN s of the spread of m dv + c dx over a run, which the mean force does not balance."""
     drive, motion = motion_drive_of(model), response(model)
     slider, natural = drive.slider, drive.slider.natural_angular_frequency
     start = hypot(motion.displacement_std, motion.velocity_std / natural)

@@ -1,6 +1,6 @@
 """The spectral density of real contact area and friction force: two-sided, one-sided, its tail, corner and lines.
 
-Conventions are spelled out at each function: S(k) is two-sided, G(k) one-sided.
+Each function names its convention: S(k) is two-sided, G(k) one-sided.
 """
 
 from math import pi
@@ -33,7 +33,7 @@ def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
 
 
 def mean_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
-    """Return S(k) with the swing of its tail averaged over one period, in um^4 per rad/um; k in rad/um.
+    """Return S(k) with the oscillation of its tail averaged over one period, in um^4 per rad/um; k in rad/um.
 
     The same as S(k) below k d = 32, and at every k whose sizes are spread enough to damp the swing; for integrals over
     panels of k wider than a swing. Of regular births it is S(k) itself, which a single size leaves 0.
@@ -66,7 +66,7 @@ def density_at_zero(model: Model) -> float:
 
 
 def _density(model: Model, wavenumber: ArrayLike, square: float, squared_mean: float, *, exact: bool) -> Doubles:
-    """Return the density for E[psi^2] and E[psi]^2; for regular births from parts that are none of them negative."""
+    """Return the density for E[psi^2] and E[psi]^2; for regular births from parts of which none is negative."""
     k = np.abs(np.asarray(wavenumber, dtype=np.float64))
     if are_at_random(model) or has_noise_of_its_own(model):
         at_random = model.birth_rate * square * mean_energy(model.sizes, model.pulse, k, exact=exact)

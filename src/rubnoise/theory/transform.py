@@ -132,7 +132,7 @@ def mean_life_from_birth(phase: ArrayLike) -> Complexes:
 
 
 def swing_left(phase: Doubles) -> Doubles:
-    """Return what the step leaves of the swing at phases: 1 below 20, 0 above 160, and smooth between."""
+    """Return the factor that the step leaves of the swing at phases: 1 below 20, 0 above 160, and smooth between."""
     left = (phase < STEP_END).astype(np.float64)
     blended = (phase > 2.0 * _STEP_CENTRE - STEP_END) & (phase < STEP_END)
     left[blended] = 0.5 * complementary_error((phase[blended] - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
@@ -150,7 +150,7 @@ _ROUNDING = 1e-12  # by which probabilities may miss 1 without any size being le
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Life:
-    """What a life of unit diameter brings at phases k d, to be multiplied by d^power.
+    """A function of a life of unit diameter at phases k d, to be multiplied by d^power.
 
     ``followed`` is it itself; ``damped`` has its swing averaged out for large phases, and ``scatter`` is the mean
     square of the swing that is then missing, if a mean square is asked for.
@@ -229,7 +229,7 @@ def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
 
 
 def _over_parts(parts: tuple[tuple[float, Law], ...], average: Callable[[Law], NDArray[Any]]) -> NDArray[Any]:
-    """Return what a law has that is made of others, in the shape that each part has it."""
+    """Return a function of a law made of parts: the weighted sum of the parts' values, in their shape."""
     return reduce(operator.add, (weight * average(part) for weight, part in parts))
 
 
@@ -286,7 +286,7 @@ def _over_sizes(law: Law, wavenumber: Doubles, life: _Life, average: Average) ->
 
 
 def _chunks(wavenumbers: Doubles, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """Return few rows at a time, in order of wavenumber, so that memory and nodes stay few."""
+    """Yield some rows at a time, in order of wavenumber, to limit memory and nodes."""
     ordered = rows[np.argsort(wavenumbers[rows])]
     return [ordered[part] for part in slices(0, ordered.size, _AT_ONCE)]
 
@@ -303,7 +303,7 @@ def _mean(values: NDArray[Any], _scatter: Doubles, probabilities: Doubles) -> ND
 
 
 def _spread(values: Complexes, scatter: Doubles, probabilities: Doubles) -> Doubles:
-    """Return E[|X|^2] - |E[X]|^2; what the probabilities miss belongs to diameters near 0, where X = 0."""
+    """Return E[|X|^2] - |E[X]|^2; missing probability belongs to diameters near 0, where X = 0."""
     mean = np.sum(values * probabilities, axis=-1)
     missing = 1.0 - np.sum(probabilities, axis=-1)
     missing = np.where(missing > _ROUNDING, missing, 0.0)
