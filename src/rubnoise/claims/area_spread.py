@@ -1,4 +1,4 @@
-"""Figure 7: how much the real contact area fluctuates less when more junctions carry it."""
+"""Figure 7: the fluctuation of the real contact area, which is smaller with more junctions."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -61,7 +61,7 @@ def _drop(found: Evidence, area: float, printed: float | None, few: int, many: i
 
 
 def _drop_of_one_size(found: Evidence, area: float) -> float:
-    """Return the exact drop in um^2 from 10 to 50 junctions that are all as large as d_m."""
+    """Return the exact drop in um^2 from 10 to 50 junctions that all have the diameter d_m."""
     few, many = (
         replace(model, sizes=Fixed(value=model.calibrated_diameter))
         for model in (found.at(area=area, count=count).model for count in (10, 50))

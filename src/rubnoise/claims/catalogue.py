@@ -37,16 +37,16 @@ ORDER = (
 
 
 def evaluate_claims(report: Report) -> tuple[Claim, ...]:
-    """Run what the claims rest on, from fixed seeds, and return every claim with its verdict.
+    """Make the runs of all claims, from fixed seeds, and return every claim with its verdict.
 
-    ``report`` is called with a text on the run that begins.
+    ``report`` is called with a text about each run that begins.
     """
     found = [claim for claims in _OF_PAPER for claim in claims(report)]
     return tuple(sorted(found, key=lambda claim: ORDER.index(claim.name)))
 
 
 def evaluate_field(report: Report) -> tuple[FieldClaim, ...]:
-    """Run what the ledger of the field rests on, and return every row, as `evaluate_claims` does."""
+    """Make the runs of the field's ledger, and return every row, as `evaluate_claims` does."""
     return tuple(claim for claims in _OF_FIELD for claim in claims(report))
 
 

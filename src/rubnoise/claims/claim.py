@@ -1,4 +1,4 @@
-"""What the paper claims, what a simulation and the theory say to it, and the verdict that follows from the numbers."""
+"""A claim of the paper, its simulated and exact numbers, and the verdict that follows from them."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -11,7 +11,7 @@ _CLOSE = 0.05
 
 
 class Verdict(StrEnum):
-    """What becomes of a claim; unsettled if simulation and theory do not agree."""
+    """The verdict on a claim; unsettled if simulation and theory do not agree."""
 
     HOLDS = "holds"
     CORRECTED = "holds with a correction"
@@ -23,8 +23,8 @@ class Verdict(StrEnum):
 class ClaimedNumber:
     """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
-    None is printed if the paper gives no number; exact is nan if theory has none, as of a slider that pushes
-    back. ``rounding`` is the agreement to ask for if the runs do not scatter, in the same unit.
+    ``printed`` is None if the paper gives no number; ``exact`` is nan if theory has none, as for a slider that
+    pushes back. ``rounding`` is the needed agreement if the runs do not scatter, in the same unit.
     """
 
     name: str
@@ -46,7 +46,7 @@ class ClaimedNumber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """A claim of the paper with what was found: ``where`` it stands, what it says, and why the verdict is as it is.
+    """A claim of the paper with its findings: its place (``where``), its words, and the reason of the verdict.
 
     ``if_agreed`` is the verdict if simulation and theory agree.
     """

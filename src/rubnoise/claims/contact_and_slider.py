@@ -1,4 +1,4 @@
-"""Claims about the contact of Figure 5: mean area, live count, and how much the slider vibrates."""
+"""Claims about the contact of Figure 5: mean area, live count, and the vibration of the slider."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ SCENARIO = "claims/vibration.toml"
 
 
 def claims(report: Report) -> Sequence[Claim]:
-    """Run the points and evaluate the claims that rest on them."""
+    """Run the points and evaluate the claims about them."""
     found = gather(SCENARIO, _measured, report)
     paper = found.at(count=20)
     return [_life_mean(paper), _mean_area(paper), _live_count(paper), _few_or_many(found), _constant_speed(found)]

@@ -1,4 +1,4 @@
-"""The runs that claims rest on: every point of a sweep, and the numbers found in it with their scatter."""
+"""The runs behind claims: every point of a sweep, and its numbers with their scatter."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -47,9 +47,9 @@ class Evidence:
         damping: float | None = None,
         coupling: str = "one-way",
     ) -> Found:
-        """Return the one point of a mean real contact area (um^2), mean junction count, pulse shape, written spread.
+        """Return the point with a mean real contact area (um^2), mean junction count, pulse shape, written spread.
 
-        Speeds are in um/s, damping is in N s/m. Of a sweep over both couplings it is the point of one.
+        Speeds are in um/s, damping is in N s/m; ``coupling`` chooses the point in a sweep over both couplings.
         """
         wanted = [
             point

@@ -1,4 +1,4 @@
-"""A row of the ledger: what a published source says, what the model says to it, and how a verdict follows."""
+"""A row of the ledger: a published statement, the model's numbers, and the verdict that follows."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -12,7 +12,7 @@ Range = tuple[float, float]
 
 
 class Known(StrEnum):
-    """How well a statement is known; the ledger has only what was read at least as an abstract, or is proved."""
+    """How well a statement is known; the ledger has only statements read, at least in an abstract, or proved."""
 
     PROOF = "proved here"
     ORIGINAL = "original"
@@ -21,7 +21,7 @@ class Known(StrEnum):
 
 
 class FieldVerdict(StrEnum):
-    """What becomes of a published number."""
+    """The verdict on a published number."""
 
     AGREES = "agrees"
     DISAGREES = "disagrees"
@@ -30,9 +30,9 @@ class FieldVerdict(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Publication:
-    """A publication: author and year, its DOI if it was found, and how well what it says is known.
+    """A publication: author and year, its DOI if it was found, and how well its statement is known.
 
-    ``label`` is what a table calls it.
+    ``label`` is its name in a table.
     """
 
     label: str
@@ -45,7 +45,7 @@ class Publication:
 class FieldClaim:
     """A published statement with the model's numbers.
 
-    ``label`` is what a table calls the number. ``published`` is None if the source gives no number. ``scenario`` is
+    ``label`` is the name of the number in a table. ``published`` is None if the source gives no number. ``scenario`` is
     that of the runs.
     """
 
@@ -61,7 +61,7 @@ class FieldClaim:
 
     @property
     def numbers_agree(self) -> bool | None:
-        """Whether the model's numbers lie among the published ones: the exact one, and some of the runs' interval.
+        """Whether the model's numbers agree with the published range: the exact one, and a part of the runs' interval.
 
         None if there is nothing to compare.
         """
@@ -73,7 +73,7 @@ class FieldClaim:
 
     @property
     def verdict(self) -> FieldVerdict:
-        """What follows from the numbers."""
+        """The verdict that follows from the numbers."""
         agree = self.numbers_agree
         return {None: FieldVerdict.NO_TEST, True: FieldVerdict.AGREES, False: FieldVerdict.DISAGREES}[agree]
 

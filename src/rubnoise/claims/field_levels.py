@@ -25,7 +25,7 @@ _WHITE = "At these speeds the force is white for the slider, and its vibration g
 
 
 def measured(_model: Model, record: MemoryRecord) -> dict[str, float]:
-    """Return how far and how fast the slider of a run swings."""
+    """Return the spreads of displacement and velocity of a run's slider."""
     slider = record["slider"]
     displacement, velocity = float(slider["displacement"].std()), float(slider["velocity"].std())
     return {
@@ -239,7 +239,7 @@ def _mean_frequency(model: Model) -> float:
 
 
 def _shift_of_peak(fast: Evidence) -> FieldClaim:
-    """Return the row on where the peak of the motion lies, from runs at 20 mm/s with 5 and 20 junctions."""
+    """Return the row about the peak of the motion's spectrum, from runs at 20 mm/s with 5 and 20 junctions."""
     fine, rough = fast.at(count=20, speed=20_000.0), fast.at(count=5, speed=20_000.0)
     return FieldClaim(
         id="stoimenov2007",

@@ -1,4 +1,4 @@
-"""Published laws of normal motion, beside a light slider that may leave its contact."""
+"""Published laws of normal motion, compared with a light slider that may leave its contact."""
 
 from collections.abc import Sequence
 from math import inf, nan

@@ -1,4 +1,4 @@
-"""Published spectra of friction force and of motion: flat, 1/f, steep, and what speed does to them."""
+"""Published spectra of friction force and of motion: flat, 1/f, steep, and the effect of speed."""
 
 from collections.abc import Sequence
 from math import inf, nan

@@ -1,4 +1,4 @@
-"""Published statistics of friction traces: junction sizes, normality, load, and where the noise comes from."""
+"""Published statistics of friction traces: junction sizes, normality, load, and the origin of the noise."""
 
 from collections.abc import Sequence
 from dataclasses import replace

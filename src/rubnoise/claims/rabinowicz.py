@@ -1,4 +1,4 @@
-"""Section 2: the model that the paper starts from, which has a constant contact area."""
+"""Section 2: Rabinowicz's model, from which the paper starts, and its constant contact area."""
 
 from collections.abc import Sequence
 

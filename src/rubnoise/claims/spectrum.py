@@ -1,4 +1,4 @@
-"""Figures 8 and 9: what the spectrum of the real contact area does at small and at large wavenumbers."""
+"""Figures 8 and 9: the spectrum of the real contact area at small and at large wavenumbers."""
 
 from collections.abc import Sequence
 from math import log
@@ -169,7 +169,7 @@ def _same(found: Evidence) -> Claim:
 
 
 def _over_zero(model: Model, phase: float) -> float:
-    """Return S over S(0) where k L_jm is ``phase``."""
+    """Return S over S(0) at the k for which k L_jm is ``phase``."""
     return float(spectral_density(model, phase / model.mean_life_distance)) / density_at_zero(model)
 
 

@@ -1,4 +1,4 @@
-"""What unequal sizes do to the mean area of the junctions present, Eq. (8), and to the spectrum of Figure 9."""
+"""The effect of unequal sizes on the mean area of live junctions, Eq. (8), and on the spectrum of Figure 9."""
 
 from collections.abc import Sequence
 
@@ -18,7 +18,7 @@ _EQUAL, _PAPER, _WIDE, _WIDEST = "0 um", "0.2 um", "1 um", "2 um"
 
 
 def claims(report: Report) -> Sequence[Claim]:
-    """Run the points and evaluate the claims that rest on them."""
+    """Run the points and evaluate the claims about them."""
     found = gather(SCENARIO, _measured, report)
     return [_present_mean(found), _sizes(found)]
 
