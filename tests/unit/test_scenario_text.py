@@ -14,7 +14,7 @@ from rubnoise.scenario import json_schema, limits, load, loads
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.problems import Place, Problem, in_order, report
-from rubnoise.scenario.source import last_key, locate, parse
+from rubnoise.scenario.source import locate, parse
 from rubnoise.scenario.sweep import load_either
 from rubnoise.scenario.sweep_table import Sweeping
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
@@ -89,9 +89,9 @@ def test_of_a_broken_text_the_sound_part_is_found(broken: str) -> None:
 
 
 def test_the_last_key_named() -> None:
-    assert last_key("[a]\nb.c = 1,5")[0] == ("a", "b", "c")
-    assert last_key("[a]\nb = 1\n[d.e")[0] == ("d", "e")
-    assert last_key("")[0] == ()
+    assert locate("[a]\nb.c = 1,5").last == ("a", "b", "c")
+    assert locate("[a]\nb = 1\n[d.e").last == ("d", "e")
+    assert locate("").last == ()
 
 
 def test_deep_nesting_ends_in_time() -> None:

@@ -41,30 +41,21 @@ class Span:
     end: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Spans:
-    """Where things stand: the first mention of each key, and the value of each key that has one."""
+    """Where things stand: the first mention of each key, the value of each that has one, and which key comes last."""
 
     keys: dict[Path, Span] = field(default_factory=dict)
     values: dict[Path, Span] = field(default_factory=dict)
+    last: Path = ()
 
 
 def locate(text: str) -> Spans:
     """Return the spans of all keys and values; of a broken text, those before the break."""
-    return _scanned(text).spans
-
-
-def last_key(text: str) -> tuple[Path, Spans]:
-    """Return the key or header that a text names last, whatever comes behind it, and the spans of all before it."""
-    scanner = _scanned(text)
-    return scanner.last, scanner.spans
-
-
-def _scanned(text: str) -> "_Scanner":
     scanner = _Scanner(text)
     with suppress(Unlocatable, RecursionError):
         scanner.document()
-    return scanner
+    return scanner.spans
 
 
 class _Scanner:
@@ -74,7 +65,6 @@ class _Scanner:
         self.text = text
         self.at = 0
         self.spans = Spans()
-        self.last: Path = ()
         self.array_lengths: dict[Path, int] = {}
 
     def document(self) -> None:
@@ -130,7 +120,7 @@ class _Scanner:
             if path in self.array_lengths and self.text[self.at : self.at + 1] not in {"]", "="}:
                 path = (*path, self.array_lengths[path])  # a header below an array of tables speaks of its last one
             self.spans.keys.setdefault(path, Span(start=start, end=part.end))
-            self.last = path
+            self.spans.last = path
             if not self.text.startswith(".", self.at):
                 return path
             self.expect(".")
@@ -287,14 +277,14 @@ def _fault(error: str, lines: list[str]) -> Fault:
     reason, line = found[1] if found else error, min(line, len(lines))
     text = lines[line - 1]
     key = _KEY.match(text)
-    path, spans = last_key("\n".join([*lines[: line - 1], key[0]])) if key else ((), Spans())
+    spans = locate("\n".join([*lines[: line - 1], key[0]])) if key else Spans()
     if reason.startswith(_DUPLICATES):
-        return _duplicate(path, line, lines, spans)
-    return _usual_slip(path, line, text) or Fault(
+        return _duplicate(line, lines, spans)
+    return _usual_slip(spans.last, line, text) or Fault(
         line=line,
         start=column - 1,
         end=column,
-        path=path,
+        path=spans.last,
         message=f"not valid TOML: {reason[:1].lower()}{reason[1:]}",
         hint="is the closing quotation mark missing?" if reason.startswith(_UNCLOSED) else "",
     )
@@ -316,15 +306,15 @@ def _usual_slip(path: Path, line: int, text: str) -> Fault | None:
     return None
 
 
-def _duplicate(path: Path, line: int, lines: list[str], spans: Spans) -> Fault:
+def _duplicate(line: int, lines: list[str], spans: Spans) -> Fault:
     here = re.match(r"[ \t]*([^=]*[^= \t])", lines[line - 1])
     before = "\n".join(lines[: line - 1])
-    first = spans.keys.get(path)
+    first = spans.keys.get(spans.last)
     hint = "keep one"
     if first is not None and first.end <= len(before):
         hint = f"first given in line {before.count(chr(10), 0, first.start) + 1}; keep one of the two"
     start, end = here.span(1) if here else (0, 1)
-    return Fault(line=line, start=start, end=end, path=path, message="given twice", hint=hint)
+    return Fault(line=line, start=start, end=end, path=spans.last, message="given twice", hint=hint)
 
 
 @dataclass(frozen=True)
