@@ -6,7 +6,7 @@ Each class is an annotation for pydantic: it reads and refuses the value, and de
 import re
 import unicodedata
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import date, datetime, time
 from difflib import get_close_matches
@@ -83,21 +83,24 @@ class Measure(Field):
 
     def _read_in_context(self, value: Any, info: ValidationInfo) -> Quantity:
         """Read a bare number in working units when it comes from Python, never from a file."""
-        if info.context == FROM_PYTHON and is_of_pint(value):
-            return self._within(self._of_pint(value))
-        number = self._of_number(value) if info.context == FROM_PYTHON else None
+        number = self._of_python(value) if info.context == FROM_PYTHON else None
         return self.read(value) if number is None else self._within(number)
 
     def read(self, value: Any) -> Quantity:
         """Return the quantity that a text writes."""
-        return self._within(self._text(value))
+        if not isinstance(value, str):
+            raise self.refusal(value)
+        return self._within(self._parsed(read_quantity, value))
 
-    def _within(self, quantity: Quantity) -> Quantity:
-        if quantity not in self.possible:
-            raise Unfit(*self._out_of_range(quantity))
-        return quantity
+    def _parsed(self, parse: Callable[..., Quantity], value: Any) -> Quantity:
+        try:
+            return parse(value, *self.kinds)
+        except QuantityError as error:
+            raise Unfit(str(error), error.hint) from None
 
-    def _of_number(self, value: Any) -> Quantity | None:
+    def _of_python(self, value: Any) -> Quantity | None:
+        if is_of_pint(value):
+            return self._parsed(from_pint, value)
         if isinstance(value, Quantity) and value.kind in self.kinds:
             return value
         if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -107,36 +110,21 @@ class Measure(Field):
         # By way of Python's own type: a subclass may show itself otherwise.
         return Quantity(Fraction(repr(int(value) if isinstance(value, int) else float(value))), self.kinds[0])
 
-    def _of_pint(self, value: Any) -> Quantity:
-        try:
-            return from_pint(value, *self.kinds)
-        except QuantityError as error:
-            raise Unfit(str(error), error.hint) from None
-
     def refusal(self, value: Any) -> Unfit:
         """Return why a value that is no text is no quantity, with the right form."""
-        return Unfit(*self._no_text(value))
-
-    def _text(self, value: Any) -> Quantity:
-        if not isinstance(value, str):
-            raise self.refusal(value)
-        try:
-            return read_quantity(value, *self.kinds)
-        except QuantityError as error:
-            raise Unfit(str(error), error.hint) from None
-
-    def _no_text(self, value: Any) -> tuple[str, str]:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            return f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"'
+            return Unfit(f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"')
         if reason := _no_double(value):
-            return reason, f'right form: "{self.kinds[0].example}"'
-        return "a number without a unit", f'right form: "{value} {self.kinds[0].unit}"'
+            return Unfit(reason, f'right form: "{self.kinds[0].example}"')
+        return Unfit("a number without a unit", f'right form: "{value} {self.kinds[0].unit}"')
 
-    def _out_of_range(self, quantity: Quantity) -> tuple[str, str]:
+    def _within(self, quantity: Quantity) -> Quantity:
+        if quantity in self.possible:
+            return quantity
         if quantity < 0 or (float(quantity) == 0.0 and not self.possible.zero):
-            return f"must {'not be negative' if self.possible.zero else 'be above 0'}", ""
+            raise Unfit(f"must {'not be negative' if self.possible.zero else 'be above 0'}")
         low, high = (quantity.kind.number(bound) for bound in (self.possible.low, self.possible.high))
-        return "too large" if quantity > self.possible.high else "too small", f"possible: {low} to {high}"
+        raise Unfit("too large" if quantity > self.possible.high else "too small", f"possible: {low} to {high}")
 
     def describe(self) -> dict[str, Any]:
         """Return a string with a pattern and examples."""
