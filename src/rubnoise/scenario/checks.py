@@ -40,14 +40,9 @@ def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
             value = getattr(getattr(document, name), key, None)
             measure = next((m for m in about.metadata if isinstance(m, Measure)), None)
             if isinstance(value, Quantity) and measure and value not in measure.plausible:
-                yield _implausible((name, key), value, measure, layers)
-
-
-def _implausible(path: Path, value: Quantity, measure: Measure, layers: Layers) -> Problem:
-    size = "large" if value > measure.plausible.high else "small"
-    message = f"implausibly {size} ({value.kind.number(value)})"
-    hint = _other_prefix(value, measure)
-    return Problem(path=path, message=message, place=layers.value_place(path), hint=hint, severity="warning")
+                size = "large" if value > measure.plausible.high else "small"
+                message = f"implausibly {size} ({value.kind.number(value)})"
+                yield layers.problem((name, key), message, _other_prefix(value, measure), severity="warning")
 
 
 def _other_prefix(value: Quantity, measure: Measure) -> str:
@@ -74,8 +69,7 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     except NoMatchingDiameter as error:
         return None, None, [_unmatched(layers, error)]
     except PaperMeansLens as error:
-        place, hint = layers.value_place(_CALIBRATION), 'calibration = "exact" or "matched"'
-        return None, None, [Problem(path=_CALIBRATION, message=str(error), place=place, hint=hint)]
+        return None, None, [layers.problem(_CALIBRATION, str(error), 'calibration = "exact" or "matched"')]
     tick = document.output.tick or default_tick(diameter)
     problems = [*_tick_problems(document, layers, tick, diameter), *_width_problems(document, layers, diameter)]
     if problems:
@@ -104,7 +98,7 @@ def _resonance_problems(document: Document, layers: Layers, model: Model) -> Ite
         message = f"the contact resonance turns by {turned:.3g} rad in a tick: exact, but coarsely sampled"
         finer = COARSE * model.tick / turned
         hint = f'about "{finer:.2g} um" shows it well' + _where_from(document)
-        yield Problem(path=_TICK, message=message, place=layers.value_place(_TICK), hint=hint, severity="warning")
+        yield layers.problem(_TICK, message, hint, severity="warning")
 
 
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -113,8 +107,7 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     derived = ((_LOAD, area, AREAS, "um^2 of real contact area"), (_PATCH, count, COUNTS, "junctions"))
     for path, value, possible, what in derived:
         if value not in possible:
-            message = f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}"
-            yield Problem(path=path, message=message, place=layers.value_place(path))
+            yield layers.problem(path, f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}")
 
 
 def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
@@ -128,15 +121,14 @@ def _excitation_problems(document: Document, layers: Layers, model: Model) -> It
     if slider.excitation != "base" or model.pulse != TRIANGLE:
         why, hint = ("", "") if slider.excitation != "base" else (" of such lives", 'pulse.shape = "triangle"')
         message = f'the excitation "{slider.excitation}"{why} has no run: rubnoise theory works it out'
-        place = layers.value_place(_EXCITATION)
-        yield Problem(path=_EXCITATION, message=message, place=place, hint=hint, forbids_run=True)
+        yield layers.problem(_EXCITATION, message, hint, forbids_run=True)
     if slider.excitation == "base" and document.diameter.law != "fixed":
-        message, hint = "excitation by the base is known for equal diameters alone", 'diameter.law = "fixed"'
-        yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), hint=hint)
+        message = "excitation by the base is known for equal diameters alone"
+        yield layers.problem(_EXCITATION, message, 'diameter.law = "fixed"')
     if slider.excitation == "base" and model.mean_junction_count > _FEW_ASPERITIES and slider.heights != "sum":
         message = f"{model.mean_junction_count:g} asperities at once: a rigid body rides on the highest"
         hint = f'at most {_FEW_ASPERITIES:g}, or slider.heights = "sum" if sums are wanted'
-        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint)
+        yield layers.problem(_COUNT, message, hint)
 
 
 def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
@@ -144,8 +136,7 @@ def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     births = model.births
     if isinstance(births, ScatteredBirths) and births.width > _MOST_SPACINGS * births.mean:
         message = f"{births.width:.3g} um is {births.width / births.mean:.3g} mean spacings of births"
-        hint = f"at most {_MOST_SPACINGS:g} spacings"
-        yield Problem(path=_WIDTH, message=message, place=layers.value_place(_WIDTH), hint=hint)
+        yield layers.problem(_WIDTH, message, f"at most {_MOST_SPACINGS:g} spacings")
 
 
 def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -155,14 +146,13 @@ def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     if document.pulse.shape not in OFF_CENTRE:
         known = " and the ".join(OFF_CENTRE)
         message = f"lateral offsets are known for the {known}, not for the {document.pulse.shape}"
-        yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint='shape = "lens"')
+        yield layers.problem(_OFFSET, message, 'shape = "lens"')
     if document.birth.law != "poisson":
         message = f"lateral offsets are known for Poisson births, not for {document.birth.law} ones"
-        yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint='birth.law = "poisson"')
+        yield layers.problem(_OFFSET, message, 'birth.law = "poisson"')
     if document.slider is not None and document.slider.coupling == "two-way":
         message = "lateral offsets are known with one-way coupling alone"
-        hint = 'slider.coupling = "one-way"'
-        yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint=hint)
+        yield layers.problem(_OFFSET, message, 'slider.coupling = "one-way"')
 
 
 def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
@@ -171,7 +161,7 @@ def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
         f"{error.factor:.7g} mean_junction_count * spread^2 = {error.minimum:.7g} um^2"
     )
     hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
-    return Problem(path=_AREA, message=message, place=layers.value_place(_AREA), hint=hint)
+    return layers.problem(_AREA, message, hint)
 
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:
@@ -179,13 +169,12 @@ def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter:
     life = pulse_of(document.pulse.shape, document.pulse.offset).mean_life * diameter
     if tick > life:
         message = f"longer than the mean life of a junction ({life:.6g} um); a trace would miss whole lives"
-        hint = f'about "{life / 200.0:.2g} um" resolves a life well'
-        yield Problem(path=_TICK, message=message, place=layers.value_place(_TICK), hint=hint)
+        yield layers.problem(_TICK, message, f'about "{life / 200.0:.2g} um" resolves a life well')
     if tick.exact > distance.exact:
         path = _TICK if document.output.tick else _DISTANCE
         message = "the tick is longer than the distance: only the start would be written"
         hint = f'distance "{distance.as_text()}", tick "{tick.as_text()}"' + _where_from(document)
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+        yield layers.problem(path, message, hint)
 
 
 def _width_problems(document: Document, layers: Layers, diameter: float) -> Iterator[Problem]:
@@ -198,8 +187,7 @@ def _width_problems(document: Document, layers: Layers, diameter: float) -> Iter
         ratio, widest = spread.std(centre) / centre, spread.entry.widest
         if ratio > widest * (1.0 + 1e-12):
             message = f'{ratio:.4g} times the mean is too wide for the law "{quantity.law}"'
-            hint = f'up to "{100.0 * widest:g} %"'
-            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+            yield layers.problem(path, message, f'up to "{100.0 * widest:g} %"')
 
 
 def _where_from(document: Document) -> str:
@@ -211,8 +199,7 @@ def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     alive = model.mean_junction_count * (model.sizes.moment(1) / model.calibrated_diameter)
     if alive > limits.LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {limits.LIVE_JUNCTIONS:.0e}"
-        hint = "fewer junctions or a smaller diameter.spread"
-        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint, forbids_run=True)
+        yield layers.problem(_COUNT, message, "fewer junctions or a smaller diameter.spread", forbids_run=True)
 
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
@@ -227,4 +214,4 @@ def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator
         f"at most {limits.RESULT_ROWS:.0e} rows"
     )
     hint = f"make sliding.distance shorter or output.tick longer{_where_from(document)}"
-    yield Problem(path=_DISTANCE, message=message, place=layers.value_place(_DISTANCE), hint=hint, forbids_run=True)
+    yield layers.problem(_DISTANCE, message, hint, forbids_run=True)

@@ -76,10 +76,10 @@ def format_problems(layers: Layers) -> list[Problem]:
         version = source.data.get("format")
         if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
             message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
-            problems.append(Problem(path=("format",), message=message, place=source.value_place(("format",))))
+            problems.append(layers.problem(("format",), message, place=source.value_place(("format",))))
         elif version is None and not isinstance(source, (Overlay, Values)) and not layers.problems:
-            message, hint = "missing", f"the first line of the file: {_RIGHT_FORMS['format',]}"
-            problems.append(Problem(path=("format",), message=message, place=source.key_place(()), hint=hint))
+            hint = f"the first line of the file: {_RIGHT_FORMS['format',]}"
+            problems.append(layers.problem(("format",), "missing", hint, place=source.key_place(())))
     return problems
 
 
@@ -114,7 +114,7 @@ def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
     """Return the problem of a key that is needed and not there, shown at its table."""
-    return Problem(path=path, message=reason, place=layers.key_place(path[:-1]), hint=f"write {_written(layers, path)}")
+    return layers.problem(path, reason, f"write {_written(layers, path)}", place=layers.key_place(path[:-1]))
 
 
 def _written(layers: Layers, path: Path) -> str:
@@ -134,18 +134,18 @@ def _explained(layers: Layers, path: Path, kind: str, error: Exception | None) -
     elif kind in {"extra_forbidden", "invalid_key"}:
         yield _unknown(layers, path)
     elif isinstance(error, Unfit):
-        yield Problem(path=path, message=str(error), place=layers.value_place(path), hint=error.hint)
+        yield layers.problem(path, str(error), error.hint)
     elif kind.startswith(("model", "dict")):
         hint = f"a line [{path[0]}] with its keys below" if path else ""
-        yield Problem(path=path, message="needs a table", place=layers.value_place(path), hint=hint)
+        yield layers.problem(path, "needs a table", hint)
     else:
-        yield Problem(path=path, message=f"cannot be read: {error or kind}", place=layers.value_place(path))
+        yield layers.problem(path, f"cannot be read: {error or kind}")
 
 
 def _unknown(layers: Layers, path: Path) -> Problem:
-    place = layers.key_place(path)
     is_table = isinstance(layers.data.get(str(path[0])), dict) and len(path) == 1
-    return Problem(path=path, message=f"unknown {'table' if is_table else 'key'}", place=place, hint=_suggestion(path))
+    what = f"unknown {'table' if is_table else 'key'}"
+    return layers.problem(path, what, _suggestion(path), place=layers.key_place(path))
 
 
 def _suggestion(path: Path) -> str:
@@ -214,9 +214,8 @@ def _loss_problems(layers: Layers) -> Iterator[Problem]:
         return
     for key in FREE_MOTION:
         if key in load:
-            message, path = f"first-order motion takes no {key}", ("load", key)
             hint = f'write motion = "free", or leave the {key} out'
-            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+            yield layers.problem(("load", key), f"first-order motion takes no {key}", hint)
 
 
 def _said_twice(layers: Layers, both: list[Path]) -> Problem:
@@ -226,7 +225,7 @@ def _said_twice(layers: Layers, both: list[Path]) -> Problem:
     (first, _), (second, path) = places
     where = f"{first.source}:{first.line}" if first.line else first.source
     message = f"both {names} are given (the other at {where})"
-    return Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
+    return layers.problem(path, message, "keep exactly one of the two", place=second)
 
 
 _DRIVEN = {"asperity_height": "base", "heights": "base", "slope": "velocity-weakening"}
@@ -238,26 +237,24 @@ def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Pro
     for key, its in _DRIVEN.items():
         path = ("slider", key)
         if key in slider and excitation != its:
-            message = f'the excitation "{excitation}" takes no {key}'
             hint = f'write excitation = "{its}", or leave the {key} out'
-            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+            yield layers.problem(path, f'the excitation "{excitation}" takes no {key}', hint)
         if key not in slider and excitation == its and key != "heights":
             yield missing(layers, path, f'missing; the excitation "{its}" needs it')
     if excitation in _DRIVEN.values() and slider.get("coupling") == "two-way":
-        message, path = f'the excitation "{excitation}" is known with one-way coupling alone', ("slider", "coupling")
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint='coupling = "one-way"')
+        message = f'the excitation "{excitation}" is known with one-way coupling alone'
+        yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
     if excitation == "base" and "load" in layers.data:
-        message, path = 'the excitation "base" is known only without a load that weighs', ("slider", "excitation")
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint="leave [load] out")
+        message = 'the excitation "base" is known only without a load that weighs'
+        yield layers.problem(("slider", "excitation"), message, "leave [load] out")
 
 
 def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    coupling, path = slider.get("coupling", "one-way"), ("slider", "tolerance")
-    if "tolerance" in slider and coupling == "one-way":
+    if "tolerance" in slider and slider.get("coupling", "one-way") == "one-way":
         message = "one-way coupling takes no tolerance: its motion is exact"
         message += "" if "coupling" in slider else ', and "one-way" is the default'
         hint = 'write coupling = "two-way", or leave the tolerance out'
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+        yield layers.problem(("slider", "tolerance"), message, hint)
 
 
 def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
@@ -268,10 +265,7 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     if entry is None or not (table or SECTIONS[name] is Diameter):
         return
     taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys]
-    homes = {
-        key: next(law for law, entry in LAWS.items() if any(each.name == key for each in entry.parameters))
-        for key in LAW_SAMPLES
-    }
+    homes = {each.name: other for other, entry in LAWS.items() for each in entry.parameters}
     if SECTIONS[name] is Diameter:
         homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
         yield from _unequal_lists(layers)
@@ -282,8 +276,8 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
 def _unequal_lists(layers: Layers) -> Iterator[Problem]:
     weights, parts = (_table_or_empty(layers, "diameter").get(key) for key in ("weights", "parts"))
     if isinstance(weights, list | tuple) and isinstance(parts, list | tuple) and len(weights) != len(parts):
-        message, path = f"{len(weights)} weights for {len(parts)} parts", ("diameter", "weights")
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint="one weight for each part")
+        message = f"{len(weights)} weights for {len(parts)} parts"
+        yield layers.problem(("diameter", "weights"), message, "one weight for each part")
 
 
 def _birth_problems(layers: Layers) -> Iterator[Problem]:
@@ -308,7 +302,7 @@ def _own_keys(
         if key in table and key not in taken:
             message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
             hint = f'write law = "{instead}", or leave the {key} out' if instead else f"leave the {key} out"
-            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+            yield layers.problem(path, message, hint)
         if key in taken and key not in table and key not in optional:
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
 
@@ -319,8 +313,7 @@ def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> It
     for low, high in pairwise(ascending):
         least, most = table.get(low), table.get(high)
         if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
-            message, path = f"must be larger than {name}.{low} = {least}", (name, high)
-            yield Problem(path=path, message=message, place=layers.value_place(path))
+            yield layers.problem((name, high), f"must be larger than {name}.{low} = {least}")
 
 
 def _table_or_empty(layers: Layers, name: str) -> dict[str, Any]:

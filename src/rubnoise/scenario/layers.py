@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -32,13 +32,13 @@ class Layers:
         """Return the topmost source that gives a key, or the nearest key above it that any gives."""
         for known in (path[:n] for n in range(len(path), 0, -1)):
             for source in reversed(self.sources):
-                if _gives(source.data, known):
+                if gives(source.data, known):
                     return source
         return self.main
 
     def origin_of(self, path: Path) -> Source:
         """Return the most basic source that gives a key, where it is named for the first time."""
-        return next((source for source in self.sources if _gives(source.data, path)), self.main)
+        return next((source for source in self.sources if gives(source.data, path)), self.main)
 
     @property
     def main(self) -> Source:
@@ -57,6 +57,20 @@ class Layers:
     def key_place(self, path: Path) -> Place:
         """Return where a key is named that counts."""
         return self.source_of(path).key_place(path)
+
+    def problem(
+        self,
+        path: Path,
+        message: str,
+        hint: str = "",
+        *,
+        place: Place | None = None,
+        severity: Literal["error", "warning"] = "error",
+        forbids_run: bool = False,
+    ) -> Problem:
+        """Return what is wrong with a key, shown at its value if no other place is given."""
+        shown = place or self.value_place(path)
+        return Problem(path=path, message=message, place=shown, hint=hint, severity=severity, forbids_run=forbids_run)
 
     def topped(self, overlay: "Overlay", *, without: str) -> "Layers":
         """Return these layers with one more on top, and without a table."""
@@ -102,16 +116,20 @@ class Setting(Overlay):
             return ()
         return (Problem(path=(), message=message, place=self.key_place(())),)
 
+    @property
+    def _typed(self) -> tuple[str, int]:
+        """What was typed, and how long the key is before its value."""
+        return self.text, len(self.text.partition("=")[0])
+
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
-        """Return the value behind the equals sign."""
-        return self._typed(min(self.text.find("=") + 1, len(self.text)), len(self.text))
+        """Return the value behind the key."""
+        text, key = self._typed
+        return Place(source=self.name, line=0, text=text, start=min(key + 1, len(text)), end=len(text), rank=self.rank)
 
     def key_place(self, path: Path) -> Place:  # noqa: ARG002  (one key)
-        """Return the key before the equals sign."""
-        return self._typed(0, len(self.text.partition("=")[0]))
-
-    def _typed(self, start: int, end: int) -> Place:
-        return Place(source=self.name, line=0, text=self.text, start=start, end=end, rank=self.rank)
+        """Return the key."""
+        text, key = self._typed
+        return Place(source=self.name, line=0, text=text, start=0, end=key, rank=self.rank)
 
 
 class OptionOverride(str):
@@ -131,17 +149,9 @@ class OptionOverride(str):
 class OptionSetting(Setting):
     """One override that is typed as an option of its own; its name is that option, which its places show."""
 
-    def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
-        """Return the value behind the option."""
-        return self._place_between(len(self.name) + 1, None)
-
-    def key_place(self, path: Path) -> Place:  # noqa: ARG002  (one key)
-        """Return the option."""
-        return self._place_between(0, len(self.name))
-
-    def _place_between(self, start: int, end: int | None) -> Place:
-        text = f"{self.name} {self._halves[1]}"
-        return Place(source=self.name, line=0, text=text, start=start, end=end or len(text), rank=self.rank)
+    @property
+    def _typed(self) -> tuple[str, int]:
+        return f"{self.name} {self._halves[1]}", len(self.name)
 
 
 @dataclass(frozen=True)
@@ -159,14 +169,10 @@ class Values(Source):
         """Return the name alone."""
         return Place(source=self.name, line=0, text="", start=0, end=0)
 
-    def key_place(self, path: Path) -> Place:
-        """Return the name alone."""
-        return self.value_place(path)
-
 
 def from_file(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Layers:
     """Return the layers of a scenario file: what it extends, itself, the overrides."""
-    return _layered(*_chain(FilePath(path), _shown_path(path)), overrides)
+    return _layered(*_chain(FilePath(path), os.path.normpath(path)), overrides)
 
 
 def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
@@ -209,11 +215,11 @@ def _setting(text: str, rank: int) -> Setting:
 
 def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
     """Return a file's sources, basic first, and what is wrong with how they extend one another."""
-    sources, seen = [Source(name, _text_of_file(path, name))], [_identity(path)]
+    sources, seen = [Source(name, _text_of_file(path, name))], [os.path.realpath(path)]
     while isinstance(base := sources[0].data.get("extends"), str):
         path = _extended(path.parent, base)
         try:
-            text, identity = _text_of_file(path, base), _identity(path)
+            text, identity = _text_of_file(path, base), os.path.realpath(path)
         except ScenarioRefused as refusal:
             return sources, _not_extended(sources[0], str(refusal))
         if identity in seen:
@@ -224,7 +230,7 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
             )
         if len(sources) > limits.EXTENDS_DEPTH:
             return sources, _not_extended(sources[0], f"more than {limits.EXTENDS_DEPTH} files extend one another")
-        sources.insert(0, Source(_shown_path(path), text))
+        sources.insert(0, Source(os.path.normpath(path), text))
         seen.append(identity)
     return sources, _not_extended(sources[0], "needs the name of a file") if "extends" in sources[0].data else []
 
@@ -239,14 +245,6 @@ def _extended(folder: FilePath, base: str) -> FilePath:
 
 def _not_extended(source: Source, message: str) -> list[Problem]:
     return [Problem(path=("extends",), message=message, place=source.value_place(("extends",)))]
-
-
-def _shown_path(path: str | os.PathLike[str]) -> str:
-    return os.path.normpath(path)
-
-
-def _identity(path: FilePath) -> str:
-    return os.path.realpath(path)
 
 
 def _text_of_file(path: FilePath, name: str) -> str:
@@ -309,7 +307,8 @@ def _merge(below: dict[str, Any], above: Mapping[str, Any]) -> None:
         _merge(below[key], value)
 
 
-def _gives(data: Any, path: Path) -> bool:
+def gives(data: Any, path: Path) -> bool:
+    """Whether tables hold a key."""
     for part in path:
         if not isinstance(data, dict) or part not in data:
             return False

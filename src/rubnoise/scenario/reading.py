@@ -58,7 +58,7 @@ def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Pro
         return given, []
     if "file" not in table:
         key = "column" if "column" in table else "hash"
-        return given, [_wrong(given, key, f"a {key} needs a file", 'file = "sizes.csv"')]
+        return given, [given.problem((_TABLE, key), f"a {key} needs a file", 'file = "sizes.csv"')]
     if "values" in table:
         return given, _unlike(given, table)
     values, problems = _sizes_of_file(given, table, read)
@@ -75,13 +75,13 @@ def _sizes_of_file(
         values = (read or _refuse)(str(_size_file(given, table)), table.get("column"))
     except Refused as refused:
         key = "column" if isinstance(refused, NoColumn) else "file"
-        return _STANDS_IN, [_wrong(given, key, str(refused))]
+        return _STANDS_IN, [given.problem((_TABLE, key), str(refused))]
     found = hash_of(values)
     if table.get("hash", found) == found:
         return values, []
     message = f'the file changed: "{table["file"]}" has {found}, not {table["hash"]}'
     hint = "bring the file back, or take the hash away to use the file as it is"
-    return _STANDS_IN, [_wrong(given, "hash", message, hint)]
+    return _STANDS_IN, [given.problem((_TABLE, "hash"), message, hint)]
 
 
 def _refuse(path: str, _column: str | None) -> Sequence[float]:
@@ -91,7 +91,7 @@ def _refuse(path: str, _column: str | None) -> Sequence[float]:
 def _unlike(given: Layers, table: Mapping[str, Any]) -> list[Problem]:
     """Refuse values beside a file that are not those of the hash."""
     if "hash" not in table:
-        return [_wrong(given, "values", "both values and file are given", "keep exactly one of the two")]
+        return [given.problem((_TABLE, "values"), "both values and file are given", "keep exactly one of the two")]
     try:
         found = hash_of(Sizes("diameters").read(table["values"]))
     except Unfit:
@@ -99,17 +99,12 @@ def _unlike(given: Layers, table: Mapping[str, Any]) -> list[Problem]:
     if table["hash"] == found:
         return []
     hint = "take the values away to read the file, or the file to use the values"
-    return [_wrong(given, "hash", f"the values beside it have {found}, not {table['hash']}", hint)]
+    return [given.problem((_TABLE, "hash"), f"the values beside it have {found}, not {table['hash']}", hint)]
 
 
 def _filled(given: Layers, values: Sequence[float]) -> Layers:
     table = {"hash": hash_of(values), **given.data[_TABLE], "values": list(values)}
     return replace(given, data={**given.data, _TABLE: table})
-
-
-def _wrong(given: Layers, key: str, message: str, hint: str = "") -> Problem:
-    path = (_TABLE, key)
-    return Problem(path=path, message=message, place=given.value_place(path), hint=hint)
 
 
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None) -> Scenario:
@@ -118,12 +113,12 @@ def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: Read
     ``read`` reads diameters of a file; without it a scenario that names one is refused. Raises ScenarioRefused with
     every problem of the file, each with its line.
     """
-    return _checked(layers.from_file(path, overrides), read)
+    return checked(layers.from_file(path, overrides), read)
 
 
 def loads(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> Scenario:
     """Return the scenario of a TOML text, which cannot extend a file; raises ScenarioRefused."""
-    return _checked(layers.from_text(text, name, overrides))
+    return checked(layers.from_text(text, name, overrides))
 
 
 def build(values: Mapping[str, Any], name: str = "<python>", read: ReadSizes | None = None) -> Scenario:
@@ -132,7 +127,7 @@ def build(values: Mapping[str, Any], name: str = "<python>", read: ReadSizes | N
     Working units are um, um^2, um/s, kg, MPa, N/m and N s/m; ``read`` is as for `load`. Raises ScenarioRefused with
     every problem.
     """
-    return _checked(layers.from_values(values, name), read, from_python=True)
+    return checked(layers.from_values(values, name), read, from_python=True)
 
 
 def stored(resolved: object, what: str = "the scenario in the file") -> Scenario:
@@ -144,13 +139,14 @@ def stored(resolved: object, what: str = "the scenario in the file") -> Scenario
         raise RunFileRefused(f"{what} is not valid") from problem
 
 
-def _checked(
+def checked(
     given: Layers, read: ReadSizes | None = None, *, from_python: bool = False, more: Sequence[Problem] = ()
 ) -> Scenario:
+    """Return the scenario of its layers; raises ScenarioRefused with everything wrong with it, and with ``more``."""
     if keys.SWEEP in given.data:
         hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
-        message, place = "a sweep is many runs, but this command needs one scenario", given.key_place((keys.SWEEP,))
-        many = Problem(path=(keys.SWEEP,), message=message, place=place, hint=hint)
+        message = "a sweep is many runs, but this command needs one scenario"
+        many = given.problem((keys.SWEEP,), message, hint, place=given.key_place((keys.SWEEP,)))
         raise ScenarioRefused(report([*given.problems, many]))
     scenario, problems = examined(given, read, from_python=from_python)
     if scenario is None or more:
@@ -256,7 +252,7 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
     given = layers.from_values(values, "<python>")
     # A quantity that is changed needs a unit, as in a file.
     without_unit = keys.without_unit(given, {path for place in places for path in _paths(*place)})
-    changed = _checked(given, from_python=True, more=without_unit)
+    changed = checked(given, from_python=True, more=without_unit)
     return replace(changed, text=changed.to_toml())
 
 

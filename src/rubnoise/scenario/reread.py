@@ -9,7 +9,7 @@ from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
-from rubnoise.scenario.reading import ReadSizes, examined, replaced, stored_sizes
+from rubnoise.scenario.reading import checked, examined, replaced, stored_sizes
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import PointOverlay, Sweep
@@ -45,7 +45,7 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
         given = from_text(text, NAME, [*overrides, f"interface.calibration={_FIRST_CALIBRATION}"])
     if SWEEP in given.data:
         return _point(given, run, self_contained=self_contained)
-    return Reread(resolved=_scenario(given, stored_sizes(run)).resolved(), self_contained=self_contained)
+    return Reread(resolved=checked(given, stored_sizes(run)).resolved(), self_contained=self_contained)
 
 
 def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
@@ -66,19 +66,12 @@ def sweep_as_made(sweep: Sweep, made: Mapping[str, Any]) -> Sweep:
     return replace(sweep, cases=cases)
 
 
-def _scenario(given: Layers, read: ReadSizes) -> Scenario:
-    scenario, problems = examined(given, read)
-    if scenario is None:
-        raise ScenarioRefused(report(problems))
-    return scenario
-
-
 def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Reread:
     table, wrong = read_table(given)
     if given.problems or wrong:
         raise ScenarioRefused(report([*given.problems, *wrong]))
     choice = PointOverlay(NAME, "", origin=given, axes=table.axes, indices=_indices(table, run))
-    scenario = _scenario(given.topped(choice, without=SWEEP), stored_sizes(run))
+    scenario = checked(given.topped(choice, without=SWEEP), stored_sizes(run))
     replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
     seeds = frozenset(point.seed for point in replicates)
     return Reread(

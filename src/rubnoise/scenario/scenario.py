@@ -11,7 +11,7 @@ from typing import Any, Final, Literal, cast
 
 from rubnoise.contact.births import BIRTHS, BirthLaw
 from rubnoise.contact.calibration import calibrated_diameter
-from rubnoise.contact.laws import LAWS, Law, Spread, law_for
+from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.off_centre import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
@@ -136,8 +136,7 @@ class Scenario:
         return shortened([f"{self.title or 'a scenario'} ({self.name})", *lines])
 
     def _repr_html_(self) -> str:
-        tables = {name: table for name, table in self.resolved().items() if isinstance(table, Mapping)}
-        rows = [(f"{name}.{key}", value) for name, table in tables.items() for key, value in table.items()]
+        rows = [(key, value) for key, value in flattened(self.resolved()).items() if "." in key]
         return as_html(f"{self.title or 'a scenario'} ({self.name})", ("key", "value"), rows, "\n".join(self.warnings))
 
 
@@ -212,16 +211,12 @@ def default_tick(diameter: float) -> Quantity:
     return Quantity(Fraction(repr(diameter / 100.0)), LENGTH)
 
 
-def tick_count(distance: Quantity, tick: Quantity) -> int:
-    """Return the exact floor of distance over tick as written; floats would lose the last tick now and then."""
-    return distance.exact // tick.exact
-
-
 def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Model:
     """Return the model of a complete document for its calibrated diameter in um and its tick."""
-    interface, sliding = document.interface, document.sliding
+    interface, sliding, strength = document.interface, document.sliding, document.strength
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)
     area, count = area_and_count(interface)
+    free = document.load is not None and document.load.motion == "free"
     return Model(
         mean_real_contact_area=area,
         mean_junction_count=count,
@@ -229,17 +224,17 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         calibrated_diameter=diameter,
         sizes=law_for(diameter, spread_of(document.diameter)),
         births=births_of(document.birth, pulse.mean_life * diameter / count),
-        strengths=_strengths(document.strength),
+        strengths=law_for(float(strength.mean), spread_of(strength)) if strength else None,
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
         start=cast(Literal["stationary", "empty"], sliding.start),
         slider=_slider(document.slider, diameter) if document.slider else None,
         tick=float(tick),
-        tick_count=tick_count(sliding.distance, tick),
+        tick_count=sliding.distance.exact // tick.exact,  # as written: floats would lose the last tick now and then
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
-        separation=_separation(document.load, interface) if document.load and not is_free(document.load) else None,
-        free=_free(document.load, interface) if document.load and is_free(document.load) else None,
+        separation=_separation(document.load, interface) if document.load and not free else None,
+        free=_free(document.load, interface) if document.load and free else None,
     )
 
 
@@ -258,11 +253,6 @@ def _separation(load: sections.Load, interface: sections.Interface) -> Separatio
     return Separation(load=weight, hardness=hardness, height_scale=height, mass=mass, damping=damping)
 
 
-def is_free(load: sections.Load) -> bool:
-    """Whether the slider of a load may leave its contact."""
-    return load.motion == "free"
-
-
 def _free(load: sections.Load, interface: sections.Interface) -> FreeSeparation:
     growth = load.impact_damping
     return FreeSeparation(
@@ -270,10 +260,6 @@ def _free(load: sections.Load, interface: sections.Interface) -> FreeSeparation:
         restitution=load.restitution,
         impact_damping=None if growth is None else float(growth),
     )
-
-
-def _strengths(strength: sections.Strength | None) -> Law | None:
-    return law_for(float(strength.mean), spread_of(strength)) if strength else None
 
 
 def _slider(slider: sections.Slider, diameter: float) -> Slider:
@@ -333,33 +319,28 @@ def completed(layers: Layers) -> Layers:
 def load_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     """Refuse what contradicts a load that weighs, in a document with one."""
     for path, needed in CONTACT.items():
-        if not _agrees(_value(document, path), needed):
+        if not _agrees(getattr(getattr(document, str(path[0])), str(path[1])), needed):
             message = f"the theory of [load] is for {_words(path, needed)}"
             hint = f'{path[-1]} = "{needed}", or leave it out: it is set'
-            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-    if document.load is not None and is_free(document.load):
+            yield layers.problem(path, message, hint)
+    if document.load is not None and document.load.motion == "free":
         yield from _free_problems(document, layers)
     if document.slider is not None and document.slider.coupling == "two-way":
-        path = ("slider", "coupling")
         message = "two-way coupling is known at constant separation alone, not with a table [load]"
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint='coupling = "one-way"')
+        yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
 
 
 def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     """Refuse what no free motion begins with, and contacts whose slider never leaves them."""
     if document.sliding.start != "stationary":
-        path, message = ("sliding", "start"), "free motion begins at rest on the summits that are there"
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint='start = "stationary"')
+        message = "free motion begins at rest on the summits that are there"
+        yield layers.problem(("sliding", "start"), message, 'start = "stationary"')
     _, count = area_and_count(document.interface)
     if count > MOST_LIVE:
         path = ("interface", "mean_junction_count" if document.interface.patch_area is None else "patch_area")
         message = f"{count:.3g} junctions in contact: free motion is computed up to {MOST_LIVE:g}"
         hint = 'load.motion = "first-order", which is right for so many'
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-
-
-def _value(document: Document, path: Path) -> Any:
-    return getattr(getattr(document, str(path[0])), str(path[1]))
+        yield layers.problem(path, message, hint)
 
 
 def _agrees(value: Any, needed: str) -> bool:

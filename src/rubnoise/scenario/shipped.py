@@ -27,11 +27,8 @@ def shipped(name: str) -> Path:
 def shipped_names() -> tuple[str, ...]:
     """Return the names of all of them, such as ``paper/fig5``, in alphabetical order."""
     home = next((home for home in _HOMES if home.is_dir()), None)
-    return () if home is None else tuple(sorted(_name(path, home) for path in home.glob("*/*.toml")))
-
-
-def _name(path: Path, home: Path) -> str:
-    return path.relative_to(home).with_suffix("").as_posix()
+    paths = [] if home is None else [path.relative_to(home) for path in home.glob("*/*.toml")]
+    return tuple(sorted(path.with_suffix("").as_posix() for path in paths))
 
 
 def by_name(name: str) -> Path:

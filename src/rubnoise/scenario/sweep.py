@@ -149,20 +149,14 @@ def load_sweep(path: str | os.PathLike[str], overrides: Sequence[str] = (), read
 
     Raises ScenarioRefused with every problem of every point, each with its line, and for a file that is no sweep.
     """
-    given = layers.from_file(path, overrides)
-    if SWEEP not in given.data:
-        _refuse_one(given)
-    return _checked(given, read)
+    return _checked(layers.from_file(path, overrides), read)
 
 
 def loads_sweep(
     text: str, name: str = "<string>", overrides: Sequence[str] = (), read: ReadSizes | None = None
 ) -> Sweep:
     """Return the sweep of a TOML text, which cannot extend a file; raises ScenarioRefused."""
-    given = layers.from_text(text, name, overrides)
-    if SWEEP not in given.data:
-        _refuse_one(given)
-    return _checked(given, read)
+    return _checked(layers.from_text(text, name, overrides), read)
 
 
 def load_either(
@@ -173,14 +167,11 @@ def load_either(
     return _checked(given, read) if SWEEP in given.data else load(path, overrides, read)
 
 
-def _refuse_one(given: Layers) -> None:
-    if given.problems:
-        raise ScenarioRefused(report(given.problems))
-    ways = "rubnoise run makes this one run, and in Python grid={...} makes it many"
-    raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep]; {ways}")
-
-
 def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
+    if SWEEP not in given.data:
+        ways = "rubnoise run makes this one run, and in Python grid={...} makes it many"
+        alone = f"{given.main.name}: no sweep: it has no table [sweep]; {ways}"
+        raise ScenarioRefused(report(given.problems) or alone)
     table, wrong = read_table(given)
     read = read and cache(read)  # a file is read once, not at every point
     most = _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None
@@ -223,7 +214,7 @@ def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
         if before != number:
             message = f"points {before} and {number} are the same run ({in_words(case.values)})"
             hint = "take one away; replicates = 2 makes two runs of each point, with seeds of their own"
-            yield Problem(path=(SWEEP,), message=message, place=given.key_place((SWEEP,)), hint=hint)
+            yield given.problem((SWEEP,), message, hint, place=given.key_place((SWEEP,)))
             return
 
 
@@ -232,11 +223,9 @@ def _without_quantity(given: Layers, precision: Precision | None, cases: Sequenc
     needs = QUANTITIES[precision.quantity].needs if precision else ""
     lacking = next((case for case in cases if needs and getattr(case.scenario, needs) is None), None)
     if precision and lacking:
-        path = (SWEEP, "quantity")
         message = f"{precision.quantity} is no quantity of a run without [{needs}]"
-        yield Problem(path=path, message=message, place=given.value_place(path), hint=f"a table [{needs}]")
+        yield given.problem((SWEEP, "quantity"), message, f"a table [{needs}]")
     one_way = precision is not None and QUANTITIES[precision.quantity].one_way
     if precision and one_way and any(case.scenario.physics.is_two_way for case in cases):
-        path = (SWEEP, "quantity")
         message = f"{precision.quantity} is no quantity of a run with two-way coupling"
-        yield Problem(path=path, message=message, place=given.value_place(path), hint="velocity_std is one")
+        yield given.problem((SWEEP, "quantity"), message, "velocity_std is one")

@@ -13,8 +13,8 @@ from rubnoise.scenario import limits
 from rubnoise.scenario.document import Section
 from rubnoise.scenario.fields import Choice, Field, Number, Range, Unfit, did_you_mean
 from rubnoise.scenario.keys import SECTIONS, SWEEP
-from rubnoise.scenario.layers import Layers, Setting
-from rubnoise.scenario.problems import Path, Place, Problem
+from rubnoise.scenario.layers import Layers, Setting, gives
+from rubnoise.scenario.problems import Path, Problem
 
 FEWEST: Final = 8
 """Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""
@@ -118,7 +118,7 @@ def read_settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Settings, l
         try:
             values[key] = field.read(table[key]) if key in table else about.default
         except Unfit as unfit:
-            problems.append(_problem(layers, key, str(unfit), unfit.hint))
+            problems.append(layers.problem((SWEEP, key), str(unfit), unfit.hint))
     problems += [] if problems else list(_at_odds(layers, table, values))
     return _settings(values, counted="replicates" in table), problems
 
@@ -138,19 +138,14 @@ def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]
     if values["precision"] is None:
         for key in _ONLY_WITH_PRECISION:
             if key in table:
-                yield _problem(layers, key, "needs a precision", "add precision = 0.01")
+                yield layers.problem((SWEEP, key), "needs a precision", "add precision = 0.01")
         return
     if "replicates" in table and values["replicates"] < FEWEST:
         hint = f"replicates = {FEWEST}, or leave it out"
-        yield _problem(layers, "replicates", "too few to estimate the precision", hint)
+        yield layers.problem((SWEEP, "replicates"), "too few to estimate the precision", hint)
     if values["replicates"] > values["most_replicates"]:
         hint = f"most_replicates = {values['replicates']} or more"
-        yield _problem(layers, "most_replicates", "fewer than the replicates to begin with", hint)
-
-
-def _problem(layers: Layers, key: str, message: str, hint: str) -> Problem:
-    path = (SWEEP, key)
-    return Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+        yield layers.problem((SWEEP, "most_replicates"), "fewer than the replicates to begin with", hint)
 
 
 GRID, ZIP = "grid", "zip"
@@ -212,7 +207,7 @@ def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
     """Return the sweep of a scenario's layers, as much of it as is right, and everything that is wrong with it."""
     table = layers.data[SWEEP]
     if not isinstance(table, dict):
-        return Table(), [_at(layers, (SWEEP,), "needs a table", "a line [sweep] with its keys below")]
+        return Table(), [layers.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
     problems = [_unknown(layers, name) for name in table if name not in TOP_KEYS]
     settings, wrong = read_settings(layers, table)
     problems += wrong
@@ -226,15 +221,12 @@ def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
     return read, problems or list(_excess(layers, read))
 
 
-def _at(layers: Layers, path: Path, message: str, hint: str = "", place: Place | None = None) -> Problem:
-    return Problem(path=path, message=message, place=place or layers.value_place(path), hint=hint)
-
-
 def _unknown(layers: Layers, name: str) -> Problem:
     path = (SWEEP, name)
     homes = [f"{SWEEP}.{GRID}.{key}" for key in known_keys() if name in key.split(".")]
     hint = f"did you mean {' or '.join(homes[:2])}?" if homes else did_you_mean(name, TOP_KEYS)
-    return _at(layers, path, "unknown key", hint or f"known here: {', '.join(TOP_KEYS)}", layers.key_place(path))
+    hint = hint or f"known here: {', '.join(TOP_KEYS)}"
+    return layers.problem(path, "unknown key", hint, place=layers.key_place(path))
 
 
 def known_keys() -> tuple[str, ...]:
@@ -246,7 +238,7 @@ def known_keys() -> tuple[str, ...]:
 def _keys(layers: Layers, name: str, table: Any) -> Iterator[Axis | Problem]:
     """Yield an axis or a problem for every key of `[sweep.grid]` or `[sweep.zip]`."""
     if not isinstance(table, Mapping):
-        yield _at(layers, (SWEEP, name), "needs a table of keys", f"a line [{SWEEP}.{name}] with keys below")
+        yield layers.problem((SWEEP, name), "needs a table of keys", f"a line [{SWEEP}.{name}] with keys below")
         return
     for section, below in table.items():
         inner = below if isinstance(below, Mapping) and section in SECTIONS else {None: below}
@@ -258,13 +250,13 @@ def _axis(layers: Layers, name: str, path: Path, values: Any) -> Axis | Problem:
     place = (SWEEP, name, *path)
     key = ".".join(map(str, path))
     if path in NOT_SWEPT:
-        return _at(layers, place, "is not swept", NOT_SWEPT[path], layers.key_place(place))
+        return layers.problem(place, "is not swept", NOT_SWEPT[path], place=layers.key_place(place))
     if len(path) == 1 or path[1] not in SECTIONS[str(path[0])].model_fields:
-        return _at(layers, place, "unknown key", _suggestion(key), layers.key_place(place))
+        return layers.problem(place, "unknown key", _suggestion(key), place=layers.key_place(place))
     if not isinstance(values, list):
-        return _at(layers, place, "needs a list of values", f"a list in brackets: {key} = [..., ...]")
+        return layers.problem(place, "needs a list of values", f"a list in brackets: {key} = [..., ...]")
     if not values:
-        return _at(layers, place, "an empty list, which leaves no point", "give it values, or take the line away")
+        return layers.problem(place, "an empty list, which leaves no point", "give it values, or take the line away")
     return Axis(path=path, table=name, values=tuple(values))
 
 
@@ -295,28 +287,25 @@ def _lengths(layers: Layers, table: Table) -> Iterator[Problem]:
         first = table.side_by_side[0]
         if len(axis.values) != len(first.values):
             message = f"{len(axis.values)} values beside the {len(first.values)} of {first.key}"
-            yield _at(layers, axis.swept_path, message, "lists of [sweep.zip] go in parallel and need equal length")
+            yield layers.problem(axis.swept_path, message, "lists of [sweep.zip] go in parallel and need equal length")
 
 
 def _doubles(layers: Layers, table: Table) -> Iterator[Problem]:
     gridded = {axis.path for axis in table.grid}
     for axis in table.side_by_side:
         if axis.path in gridded:
-            message = "swept in [sweep.grid] and in [sweep.zip]"
-            yield _at(layers, axis.swept_path, message, "keep one of the two", layers.key_place(axis.swept_path))
+            message, place = "swept in [sweep.grid] and in [sweep.zip]", layers.key_place(axis.swept_path)
+            yield layers.problem(axis.swept_path, message, "keep one of the two", place=place)
 
 
 def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
     """Refuse a `--set` of a key that the sweep sets at every point."""
     for axis in table.axes:
         source = layers.source_of(axis.path)
-        if isinstance(source, Setting) and _given(source.data, axis.path):
+        if isinstance(source, Setting) and gives(source.data, axis.path):
             hint = f'to change its values: --set "{".".join(map(str, axis.swept_path))}=[...]"'
-            yield _at(layers, axis.path, "the sweep gives it a value at every point", hint, source.key_place(axis.path))
-
-
-def _given(data: Any, path: Path) -> bool:
-    return str(path[0]) in data and isinstance(data[path[0]], dict) and path[1] in data[path[0]]
+            place = source.key_place(axis.path)
+            yield layers.problem(axis.path, "the sweep gives it a value at every point", hint, place=place)
 
 
 def _excess(layers: Layers, table: Table) -> Iterator[Problem]:
@@ -328,4 +317,4 @@ def _excess(layers: Layers, table: Table) -> Iterator[Problem]:
         )
         fewer = "fewer values or replicates" if table.settings.precision is None else "fewer values or most_replicates"
         hint = f"{fewer}, or several sweeps"
-        yield _at(layers, (SWEEP,), message, hint, layers.key_place((SWEEP,)))
+        yield layers.problem((SWEEP,), message, hint, place=layers.key_place((SWEEP,)))
