@@ -52,7 +52,7 @@ class AdaptiveReplicates:
             batch = self._batch(case, known, ended)
             if self.precision is None or not _complete(batch, ended):
                 continue
-            reached = self.precision.reached(self._values(batch, ended))
+            reached = self.precision.reached(_values(self.precision, batch, ended))
             if reached > self.precision.relative:
                 found.append(Unmet(values=case.values, replicates=len(batch), reached=reached))
         return found
@@ -61,20 +61,17 @@ class AdaptiveReplicates:
         """Return all runs of a point up to the end of the first batch that is not complete, or of the last."""
         batch = known[: self._replicates]
         while self.precision and _complete(batch, ended):
-            wanted = self.precision.wanted(self._values(batch, ended))
+            wanted = self.precision.wanted(_values(self.precision, batch, ended))
             if wanted == len(batch):
                 break
             known += points_of([case], wanted, len(known))
             batch = known[:wanted]
         return batch
 
-    def _values(self, points: list[Point], ended: Ended) -> list[float]:
-        return [_value(self.precision, ended[point.run_id]) for point in points]
-
 
 def _complete(batch: list[Point], ended: Ended) -> bool:
     return all(point.run_id in ended for point in batch)
 
 
-def _value(precision: Precision | None, figures: Mapping[str, float]) -> float:
-    return nan if precision is None else figures.get(precision.quantity, nan)
+def _values(precision: Precision, batch: list[Point], ended: Ended) -> list[float]:
+    return [ended[point.run_id].get(precision.quantity, nan) for point in batch]
