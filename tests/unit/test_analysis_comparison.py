@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.analysis import comparing, reading
+from rubnoise.analysis import comparing, moments, reading
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparing import trace
 from rubnoise.analysis.comparing.asked import Cubes, asked_findings
@@ -103,7 +103,7 @@ def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
     found = compared("empty")
     assert not any(figure.name.startswith("start") for figure in found.figures)
     assert {"real_contact_area_mean", "life_mean_area", "birth_count"} <= names(found)
-    settled = reading.first_stationary_tick(RIGHT["empty"])
+    settled = moments.first_stationary_tick(RIGHT["empty"])
     assert trace.read_trace(RIGHT["empty"], run("empty")).stationary_ticks == RIGHT["empty"].tick_count + 1 - settled
     # The first life taken in, the run would not pass as stationary.
     taken = compare(replace(RIGHT["empty"], start="stationary"), run("empty"))

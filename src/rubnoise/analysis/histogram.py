@@ -1,6 +1,6 @@
 """The histogram of a record, or of a stream of values, as a density with errors for ticks that are not independent."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -55,7 +55,7 @@ def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Hi
     bins = np.searchsorted(bounds, values, side="right").astype(np.float64) - 1.0
     bins[values == bounds[-1]] = width.size - 1
     error = error_of_mean(bins, length, lambda parts: _shares(parts, width.size))
-    return Histogram(edges=bounds, density=found.density, standard_error=error / width, outside=found.outside)
+    return replace(found, standard_error=error / width)
 
 
 def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:

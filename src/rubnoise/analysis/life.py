@@ -8,7 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.analysis.selection import Neighbours, check_lives, neighbours
+from rubnoise.analysis.reading import check_numbers
+from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import Pulse
@@ -169,7 +170,7 @@ def life_of(file: Reader, number: int) -> Life:
     even = "landmarks" not in file.columns
     # A two-way slider may never have come by: that time is no number.
     checked = row if even else {name: value for name, value in row.items() if name not in {"birth_time", "death_time"}}
-    check_lives(np.array([number]), {name: np.array([value], dtype=np.float64) for name, value in checked.items()})
+    check_numbers("junctions", [number], {name: np.array([value]) for name, value in checked.items()})
     return Life(
         number=number,
         rows=rows,

@@ -1,6 +1,7 @@
 """The length that a record of the contact needs for errors of its moments, and the errors of its autocovariances."""
 
 from dataclasses import replace
+from math import ceil
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.quadrature import size_rule
+from rubnoise.theory.quadrature import longest_life, size_rule
 
 FEWEST_LIVES = 50
 FEWEST_BIRTHS = 1000
@@ -27,6 +28,11 @@ All three are of first order in life/record: what they leave out is about their 
 def over_ticks(model: Model, ticks: int, tick: float) -> Model:
     """Return the model of a stationary stretch of ``ticks`` ticks, ``tick`` um apart."""
     return replace(model, start="stationary", tick=tick, tick_count=ticks - 1, distance=max(ticks - 1, 1) * tick)
+
+
+def first_stationary_tick(model: Model) -> int:
+    """Return the first tick from which the contact is stationary: after a longest life if the start was empty."""
+    return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)
 
 
 def needed_for_mean(model: Model) -> float:

@@ -1,7 +1,6 @@
 """Rows read ahead for callers that take small steps, and rows that are checked when they are read."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import ceil
 from typing import Any, Final
 
 import numpy as np
@@ -9,9 +8,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import CHUNK_ROWS
 from rubnoise.errors import RunFileRefused
-from rubnoise.model import Model
 from rubnoise.record.reader import Rows, chunks
-from rubnoise.theory.quadrature import longest_life
 
 
 class Ahead:
@@ -55,18 +52,14 @@ def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dic
     """
     for chunk in chunks(rows, group, CHECKED_ROWS):
         found = {name: chunk[name] for name in names if name in chunk}
-        for name, values in found.items():
-            _check(group, name, chunk.first, values)
+        check_numbers(group, range(chunk.first, chunk.end), found)
         yield found
 
 
-def _check(group: str, name: str, first: int, values: NDArray[Any]) -> None:
-    right = np.isfinite(values) if name != "diameter" else np.isfinite(values) & (values > 0.0)
-    if not right.all():
-        row = int(np.argmin(right))
-        raise RunFileRefused(f"/{group} is damaged: row {first + row} has the {name} {values[row]:g}")
-
-
-def first_stationary_tick(model: Model) -> int:
-    """Return the first tick from which the contact is stationary: after a longest life if the start was empty."""
-    return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)
+def check_numbers(group: str, rows: Sequence[int] | NDArray[np.int64], columns: Mapping[str, NDArray[Any]]) -> None:
+    """Raise RunFileRefused, naming the first of some rows, if a number is not finite or a diameter not positive."""
+    for name, values in columns.items():
+        right = np.isfinite(values) if name != "diameter" else np.isfinite(values) & (values > 0.0)
+        if not right.all():
+            first = int(np.argmin(right))
+            raise RunFileRefused(f"/{group} is damaged: row {rows[first]} has the {name} {values[first]:g}")

@@ -83,17 +83,12 @@ def batch_length(values: Doubles, tick: float, what: str, estimate: object) -> i
     return min(ceil(length), values.size // FEWEST_BATCHES)
 
 
-def batches(values: Doubles, length: int) -> Doubles:
-    """Return consecutive stretches of a record as rows; the rest at its end is dropped."""
-    return values[: values.size // length * length].reshape(-1, length)
-
-
 def error_of_mean(values: Doubles, length: int, of: Callable[[Doubles], Doubles] | None = None) -> Doubles:
     """Return the standard error of the mean of values, or of ``of`` over batches, given as one row for each batch.
 
     The means m of B batches are nearly independent, so the error is sqrt(sum of (m - mean)^2 / (B (B - 1))).
     Source: Law and Kelton, Simulation Modeling and Analysis, section 9.5.3.
     """
-    parts = batches(values, length)
+    parts = values[: values.size // length * length].reshape(-1, length)  # what is left at the end is dropped
     means = parts.mean(axis=1) if of is None else of(parts)
     return np.asarray(means.std(axis=0, ddof=1) / sqrt(means.shape[0]), dtype=np.float64)

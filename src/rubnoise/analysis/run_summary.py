@@ -217,9 +217,10 @@ def curve_theory(model: Model) -> dict[str, CurveTheory]:
     empty.
     """
     layout = RunLayout.of(model)
+    wavenumbers = segment_wavenumbers(layout.step, layout.segment)
     return {
         "histogram": _made(layout.middles, BINS, model, lambda: (_shares(model, layout), np.empty(0))),
-        "spectrum": _made(_wavenumbers(layout), BANDS, model, lambda: _spectrum(model, layout)),
+        "spectrum": _made(layout.banded(wavenumbers), BANDS, model, lambda: _spectrum(model, layout)),
         "autocovariance": _made(layout.distances, LAGS, model, lambda: _covariance(model, layout)),
     }
 
@@ -248,10 +249,6 @@ def _has_errors(model: Model) -> bool:
 def _shares(model: Model, layout: RunLayout) -> Doubles:
     """Return the expected density of each bin, the exact probability over the width."""
     return np.diff(np.asarray(distribution(model).cdf(layout.edges))) / np.diff(layout.edges)
-
-
-def _wavenumbers(layout: RunLayout) -> Doubles:
-    return layout.banded(segment_wavenumbers(layout.step, layout.segment))
 
 
 def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:

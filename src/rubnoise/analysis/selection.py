@@ -3,7 +3,7 @@
 Rows are read in chunks, to limit memory.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final, Self
@@ -11,11 +11,11 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.reading import check_numbers
 from rubnoise.analysis.where import Condition
 from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
 from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.contact.pulses import Pulse
-from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.storage.life_curve import stored_pulse
@@ -193,21 +193,12 @@ def neighbours(file: Reader, number: int, start: float, stop: float, *, touches:
     return _neighbours_in(file, rows[rows != number])
 
 
-def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None:
-    """Raise RunFileRefused, naming the first row, if a number is not finite or a diameter not positive."""
-    for name, values in columns.items():
-        wrong = ~np.isfinite(values) | ((values <= 0.0) & (name == "diameter"))
-        if wrong.any():
-            first = int(np.argmax(wrong))
-            raise RunFileRefused(f"/junctions is damaged: row {rows[first]} has the {name} {values[first]:g}")
-
-
 def _neighbours_in(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
     names = ["birth_distance", "death_distance", "diameter"]
     names += [name for name in ("shear_strength", "lateral_offset") if name in file.columns["junctions"]]
     chunks = list(gather(file, rows, names))
     columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
-    check_lives(rows, columns)
+    check_numbers("junctions", rows, columns)
     return Neighbours(
         rows=rows,
         birth=columns["birth_distance"],

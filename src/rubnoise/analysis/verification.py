@@ -8,8 +8,17 @@ from typing import Any, Final, Protocol
 
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
-from rubnoise.analysis.verifying.columns import area_check, curve_check, hash_check, summary_check, unreadable
+from rubnoise.analysis.verifying.columns import (
+    area_check,
+    curve_check,
+    hash_check,
+    identity_check,
+    summary_check,
+    summit_check,
+    unreadable,
+)
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
+from rubnoise.analysis.verifying.replay import replay_checks
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import HashedReader, Reader, chunks
@@ -200,14 +209,10 @@ def _of_rows(
     scenario: Scenario, run: HashedReader, streams: str, left_out: list[LeftOut]
 ) -> tuple[list[Check], Check, list[Check]]:
     """Return the checks of rows, of areas by another formula, and of the summary if rows are right."""
-    # Opening a result needs nothing of the simulation.
-    from rubnoise.analysis.verifying.columns import identity_check, touch_check
-    from rubnoise.analysis.verifying.replay import replay_checks
-
     model = scenario.model()
     tally = Tally.of(model)
     if streams:
-        rows = [identity_check(model, run) if model.free is None else touch_check(model, run)]
+        rows = [identity_check(model, run)]
         left_out.append(LeftOut(name="replay", reason=streams))
         for group in run.columns.keys() & TALLIED.keys():
             for chunk in chunks(run, group):
@@ -223,8 +228,6 @@ def _of_rows(
 
 def _areas(scenario: Scenario, run: HashedReader, streams: str) -> Check:
     """Return the check of areas; in free motion it needs the summits, which another stream version does not give."""
-    from rubnoise.analysis.verifying.columns import summit_check
-
     model = scenario.model()
     if model.free is None:
         return area_check(model, run)

@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.selection import check_lives, gather
+from rubnoise.analysis.reading import check_numbers
+from rubnoise.analysis.selection import gather
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
 from rubnoise.pages.page import packed
@@ -63,7 +64,7 @@ def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, An
     names = ["birth_distance", "death_distance", "state", *own, *times]
     chunks = list(gather(file, rows, names))
     columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
-    check_lives(rows, {name: columns[name] for name in ("birth_distance", "death_distance", *own)})
+    check_numbers("junctions", rows, {name: columns[name] for name in ("birth_distance", "death_distance", *own)})
     birth, death = columns["birth_distance"], columns["death_distance"]
     length = 2.0 * half_life(columns["diameter"], columns.get("lateral_offset"))
     marked = np.flatnonzero((columns["state"] != 0) | (np.abs(death - birth - length) > SAME * length))

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.comparing.motion import FORGOTTEN
-from rubnoise.analysis.moments import needed_for_mean, over_ticks
-from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
+from rubnoise.analysis.moments import first_stationary_tick, needed_for_mean, over_ticks
+from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance, FrictionIntegral
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
-from rubnoise.analysis.moments import needed_for_mean
-from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
+from rubnoise.analysis.moments import first_stationary_tick, needed_for_mean
+from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
 from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
+from rubnoise.analysis.moments import first_stationary_tick
+from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed

@@ -160,11 +160,11 @@ class Subject:
         return given.get("rubnoise") if isinstance(given, dict) else None
 
 
-Asked = Callable[[str, Subject], str | None]
+Asked = Callable[[Subject, str], str | None]
 """A rule of a file of which more has to be known than the text itself."""
 
 
-def _title(text: str, subject: Subject) -> str | None:
+def _title(subject: Subject, text: str) -> str | None:
     """Rule for the title of the scenario; without one it was the name of the file, which may have changed since."""
     title = subject.scenario.title
     if title:
@@ -172,12 +172,12 @@ def _title(text: str, subject: Subject) -> str | None:
     return None if text.strip() else "the name that the file was given"
 
 
-def _source(text: str, subject: Subject) -> str | None:
+def _source(subject: Subject, text: str) -> str | None:
     expected = f"rubnoise {subject.version}"
     return None if text == expected else f"{expected}, as in software"
 
 
-def _software(text: str, _subject: Subject) -> str | None:
+def _software(_subject: Subject, text: str) -> str | None:
     names = list(software())
     given = parsed(text)
     if not isinstance(given, dict) or json.dumps(given) != text or list(given) != names:
@@ -186,7 +186,7 @@ def _software(text: str, _subject: Subject) -> str | None:
     return f"a version of {wrong[0]} such as 1.2.3" if wrong else None
 
 
-def _environment(text: str, _subject: Subject) -> str | None:
+def _environment(_subject: Subject, text: str) -> str | None:
     like = environment()
     given = parsed(text)
     right = (
@@ -206,7 +206,7 @@ def clock_notes(provenance: Mapping[str, Scalar]) -> list[LeftOut]:
     return [LeftOut(name="finished", reason="it lies before started: the clock was set back during the run")]
 
 
-def _resolved(text: str, subject: Subject) -> str | None:
+def _resolved(subject: Subject, text: str) -> str | None:
     """Rule for the resolved scenario: every key as written today; newer keys at their defaults may be missing."""
     given = parsed(text)
     if not isinstance(given, dict) or json.dumps(given, ensure_ascii=False) != text:
@@ -218,7 +218,7 @@ def _resolved(text: str, subject: Subject) -> str | None:
     return None
 
 
-def _constants(text: str, subject: Subject) -> str | None:
+def _constants(subject: Subject, text: str) -> str | None:
     """Rule for the constants of the slider's step, to the last bit; another check derives them in another way."""
     constants = slider_constants(subject.scenario.model())
     named = {} if constants is None else constants.named()
@@ -231,23 +231,18 @@ def _constants(text: str, subject: Subject) -> str | None:
     return f"{key} = {named[key]!r}" if key else "nothing but the constants of the slider's step"
 
 
-def _any_text(_text: str, _subject: Subject) -> str | None:
-    """Rule that accepts any text, since another check compares it with the scenario."""
-    return None
-
-
 RULES: Final[Mapping[tuple[str, str], Asked]] = {
     ("/", "title"): _title,
     ("/", "source"): _source,
-    ("/provenance", "scenario_toml"): _any_text,
+    ("/provenance", "scenario_toml"): lambda _subject, _text: None,  # a check of its own compares it
     ("/provenance", "scenario_resolved"): _resolved,
     ("/provenance", "software"): _software,
     ("/provenance", "environment"): _environment,
     ("/provenance", "propagator_constants"): _constants,
-    ("/provenance", "command"): lambda text, _subject: command_form(text),
-    ("/provenance", "started"): lambda text, _subject: moment_form(text),
-    ("/provenance", "finished"): lambda text, _subject: moment_form(text),
-    ("/provenance", HASH): lambda text, _subject: digits_form(text),
+    ("/provenance", "command"): lambda _subject, text: command_form(text),
+    ("/provenance", "started"): lambda _subject, text: moment_form(text),
+    ("/provenance", "finished"): lambda _subject, text: moment_form(text),
+    ("/provenance", HASH): lambda _subject, text: digits_form(text),
 }
 """What the scenario alone does not fix to the last character; hashes of columns are compared with their columns."""
 
@@ -259,13 +254,9 @@ def attribute_checks(scenario: Scenario, run: HashedReader, found: Inventory) ->
     structure, attributes = Notes("structure"), Notes("attributes")
     compare_structure(structure, found, expected)
     subject = Subject(scenario=scenario, provenance=run.provenance)
-    rules = {place: partial(_asked, asked, subject) for place, asked in RULES.items()}
+    rules = {place: partial(asked, subject) for place, asked in RULES.items()}
     compare_attributes(attributes, rules, found, expected, free=("/summary",))
     return [structure.check(), attributes.check()]
-
-
-def _asked(asked: Asked, subject: Subject, text: str) -> str | None:
-    return asked(text, subject)
 
 
 def _description(scenario: Scenario, run: HashedReader) -> RunDescription:

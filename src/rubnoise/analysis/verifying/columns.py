@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 from math import ceil, isnan
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import ERROR, EXACT, Agreement
 from rubnoise.analysis.reading import Ahead
@@ -14,7 +15,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import FreeSeparation, Model
-from rubnoise.record.reader import HashedReader, Reader, Rows, chunks, column_chunks
+from rubnoise.record.reader import Chunk, HashedReader, Reader, Rows, chunks, column_chunks
 from rubnoise.record.rows import JunctionState, junction_columns, junction_states, natural_death
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.simulation.free.scales import Scales
@@ -65,32 +66,16 @@ OF_MOTION = ("birth_time", "death_time")
 
 
 def identity_check(model: Model, rows: Rows) -> Check:
-    """Check that deaths, areas, times and states follow from birth, diameter and offset, and that ticks are even.
-
-    The death of a life that was ended early is taken from the file.
-    """
-    notes, before = Notes("identities"), -np.inf
+    """Check that rows are in order of birth, that columns follow from one another, and that ticks are even."""
+    notes, before = Notes("identities"), -np.inf if model.free is None else 0.0
+    follows = _of_life if model.free is None else _of_touch
     for chunk in chunks(rows, "junctions"):
-        birth, diameter, offset = chunk["birth_distance"], chunk["diameter"], chunk.get("lateral_offset")
+        birth = chunk["birth_distance"]
         in_order = birth >= np.concatenate([[before], birth[:-1]])
         notes.holds("/junctions/birth_distance", chunk.first, birth, in_order, "at or after the birth before it")
         before = birth[-1] if birth.size else before
         with np.errstate(invalid="ignore", over="ignore"):
-            natural = natural_death(birth, diameter, offset)
-            early = (chunk["state"] & JunctionState.ENDED_EARLY) != 0
-            departure = np.where(early, chunk["death_distance"], np.inf)
-            expected = junction_columns(
-                first_row=chunk.first,
-                birth=birth,
-                diameter=diameter,
-                strength=chunk.get("shear_strength"),
-                natural=natural,
-                departure=departure,
-                state=junction_states(natural, departure, np.signbit(birth), model.distance),
-                speed=model.sliding_speed,
-                offset=offset,
-                peak=None if offset is None else peak_areas(model.pulse.shape, diameter, offset),
-            )
+            expected = follows(model, chunk)
         for name, values in expected.items():
             if not (model.is_two_way and name in OF_MOTION):
                 notes.equal(f"/junctions/{name}", chunk.first, chunk[name], values)
@@ -98,6 +83,33 @@ def identity_check(model: Model, rows: Rows) -> Check:
         distance = np.arange(chunk.first, chunk.end, dtype=np.float64) * model.tick
         notes.equal("/trace/distance", chunk.first, chunk["distance"], distance)
     return notes.check()
+
+
+def _of_life(model: Model, chunk: Chunk) -> dict[str, NDArray[Any]]:
+    """Return the columns that follow from birth, diameter and offset; a life ended early has the death that it had."""
+    birth, diameter, offset = chunk["birth_distance"], chunk["diameter"], chunk.get("lateral_offset")
+    natural = natural_death(birth, diameter, offset)
+    early = (chunk["state"] & JunctionState.ENDED_EARLY) != 0
+    departure = np.where(early, chunk["death_distance"], np.inf)
+    return junction_columns(
+        first_row=chunk.first,
+        birth=birth,
+        diameter=diameter,
+        strength=chunk.get("shear_strength"),
+        natural=natural,
+        departure=departure,
+        state=junction_states(natural, departure, np.signbit(birth), model.distance),
+        speed=model.sliding_speed,
+        offset=offset,
+        peak=None if offset is None else peak_areas(model.pulse.shape, diameter, offset),
+    )
+
+
+def _of_touch(model: Model, chunk: Chunk) -> dict[str, NDArray[Any]]:
+    """Return the columns of free motion that follow from where a touch begins and ends."""
+    birth, death, speed = chunk["birth_distance"], chunk["death_distance"], model.sliding_speed or 1.0
+    follows = {"junction": np.arange(chunk.first, chunk.end), "life_distance": death - birth}
+    return follows | {"birth_time": birth / speed, "death_time": death / speed}
 
 
 MEASURED: Final = 1e-9
@@ -219,25 +231,6 @@ def _summed(model: Model, rows: Rows, distance: Doubles) -> tuple[Doubles, Doubl
 
 
 _ROUNDING: Final = 2.0**-42
-
-
-def touch_check(model: Model, rows: Rows) -> Check:
-    """Check that touches are in order of birth, with their lives and times, and that ticks are even."""
-    notes, before, speed = Notes("identities"), 0.0, model.sliding_speed or 1.0
-    for chunk in chunks(rows, "junctions"):
-        birth, death = chunk["birth_distance"], chunk["death_distance"]
-        in_order = birth >= np.concatenate([[before], birth[:-1]])
-        notes.holds("/junctions/birth_distance", chunk.first, birth, in_order, "at or after the birth before it")
-        before = birth[-1] if birth.size else before
-        number = np.arange(chunk.first, chunk.first + birth.size)
-        follows = {"junction": number, "life_distance": death - birth}
-        follows |= {"birth_time": birth / speed, "death_time": death / speed}
-        for name, values in follows.items():
-            notes.equal(f"/junctions/{name}", chunk.first, chunk[name], values)
-    for chunk in chunks(rows, "trace"):
-        distance = np.arange(chunk.first, chunk.end, dtype=np.float64) * model.tick
-        notes.equal("/trace/distance", chunk.first, chunk["distance"], distance)
-    return notes.check()
 
 
 def summit_check(model: Model, free: FreeSeparation, seed: int, rows: Rows) -> Check:
