@@ -31,7 +31,13 @@ LARGEST: Final = 2 * 1024**3
 MOST_VALUES: Final = 100_000_000
 """Of a dataset of another program's HDF5 file."""
 
-_PIECE_VALUES: Final = 1 << 21  # of a dataset: it and its scale go down the pipe of the sandbox
+MOST_UNPACKED: Final = 10_000_000
+"""Values of a vector of MATLAB: a file says how many it has before they are unpacked."""
+
+_PIECE_VALUES: Final = 1 << 21  # that go down the pipe of the sandbox, with those of their scale
+_NUMBERS: Final = frozenset(
+    ["double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))]
+)
 _PATIENCE: Final = 8.0  # seconds for a look at a file
 
 _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_dataset()"
@@ -186,8 +192,6 @@ def _load_matlab() -> None:
 def _look(kind: str) -> Callable[[int, str, int], bytes]:
     """Return the sandbox's function for a file of this kind, with all of its modules loaded."""
     if kind == "matlab":
-        from rubnoise.storage.matlab_reader import read_matlab
-
         _load_matlab()
         return read_matlab
     # In the sandbox nothing can be opened, no module either.
@@ -214,6 +218,37 @@ def serve_dataset() -> None:
     kind, name, first = sys.argv[1:]
     look = _look(kind)
     sys.stdout.buffer.write(sandboxed(0, lambda file: look(file, name, int(first)), patience=_PATIENCE))
+
+
+def read_matlab(descriptor: int, name: str, first: int = 0) -> bytes:
+    """Return a line of JSON and a piece of a vector as doubles, or the names of all vectors, or a refusal."""
+    from scipy.io import loadmat, whosmat
+
+    os.lseek(descriptor, 0, os.SEEK_SET)
+    try:
+        with os.fdopen(descriptor, "rb", closefd=False) as stream:
+            shapes = {each: shape for each, shape, kind in whosmat(stream) if kind in _NUMBERS}
+            vectors = [
+                each for each, shape in shapes.items() if sum(side != 1 for side in shape) == 1 and 0 not in shape
+            ]
+            if not name:
+                sizes = ", ".join(f"{each} {'x'.join(map(str, shape))}" for each, shape in list(shapes.items())[:12])
+                none = f"has no vector of real numbers; it has {sizes or 'no numbers'}"
+                return json.dumps({"names": vectors} if vectors else {"refused": none}).encode()
+            count = int(np.prod([float(side) for side in shapes[name]]))
+            if count > MOST_UNPACKED:
+                return _no(f"{name} has {count:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
+            os.lseek(descriptor, 0, os.SEEK_SET)
+            stream.seek(0)
+            found: Any = loadmat(stream, squeeze_me=True, variable_names=[name])[name]
+            if not isinstance(found, np.ndarray) or found.dtype.kind not in "fiu" or found.shape != (count,):
+                return _no(f"{name} is no vector of real numbers")
+            piece = found[first : first + _PIECE_VALUES]
+            return json.dumps({"count": count}).encode() + b"\n" + piece.astype("<f8").tobytes()
+    except MemoryError:
+        return json.dumps({"refused": "", "unseen": True}).encode()
+    except Exception as problem:  # noqa: BLE001  (what a damaged file raises is whatever it raises)
+        return _no(f"is no MATLAB 5 file that can be read: {str(problem)[:200]}; save it with -v6 or -v7")
 
 
 def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
