@@ -113,6 +113,15 @@ def sync(descriptor: int) -> None:
     os.fsync(descriptor)
 
 
+def sync_file(path: Path) -> None:
+    """Flush a file that is not open to disk (fsync)."""
+    descriptor = reopen(path)
+    try:
+        sync(descriptor)
+    finally:
+        close(descriptor)
+
+
 def sync_rows(descriptor: int) -> None:
     """Flush the bytes of a file to disk, and only the metadata that reading them needs (fdatasync)."""
     getattr(os, "fdatasync", os.fsync)(descriptor)

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xxhash
@@ -16,9 +16,6 @@ from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
 from rubnoise.storage.reader import OpenFile, RunFile, open_run, opened
 from rubnoise.storage.rows import StoredColumn
 from rubnoise.storage.schema import HASH, Dataset
-
-if TYPE_CHECKING:
-    pass
 
 
 class IndexFile(OpenFile):

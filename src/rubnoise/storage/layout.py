@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 import xxhash
@@ -129,15 +129,6 @@ class ByteRange:
     def pieces(self, first: int, size: int) -> Iterator[tuple[int, int]]:
         """Yield offset and size of the one piece of the file that holds some bytes of the column."""
         yield self.offset + first, size
-
-
-def places_of(found: Mapping[str, Any]) -> dict[Name, ByteRange]:
-    """Return where the columns lie that read_structure has found; those in chunks have no place of their own."""
-    return {
-        (group, name): ByteRange(offset=place.get("offset", 0), rows=place["rows"], dtype=DTYPES[group, name])
-        for group, columns in found["columns"].items()
-        for name, place in columns.items()
-    }
 
 
 def between(columns: Iterable[ByteRange], size: int) -> tuple[range, ...]:

@@ -25,7 +25,6 @@ from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset, motion_of
 from rubnoise.storage.structure import LIBRARY_VERSIONS
 
 COPIED: Final = ("points", RUNS, SUMMARIES)
-_UNNUMBERED: Final = tuple(column for column in JUNCTIONS.columns if column.name != "junction")
 
 
 class _Filling:
@@ -157,14 +156,13 @@ def _write_junctions(file: h5py.File, results: dict[int, _Result], filling: _Fil
     """Write the junctions of all runs, one run after another, with the row of the run and their number in it."""
     total = sum(result.junctions for result in results.values())
     owner = file.create_group(JUNCTIONS.name, track_order=True)
-    names = frozenset[str]().union(*(result.columns for result in results.values()))
-    number = next(column for column in JUNCTIONS.columns if column.name == "junction")
-    columns = (number, *(column for column in _UNNUMBERED if column.name in names))
-    datasets = {column.name: _empty(owner, column, (total,)) for column in (RUN, *columns)}
+    names = {"junction"}.union(*(result.columns for result in results.values()))
+    columns = (RUN, *(column for column in JUNCTIONS.columns if column.name in names))
+    datasets = {column.name: _empty(owner, column, (total,)) for column in columns}
     start = 0
     for row, result in results.items():
         with open_run(result.path) as run:
-            for column in (RUN, *columns):
+            for column in columns:
                 for place, values in _junctions(run, row, column):
                     filling.write(datasets[column.name], values, start + place)
         start += result.junctions

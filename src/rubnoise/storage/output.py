@@ -112,11 +112,6 @@ def check_locks(path: str | os.PathLike[str]) -> None:
         raise OutputRefused(f"{path}: {NO_LOCKS}")
 
 
-def is_being_written(paths: OutputPaths) -> bool:
-    """Whether a process holds the lock of a result; asking makes no file and blocks no other process."""
-    return lock.is_held(paths.lock)
-
-
 _SMALLER = "a shorter sliding.distance or a longer output.tick makes it smaller"
 
 
@@ -149,15 +144,14 @@ def give_final_name(paths: OutputPaths, checked: int, *, force: bool, durable: b
             f"{paths.part}: another file has taken its place during the run; it is left as it is, and {paths.final} is"
             " not written"
         )
-    if force:
-        disk.rename(paths.part, paths.final)
-    else:
-        _rename_to_absent(paths)
+    _rename(paths, force=force)
     if durable:
         disk.sync_folder(paths.final.parent)
 
 
-def _rename_to_absent(paths: OutputPaths) -> None:
+def _rename(paths: OutputPaths, *, force: bool) -> None:
+    if force:
+        return disk.rename(paths.part, paths.final)
     try:
         disk.link(paths.part, paths.final)
     except OSError as problem:
@@ -245,7 +239,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iter
             held.enter_context(sole_writer(each))
             check_output(path, force=force)
             with naming_file(each.final):
-                made.append(held.enter_context(_new(each.part)))
+                made.append(held.enter_context(new_file(each.part)))
         yield [each.part for each in outputs]
         for each, descriptor in zip(outputs, made, strict=True):
             with naming_file(each.final):
@@ -260,18 +254,11 @@ def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
     """Do as `whole_file` on a system without locks; the file is closed before it is renamed, as Windows needs."""
     with naming_file(paths.final):
         try:
-            with _new(paths.part):
+            with new_file(paths.part):
                 pass
             yield paths.part
-            descriptor = disk.reopen(paths.part)
-            try:
-                disk.sync(descriptor)
-            finally:
-                disk.close(descriptor)
-            if force:
-                disk.rename(paths.part, paths.final)
-            else:
-                _rename_to_absent(paths)
+            disk.sync_file(paths.part)
+            _rename(paths, force=force)
         except OutputAppearedError:
             raise
         except BaseException:
@@ -280,16 +267,16 @@ def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
 
 
 @contextmanager
-def _new(part: Path) -> Iterator[int]:
-    """Make a new file that other code may write by its path; it is removed unless it is renamed."""
-    disk.remove(part)
-    descriptor = disk.create(part)
+def new_file(path: Path) -> Iterator[int]:
+    """Open a new file for reading and writing; it is removed if the block raises before the file is renamed."""
+    disk.remove(path)
+    descriptor = disk.create(path)
     try:
         yield descriptor
     except (OutputAppearedError, OutputSwappedError):
         raise
     except BaseException:
-        disk.remove(part)
+        disk.remove(path)
         raise
     finally:
         disk.close(descriptor)

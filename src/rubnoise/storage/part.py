@@ -23,7 +23,7 @@ from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.journal import Commit, Ending
 from rubnoise.storage.layout import ByteRange, Name, RunDescription, between, digest_of, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
-from rubnoise.storage.output import OutputPaths, is_file, reserve
+from rubnoise.storage.output import OutputPaths, is_file, new_file, reserve
 from rubnoise.storage.pages import PagedFile, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
 from rubnoise.storage.run_description import check_structure
@@ -50,15 +50,18 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
         if growing is not None:
             opening.callback(disk.remove, paths.growing)
             opening.callback(growing.close)
-        with new_file(paths.making, stays_open=True) as descriptor:
-            structure.commit(descriptor)
-            copy = 0 if description.compression == "none" else structure.size
-            reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
-            if durable:
-                disk.sync(descriptor)  # a power cut could leave the name of a file that cannot be read
-            pulse = pulse_of(description.scenario_resolved)
-            part = Part(descriptor, columns, structure, Words.of(description), pulse, growing, hashed=hashed)
-            disk.rename(paths.making, paths.part)
+        disk.remove(paths.making)
+        descriptor = disk.create(paths.making)
+        opening.callback(disk.remove, paths.making)
+        opening.callback(disk.close, descriptor)
+        structure.commit(descriptor)
+        copy = 0 if description.compression == "none" else structure.size
+        reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
+        if durable:
+            disk.sync(descriptor)  # a power cut could leave the name of a file that cannot be read
+        pulse = pulse_of(description.scenario_resolved)
+        part = Part(descriptor, columns, structure, Words.of(description), pulse, growing, hashed=hashed)
+        disk.rename(paths.making, paths.part)
         opening.pop_all()
     return part
 
@@ -101,21 +104,6 @@ def _structure(path: Path, descriptor: int, run: RunFile) -> PagedFile:
     if digest_of(pieces) != run.structure:
         raise RunFileRefused("was changed just now")
     return PagedFile.of(pieces, size)
-
-
-@contextmanager
-def new_file(path: Path, *, stays_open: bool = False) -> Iterator[int]:
-    """Open a new file for reading and writing; it is removed if the block raises before the file is renamed."""
-    disk.remove(path)
-    descriptor = disk.create(path)
-    try:
-        yield descriptor
-    except BaseException:
-        disk.close(descriptor)
-        disk.remove(path)
-        raise
-    if not stays_open:
-        disk.close(descriptor)
 
 
 class Part:

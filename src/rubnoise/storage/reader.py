@@ -26,7 +26,7 @@ from rubnoise.record.reader import column_chunks
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk, lock
-from rubnoise.storage.layout import DTYPES, ByteRange, Name, between, digest_of, places_of, row_count, stored_extent
+from rubnoise.storage.layout import DTYPES, ByteRange, Name, between, digest_of, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import FORMAT_VERSION, GROUPS, Feature, Scalar
 
@@ -142,7 +142,11 @@ class RunFile(OpenFile):
     @property
     def places(self) -> dict[Name, ByteRange]:
         """The places of the columns; compressed columns have no place of their own."""
-        return places_of(self._found)
+        return {
+            (group, name): ByteRange(offset=column.offset, rows=column.rows, dtype=column.dtype.str)
+            for group, columns in self._columns.items()
+            for name, column in columns.items()
+        }
 
     @property
     def is_compressed(self) -> bool:

@@ -9,19 +9,18 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, resume_hint
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused, resume_hint
 from rubnoise.record.reader import Attributes
-from rubnoise.simulation.state import State
-from rubnoise.storage import disk
+from rubnoise.storage import disk, lock
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.journal import Ending, History, identity, state_at
+from rubnoise.storage.journal import Commit, Ending, History, identity
 from rubnoise.storage.layout import RunDescription, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES
-from rubnoise.storage.output import OutputPaths, give_final_name, is_being_written, reserve, sole_writer
+from rubnoise.storage.output import OutputPaths, give_final_name, naming_file, reserve, sole_writer
 from rubnoise.storage.part import Part, open_part
 from rubnoise.storage.provenance import TIME
 from rubnoise.storage.reader import RunFile, open_run, refusing
@@ -86,7 +85,7 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
         ticks=rows.get("trace", 0),
         grown={group: rows.get(group, 0) for group in growing},
         committed=datetime.fromtimestamp(commits[-1].moment, UTC).strftime(TIME) if commits else "",
-        being_written=is_being_written(paths),
+        being_written=lock.is_held(paths.lock),
     )
 
 
@@ -159,38 +158,20 @@ def refusal(path: str | os.PathLike[str]) -> Refused:
     return RunFileRefused(f"{path}: unfinished{hint}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TakenUp:
-    """A part file opened behind its last good commit.
+def taken_up(paths: OutputPaths, opening: ExitStack) -> tuple[Part, RunDescription, Commit | None]:
+    """Open a part, which ``opening`` closes, after its last good commit; without one the run begins at its start.
 
-    ``state`` is None if the run begins at its start; ``journal_bytes`` is the size of the journal's valid part.
+    Rows after that commit count as not written. Raises RunFileRefused if the part cannot be read, OutputRefused if the
+    disk has not the space for the whole file.
     """
-
-    part: Part
-    description: RunDescription
-    state: State | None
-    journal_bytes: int
-
-    @classmethod
-    def of(cls, paths: OutputPaths, opening: ExitStack) -> Self:
-        """Open a part, which ``opening`` closes; rows after the last good commit count as not written.
-
-        Raises RunFileRefused if it cannot be read, OutputRefused if the disk has not the space for the whole file.
-        """
-        with mended(paths) as run:
-            description = description_of(run)
-            part = opening.enter_context(open_part(paths, run))
-        history = History.read(paths.journal)
-        if history.run != identity(description) or list(history.columns) != part.names:
-            history = History()  # that one is of another run, or of other columns
-        reserve(part.descriptor, os.fstat(part.descriptor).st_size)
-        commit = part.go_on_from(history.commits)
-        return cls(
-            part=part,
-            description=description,
-            state=state_at(paths.journal, commit) if commit else None,
-            journal_bytes=commit.end if commit else 0,
-        )
+    with mended(paths) as run:
+        description = description_of(run)
+        part = opening.enter_context(open_part(paths, run))
+    history = History.read(paths.journal)
+    if history.run != identity(description) or list(history.columns) != part.names:
+        history = History()  # that one is of another run, or of other columns
+    reserve(part.descriptor, os.fstat(part.descriptor).st_size)
+    return part, description, part.go_on_from(history.commits)
 
 
 def publish_complete(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool) -> bool:
@@ -209,19 +190,13 @@ def publish_complete(paths: OutputPaths, check: Callable[[RunFile], None], *, fo
             raise OutputRefused(f"{paths.final}: exists already (force=True replaces it)")
         elif run.provenance["finished"] and not run.damaged():
             check(run)
-            _publish(paths, run, force=force)
+            with naming_file(paths.final):
+                disk.sync_file(paths.part)
+                paths.remove_beside()
+                give_final_name(paths, run.descriptor, force=force)
         else:
             return False
     return True
-
-
-def _publish(paths: OutputPaths, run: RunFile, *, force: bool) -> None:
-    try:
-        _sync(paths)
-        paths.remove_beside()
-        give_final_name(paths, run.descriptor, force=force)
-    except OSError as problem:
-        raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
 
 
 def examined(paths: OutputPaths) -> RunDescription:
@@ -277,11 +252,3 @@ def _is_result_of(paths: OutputPaths, description: RunDescription) -> bool:
             return is_of_it and not run.damaged()
     except RunFileRefused:
         return False
-
-
-def _sync(paths: OutputPaths) -> None:
-    part = disk.reopen(paths.part)
-    try:
-        disk.sync(part)
-    finally:
-        disk.close(part)

@@ -309,10 +309,6 @@ def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = W
 
 def look_alone(name: LookName) -> None:
     """Run as that process: read standard input, and write the answer to standard output, which HDF5 cannot use."""
-    faulthandler.disable()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     answer = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.dup2(nowhere, 2)
+    _be_quiet()
     disk.append_all(answer, memoryview(look_of(name)(0)))

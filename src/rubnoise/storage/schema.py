@@ -138,6 +138,16 @@ TRACE: Final = Group(
     ),
 )
 
+_PHASE: Final = Dataset(
+    "phase",
+    "1",
+    "phase",
+    "how the slider moves over the surface",
+    dtype="|u1",
+    needs="two-way",
+    values=_values(Phase),
+)
+
 SLIDER: Final = Group(
     name="slider",
     long_name="motion of the slider, uniform in time",
@@ -152,15 +162,7 @@ SLIDER: Final = Group(
         Dataset("base_displacement", "um", "y", "height of the base", needs="base"),
         Dataset("displacement", "um", "x", "displacement of the slider"),
         Dataset("velocity", "um/s", "x'", "velocity of the slider"),
-        Dataset(
-            "phase",
-            "1",
-            "phase",
-            "how the slider moves over the surface",
-            dtype="|u1",
-            needs="two-way",
-            values=_values(Phase),
-        ),
+        _PHASE,
     ),
 )
 
@@ -263,15 +265,7 @@ BLOCKS: Final = Group(
         Dataset("first_tick", "1", "i_0", "ticks finished before it", dtype="<i8"),
         Dataset("time", "s", "t", "time of the last row of /slider before the slider reaches it", needs="two-way"),
         Dataset("distance", "um", "s", "sliding distance in that row", needs="two-way"),
-        Dataset(
-            "phase",
-            "1",
-            "phase",
-            "how the slider moves over the surface in that row",
-            dtype="|u1",
-            needs="two-way",
-            values=_values(Phase),
-        ),
+        replace(_PHASE, long_name=f"{_PHASE.long_name} in that row"),
         Dataset("displacement", "um", "x", "displacement of the slider at the last tick before it", needs="slider"),
         Dataset(
             "velocity",

@@ -20,10 +20,13 @@ def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
     Raises OSError if a folder fails, since then no single file is to blame.
     """
     wrong: dict[Path, OSError] = {}
-    for folder, of_folder in _by_folder(paths).items():
+    folders: dict[Path, list[Path]] = {}
+    for path in paths:
+        folders.setdefault(path.parent, []).append(path)
+    for folder, of_folder in folders.items():
         for path in of_folder:
             try:
-                _sync(path)
+                disk.sync_file(path)
             except OSError as problem:
                 wrong[path] = problem
         disk.sync_folder(folder)
@@ -53,21 +56,6 @@ def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -
 def is_of_truncated(refusal: RunFileRefused) -> bool:
     """Whether a file was refused for its content, as one truncated by a power cut, and not because reading failed."""
     return not isinstance(refusal, InUse | TooNew | Unseen) and not isinstance(refusal.__cause__, OSError)
-
-
-def _by_folder(paths: Iterable[Path]) -> dict[Path, list[Path]]:
-    folders: dict[Path, list[Path]] = {}
-    for path in paths:
-        folders.setdefault(path.parent, []).append(path)
-    return folders
-
-
-def _sync(path: Path) -> None:
-    descriptor = disk.reopen(path)
-    try:
-        disk.sync(descriptor)
-    finally:
-        disk.close(descriptor)
 
 
 def _is_lost(paths: OutputPaths) -> bool:

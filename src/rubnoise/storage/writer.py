@@ -12,19 +12,18 @@ from rubnoise.record.sink import Columns, Sink
 from rubnoise.record.tally import TALLIED
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
-from rubnoise.storage.journal import Journal, packed_commit, packed_run
+from rubnoise.storage.journal import Journal, packed_commit, packed_run, state_at
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import (
     OutputAppearedError,
-    OutputPaths,
     check_output,
     give_final_name,
     is_file,
     sole_writer,
 )
-from rubnoise.storage.part import Part, compressed, make_part
+from rubnoise.storage.part import compressed, make_part
 from rubnoise.storage.provenance import now
-from rubnoise.storage.resume import SUFFIX, TakenUp
+from rubnoise.storage.resume import SUFFIX, taken_up
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.structure import Written
 
@@ -128,17 +127,20 @@ class RunWriter:
         if self._paths.journal.exists():
             disk.remove(self._paths.journal)
             disk.sync_folder(self._paths.journal.parent)
-        part = _make_part(self._paths, description, hashed=self._safe, durable=self._durable)
+        try:
+            part = make_part(self._paths, description, hashed=self._safe, durable=self._durable)
+        except OSError as problem:
+            raise OutputRefused(f"{self._paths.final}: cannot be written: {problem.strerror or problem}") from problem
         self._own = os.fstat(part.descriptor)
         opening.callback(self._discard)
         self._part = opening.enter_context(part)
         self._keep_journal(description, opening)
 
     def _take_up(self, opening: ExitStack) -> None:
-        taken = TakenUp.of(self._paths, opening)
-        self._part, self.state = taken.part, taken.state
-        self._own = os.fstat(taken.part.descriptor)
-        self._keep_journal(taken.description, opening, taken.journal_bytes)
+        self._part, description, commit = taken_up(self._paths, opening)
+        self.state = state_at(self._paths.journal, commit) if commit else None
+        self._own = os.fstat(self._part.descriptor)
+        self._keep_journal(description, opening, commit.end if commit else 0)
 
     def _keep_journal(self, description: RunDescription, opening: ExitStack, size: int = 0) -> None:
         self.description = description
@@ -227,10 +229,3 @@ class RunWriter:
         if self._keep_part:
             text += f"; after you fix this, {resume_hint(f'{self._path}{SUFFIX}')}"
         return text
-
-
-def _make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool, durable: bool) -> Part:
-    try:
-        return make_part(paths, description, hashed=hashed, durable=durable)
-    except OSError as problem:
-        raise OutputRefused(f"{paths.final}: cannot be written: {problem.strerror or problem}") from problem
