@@ -223,14 +223,12 @@ class History:
     columns: tuple[Name, ...] = ()
     commits: list[Commit] = field(default_factory=list)
     ending: Ending | None = None
-    begun: int = 0
 
     @classmethod
     def read(cls, path: Path) -> Self:
         """Return the content of a journal, up to the first damaged record.
 
-        ``begun`` is where its first record ends. Raises RunFileRefused for another version, OSError if the disk
-        fails.
+        Raises RunFileRefused for another version, OSError if the disk fails.
         """
         history = cls()
         for frame in frames(path):
@@ -245,7 +243,7 @@ class History:
             head = json.loads(frame.content)
             if head["version"] != VERSION:
                 raise RunFileRefused(f"{path}: has version {head['version']}; this rubnoise resumes version {VERSION}")
-            self.run, self.columns, self.begun = head["run"], tuple(map(tuple, head["columns"])), frame.end
+            self.run, self.columns = head["run"], tuple(map(tuple, head["columns"]))
         elif frame.kind == "rows":
             self.commits.append(_unpacked(frame, self.columns))
             if len(self.commits) > MOST_COMMITS:

@@ -72,7 +72,6 @@ class RunStatus:
 
 PLANNED: Final = "planned"
 DONE: Final = "done"
-FAILED: Final = "failed"
 
 
 @dataclass(slots=True)
