@@ -8,6 +8,7 @@ less than it was asked for (POSIX allows it, and network disks do it).
 import errno
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from threading import Lock
 from typing import Final
@@ -155,6 +156,13 @@ def rename(source: Path, target: Path) -> None:
 def link(source: Path, target: Path) -> None:
     """Give a file a second name; raises OSError if the name exists."""
     os.link(source, target)
+
+
+def is_file(path: Path, file: os.stat_result) -> bool:
+    """Whether a path leads to a certain file."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(path.lstat(), file)
+    return False
 
 
 def remove(path: Path) -> None:

@@ -61,15 +61,7 @@ def is_held(path: Path) -> bool:
 
 def share(descriptor: int) -> bool:
     """Take a lock that readers share, for as long as a file is open; False if another process holds it alone."""
-    if not AVAILABLE:
-        return True
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        return True  # if a file system has no locks, no other process has one either
-    return True
+    return not AVAILABLE or _got(descriptor, fcntl.LOCK_SH)
 
 
 def remove_stale(path: Path) -> None:
@@ -85,7 +77,7 @@ def _locked(path: Path, how: int, patience: float | None) -> int:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
         try:
             _lock(descriptor, how, patience)
-            if _is_still(descriptor, path):
+            if disk.is_file(path, os.fstat(descriptor)):
                 return descriptor
         except BlockingIOError as problem:
             _let_go(descriptor, path)
@@ -116,15 +108,15 @@ def _let_go(descriptor: int, path: Path) -> None:
     """
     try:
         with suppress(OSError):
-            if _is_alone(descriptor) and _is_still(descriptor, path):
+            if _got(descriptor, fcntl.LOCK_EX) and disk.is_file(path, os.fstat(descriptor)):
                 disk.remove(path)
     finally:
         os.close(descriptor)
 
 
-def _is_alone(descriptor: int) -> bool:
+def _got(descriptor: int, how: int) -> bool:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, how | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     except OSError:  # if a file system has no locks, no other process has one either
@@ -140,10 +132,3 @@ def _found(path: Path) -> int | None:
             return descriptor
         os.close(descriptor)
     return None
-
-
-def _is_still(descriptor: int, path: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.lstat())
-    except FileNotFoundError:
-        return False

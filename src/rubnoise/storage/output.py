@@ -139,7 +139,7 @@ def give_final_name(paths: OutputPaths, checked: int, *, force: bool, durable: b
     and is not published (OutputSwappedError). Without ``force`` a file that appeared meanwhile under the final name is
     left alone, too (OutputAppearedError), and the part stays.
     """
-    if not is_file(paths.part, os.fstat(checked)):
+    if not disk.is_file(paths.part, os.fstat(checked)):
         raise OutputSwappedError(
             f"{paths.part}: another file has taken its place during the run; it is left as it is, and {paths.final} is"
             " not written"
@@ -164,13 +164,6 @@ def _rename(paths: OutputPaths, *, force: bool) -> None:
     else:
         with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
             disk.remove(paths.part)
-
-
-def is_file(path: Path, file: os.stat_result) -> bool:
-    """Whether a path leads to a certain file."""
-    with suppress(FileNotFoundError):
-        return os.path.samestat(path.lstat(), file)
-    return False
 
 
 class OutputInUse(OutputRefused):

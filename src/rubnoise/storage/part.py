@@ -23,7 +23,7 @@ from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.journal import Commit, Ending
 from rubnoise.storage.layout import ByteRange, Name, RunDescription, between, digest_of, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
-from rubnoise.storage.output import OutputPaths, is_file, new_file, reserve
+from rubnoise.storage.output import OutputPaths, new_file, reserve
 from rubnoise.storage.pages import PagedFile, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
 from rubnoise.storage.run_description import check_structure
@@ -93,7 +93,7 @@ def _growing_groups(columns: Iterable[Name], features: frozenset[Feature], exten
 
 def _structure(path: Path, descriptor: int, run: RunFile) -> PagedFile:
     """Return everything of an open part except its rows."""
-    if not is_file(path, os.fstat(run.descriptor)) or not is_file(path, os.fstat(descriptor)):
+    if not all(disk.is_file(path, os.fstat(each)) for each in (run.descriptor, descriptor)):
         raise RunFileRefused("another file has taken its place just now")
     for (group, name), place in run.places.items():
         if place.rows and not place.offset:

@@ -14,13 +14,7 @@ from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.journal import Journal, packed_commit, packed_run, state_at
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import (
-    OutputAppearedError,
-    check_output,
-    give_final_name,
-    is_file,
-    sole_writer,
-)
+from rubnoise.storage.output import OutputAppearedError, check_output, give_final_name, sole_writer
 from rubnoise.storage.part import compressed, make_part
 from rubnoise.storage.provenance import now
 from rubnoise.storage.resume import SUFFIX, taken_up
@@ -211,7 +205,7 @@ class RunWriter:
         """Remove the remaining files, but not a file of another process that has the name of the part."""
         if not self._keep_part:
             self._paths.remove_beside()
-            if is_file(self._paths.part, self._own):
+            if disk.is_file(self._paths.part, self._own):
                 disk.remove(self._paths.part)
 
     @contextmanager
