@@ -83,7 +83,7 @@ def check_output(
             raise OutputRefused(f"{paths.final.parent}: the folder is not writable")
         _check_not_read(paths, reads)
     except (OSError, ValueError) as problem:
-        raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
+        raise OutputRefused(f"{path}: cannot be written: {reason_of(problem)}") from problem
     if not force:
         try:
             _check_absent(paths, unfinished=unfinished)
@@ -102,7 +102,7 @@ def sole_writer(paths: OutputPaths) -> Iterator[None]:
         except lock.Held as problem:
             raise OutputInUse(f"{paths.final}: another process is writing it") from problem
         except OSError as problem:
-            raise OutputRefused(f"{paths.final}: cannot be locked: {_reason(problem)}") from problem
+            raise OutputRefused(f"{paths.final}: cannot be locked: {reason_of(problem)}") from problem
         yield
 
 
@@ -128,7 +128,7 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
         disk.allocate(descriptor, size)
     except OSError as problem:
         raise OutputRefused(
-            f"no room for the {size:,} bytes of the result: {_reason(problem)}; {_SMALLER}"
+            f"no room for the {size:,} bytes of the result: {reason_of(problem)}; {_SMALLER}"
         ) from problem
 
 
@@ -201,7 +201,8 @@ def _check_not_read(paths: OutputPaths, reads: Iterable[str | os.PathLike[str]])
                     raise OutputRefused(f"{name}: is read here ({read}), so it can't be the output; take another name")
 
 
-def _reason(problem: Exception) -> str:
+def reason_of(problem: Exception) -> str:
+    """Return why the disk failed, in the words of the system if it has any."""
     return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
 
 
@@ -280,7 +281,5 @@ def naming_file(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn an error of the disk into a RubnoiseError that names the file."""
     try:
         yield
-    except OSError as problem:
-        raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {problem.strerror or problem}") from problem
-    except disk.NotAsWritten as problem:
-        raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {problem}") from problem
+    except (OSError, disk.NotAsWritten) as problem:
+        raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {reason_of(problem)}") from problem

@@ -14,7 +14,7 @@ from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.journal import Journal, packed_commit, packed_run, state_at
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import OutputAppearedError, check_output, give_final_name, sole_writer
+from rubnoise.storage.output import OutputAppearedError, check_output, give_final_name, reason_of, sole_writer
 from rubnoise.storage.part import compressed, make_part
 from rubnoise.storage.provenance import now
 from rubnoise.storage.resume import SUFFIX, taken_up
@@ -213,13 +213,8 @@ class RunWriter:
         """Turn an error of the disk into one that names the file and a remedy."""
         try:
             yield
-        except OSError as problem:
-            raise RubnoiseError(self._failed(problem.strerror or str(problem))) from problem
-        except disk.NotAsWritten as problem:
-            raise RubnoiseError(self._failed(str(problem))) from problem
-
-    def _failed(self, reason: str) -> str:
-        text = f"{self._paths.final}: writing failed: {reason}"
-        if self._keep_part:
-            text += f"; after you fix this, {resume_hint(f'{self._path}{SUFFIX}')}"
-        return text
+        except (OSError, disk.NotAsWritten) as problem:
+            text = f"{self._paths.final}: writing failed: {reason_of(problem)}"
+            if self._keep_part:
+                text += f"; after you fix this, {resume_hint(f'{self._path}{SUFFIX}')}"
+            raise RubnoiseError(text) from problem

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from rubnoise.errors import Refused, needing
+from rubnoise.storage.output import reason_of
 from rubnoise.sweep.execution import SCHEDULER_GONE, WorkLost, in_words, versions
 
 PATIENCE: Final = 30.0
@@ -49,8 +50,7 @@ def _check_readable(option: str, file: str | os.PathLike[str]) -> None:
         with Path(file).open("rb"):
             return
     except (OSError, ValueError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
-        raise Refused(f"{option}: {file}: {reason.lower()}") from problem
+        raise Refused(f"{option}: {file}: {reason_of(problem).lower()}") from problem
 
 
 def _library() -> Any:

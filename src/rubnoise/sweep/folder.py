@@ -18,7 +18,7 @@ from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep, in_words
 from rubnoise.storage import lock
-from rubnoise.storage.output import whole_file
+from rubnoise.storage.output import reason_of, whole_file
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.journal import JournalEntry, Stamp, entries
 
@@ -209,7 +209,7 @@ class SweepFolder:
             try:
                 yield from entries(path)
             except OSError as problem:
-                raise OutputRefused(f"{path}: {(problem.strerror or str(problem)).lower()}") from problem
+                raise OutputRefused(f"{path}: {reason_of(problem).lower()}") from problem
 
     def is_at_work(self) -> bool:
         """Whether a process is carrying out the sweep, or a shard of it; asking creates nothing."""
@@ -246,8 +246,7 @@ class SweepFolder:
         except FileNotFoundError:
             return None
         except OSError as problem:
-            reason = problem.strerror or str(problem)
-            raise OutputRefused(f"{self.manifest}: cannot be read: {reason.lower()}") from problem
+            raise OutputRefused(f"{self.manifest}: cannot be read: {reason_of(problem).lower()}") from problem
         except (ValueError, RecursionError) as problem:
             raise OutputRefused(f"{self.manifest}: cannot be read: {problem}") from problem
         if not isinstance(kept, dict) or kept.get("format") != FORMAT:
