@@ -269,12 +269,14 @@ def test_results_are_read_in_threads_and_runs_are_kept_in_memory(folder: Path) -
 
 def test_a_look_that_fails_or_lasts_is_a_refusal(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with (folder / "slider.h5").open("rb") as file:
-        assert json.loads(looked_at_by_another(file.fileno(), "structure", patience=0.0)) == {
+        assert json.loads(looked_at_by_another(file.fileno(), ("structure",), patience=0.0)) == {
             "refused": TOO_MUCH,
             "unseen": True,
         }
         monkeypatch.setattr(sandbox, "LOOK_ALONE", "import os; os.abort()")
-        assert json.loads(looked_at_by_another(file.fileno(), "structure"))["refused"].startswith("damaged: HDF5 fails")
+        assert json.loads(looked_at_by_another(file.fileno(), ("structure",)))["refused"].startswith(
+            "damaged: HDF5 fails"
+        )
 
 
 # Whatever a folder of a sweep says, every command answers in a sentence: no internal error, no memory for nothing.

@@ -5,9 +5,7 @@ HDF5 is read in the sandbox. The caller must give a unit or rate that the file d
 
 import json
 import os
-import sys
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from io import BytesIO
@@ -21,7 +19,7 @@ from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import is_hdf5, open_regular, size_of
 from rubnoise.storage.measured_text import read_text
 from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
-from rubnoise.storage.sandbox import MEMORY_BYTES, sandboxed
+from rubnoise.storage.sandbox import MEMORY_BYTES, Look, LookName, look_at
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.wave_reader import read_wave
 
@@ -39,8 +37,6 @@ _NUMBERS: Final = frozenset(
     ["double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))]
 )
 _PATIENCE: Final = 8.0  # seconds for a look at a file
-
-_PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_dataset()"
 
 
 @contextmanager
@@ -189,38 +185,21 @@ def _load_matlab() -> None:
     loadmat(content, squeeze_me=True)
 
 
-def _look(kind: str) -> Callable[[int, str, int], bytes]:
-    """Return the sandbox's function for a file of this kind, with all of its modules loaded."""
+def look_at_values(kind: str, name: str, first: str) -> Look:
+    """Return the sandbox's function for values of a file of this kind, with all of its modules loaded."""
     if kind == "matlab":
         _load_matlab()
-        return read_matlab
-    # In the sandbox nothing can be opened, no module either.
+        return lambda file: read_matlab(file, name, int(first))
     import_module("rubnoise.storage.pages")
     import_module("h5py._hl.dims")
-    return read_dataset
+    return lambda file: read_dataset(file, name, int(first))
 
 
-def _from_sandbox(descriptor: int, kind: str, name: str, first: int) -> bytes:
-    look = _look(kind)
-    if threading.active_count() == 1:
-        return sandboxed(descriptor, lambda file: look(file, name, first), patience=_PATIENCE)
-    # A program with threads should not fork: a new one with one thread does it.
-    from subprocess import run  # which only a program with threads needs
-
-    folders = os.pathsep.join(filter(None, sys.path))
-    command = [sys.executable, "-P", "-c", _PROGRAM, kind, name, str(first)]
-    done = run(command, stdin=descriptor, capture_output=True, check=False, env={**os.environ, "PYTHONPATH": folders})  # noqa: S603  (our own words)
-    return done.stdout or b'{"refused": "the process that reads it has ended"}'
+def _from_sandbox(descriptor: int, kind: LookName, name: str, first: int) -> bytes:
+    return look_at(descriptor, (kind, name, str(first)), patience=_PATIENCE)
 
 
-def serve_dataset() -> None:
-    """Run as that program: read the dataset that the arguments name, from a row on, of the file on standard input."""
-    kind, name, first = sys.argv[1:]
-    look = _look(kind)
-    sys.stdout.buffer.write(sandboxed(0, lambda file: look(file, name, int(first)), patience=_PATIENCE))
-
-
-def read_matlab(descriptor: int, name: str, first: int = 0) -> bytes:
+def read_matlab(descriptor: int, name: str, first: int) -> bytes:
     """Return a line of JSON and a piece of a vector as doubles, or the names of all vectors, or a refusal."""
     from scipy.io import loadmat, whosmat
 
@@ -251,7 +230,7 @@ def read_matlab(descriptor: int, name: str, first: int = 0) -> bytes:
         return _no(f"is no MATLAB 5 file that can be read: {str(problem)[:200]}; save it with -v6 or -v7")
 
 
-def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
+def read_dataset(descriptor: int, name: str, first: int) -> bytes:
     """Return a line of JSON, a piece of a dataset as doubles and of its dimension scale, or the reason of a refusal."""
     import h5py
 

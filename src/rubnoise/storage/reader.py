@@ -7,7 +7,6 @@ be replaced in between.
 
 import json
 import os
-import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -336,25 +335,15 @@ def _found(descriptor: int, own: "Written | None") -> dict[str, Any]:
 
 def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
     """Return what the sandbox finds in an open file; raises RunFileRefused if the file is not valid."""
+    from rubnoise.storage.sandbox import look_at, look_of
+
     try:
-        found: dict[str, Any] = json.loads(_answer(descriptor, look, own=own))
+        found: dict[str, Any] = json.loads(look_of((look,))(descriptor) if own else look_at(descriptor, (look,)))
     except (ValueError, RecursionError) as problem:
         raise RunFileRefused(f"damaged: its structure cannot be read; {REMEDY}") from problem
     if "refused" in found:
         raise (Unseen if found.get("unseen") else RunFileRefused)(found["refused"])
     return found
-
-
-def _answer(descriptor: int, look: "LookName", *, own: bool) -> bytes:
-    from rubnoise.storage.sandbox import SANDBOX_WORKER, look_of, looked_at_by_another, sandboxed
-
-    if own:
-        return look_of(look)(descriptor)
-    if not hasattr(os, "fork"):
-        return looked_at_by_another(descriptor, look)
-    if threading.active_count() > 1:
-        return SANDBOX_WORKER.ask(descriptor, look)
-    return sandboxed(descriptor, look_of(look))
 
 
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:

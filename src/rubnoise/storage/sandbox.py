@@ -172,14 +172,30 @@ def _refusal(reason: str, *, unseen: bool = False) -> bytes:
 
 TOO_MUCH: Final = "reading its structure takes more time or memory than that of any run"
 
-LookName = Literal["structure", "inventory"]
+LookName = Literal["structure", "inventory", "dataset", "matlab"]
+Request = tuple[LookName, *tuple[str, ...]]
+"""What is asked of a file: of its values with their name, and from which on."""
 
 
-def look_of(name: LookName) -> Look:
-    """Return the function ``look`` with a given name."""
+def look_at(descriptor: int, request: Request, *, patience: float = WALL_SECONDS) -> bytes:
+    """Return what the sandbox finds in an open file, in the form of `sandboxed`, the way that this program allows."""
+    if not hasattr(os, "fork"):
+        return looked_at_by_another(descriptor, request, patience=patience)
+    if threading.active_count() > 1:
+        return SANDBOX_WORKER.ask(descriptor, request, patience)
+    return sandboxed(descriptor, look_of(request), patience=patience)
+
+
+def look_of(request: Request) -> Look:
+    """Return the function that answers a request, with its modules loaded: in the sandbox none can be opened."""
+    kind, *words = request
+    if kind in {"dataset", "matlab"}:
+        from rubnoise.storage.measured import look_at_values
+
+        return look_at_values(kind, *words)
     from rubnoise.storage import inventory, read_structure  # which rest on HDF5
 
-    return read_structure.read_structure if name == "structure" else inventory.inventory
+    return read_structure.read_structure if kind == "structure" else inventory.inventory
 
 
 START_SECONDS: Final = 60.0
@@ -187,8 +203,6 @@ END_SECONDS: Final = 2.0
 PROGRAM: Final = "from rubnoise.storage.sandbox import serve_looks; serve_looks()"
 CHANNEL: Final = 0
 LENGTH_BYTES: Final = 8
-WORDS: "Final[dict[LookName, bytes]]" = {"structure": b"?", "inventory": b"*"}
-"""What is sent along with a descriptor: which look is wanted."""
 
 
 class SandboxWorker:
@@ -200,22 +214,24 @@ class SandboxWorker:
         self._channel: socket.socket | None = None
         self._owner = 0
 
-    def ask(self, descriptor: int, look: "LookName" = "structure") -> bytes:
+    def ask(self, descriptor: int, request: Request = ("structure",), patience: float = WALL_SECONDS) -> bytes:
         """Return what the worker finds in an open file; raises OSError if it does not answer."""
+        message = json.dumps([request, patience]).encode()
         with self._asking:
             if self._owner != os.getpid():  # after a fork the channel is that of the parent
                 self._renew()
             try:
-                return self._asked(descriptor, look)
+                return self._asked(descriptor, message)
             except ConnectionError:
                 self._renew()  # it has ended: try once more, with a new one
-                return self._asked(descriptor, look)
+                return self._asked(descriptor, message)
 
-    def _asked(self, descriptor: int, look: "LookName") -> bytes:
+    def _asked(self, descriptor: int, message: bytes) -> bytes:
         channel = self._channel
         if channel is None:
             raise ConnectionError("no process looks at result files")
-        socket.send_fds(channel, [WORDS[look]], [descriptor])
+        socket.send_fds(channel, [len(message).to_bytes(LENGTH_BYTES, "big")], [descriptor])
+        channel.sendall(message)
         return _received_from(channel, int.from_bytes(_received_from(channel, LENGTH_BYTES), "big"))
 
     def _renew(self) -> None:
@@ -231,14 +247,14 @@ SANDBOX_WORKER: Final = SandboxWorker()
 
 def serve_looks() -> None:
     """Run as the worker: answer until the program that asks has ended."""
-    looks = {word: look_of(name) for name, word in WORDS.items()}
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits
         while True:
-            word, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
+            size, descriptors, _, _ = socket.recv_fds(channel, LENGTH_BYTES, 1)
             if not descriptors:
                 return
-            answer = sandboxed(descriptors[0], looks[word])
+            request, patience = json.loads(_received_from(channel, int.from_bytes(size, "big")))
+            answer = sandboxed(descriptors[0], look_of(request), patience=patience)
             os.close(descriptors[0])
             channel.sendall(len(answer).to_bytes(LENGTH_BYTES, "big") + answer)
 
@@ -277,10 +293,10 @@ def _received_from(channel: socket.socket, count: int) -> bytes:
     return bytes(parts)
 
 
-LOOK_ALONE: Final = "import sys; from rubnoise.storage.sandbox import look_alone; look_alone(sys.argv[1])"
+LOOK_ALONE: Final = "import sys; from rubnoise.storage.sandbox import look_alone; look_alone(sys.argv[1:])"
 
 
-def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = WALL_SECONDS) -> bytes:
+def looked_at_by_another(descriptor: int, request: Request, *, patience: float = WALL_SECONDS) -> bytes:
     """Return what a new process finds in an open file, in the form of `sandboxed`.
 
     For systems without fork: the process has the file as its standard input, and only its time is limited.
@@ -288,7 +304,7 @@ def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = W
     from subprocess import PIPE, TimeoutExpired, run
 
     folders = os.pathsep.join(filter(None, sys.path))
-    command = [sys.executable, "-P", "-c", LOOK_ALONE, look]
+    command = [sys.executable, "-P", "-c", LOOK_ALONE, *request]
     with disk.SEEKING:
         os.lseek(descriptor, 0, os.SEEK_SET)
         try:
@@ -307,8 +323,8 @@ def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = W
     return done.stdout
 
 
-def look_alone(name: LookName) -> None:
+def look_alone(request: Request) -> None:
     """Run as that process: read standard input, and write the answer to standard output, which HDF5 cannot use."""
     answer = os.dup(1)
     _be_quiet()
-    disk.append_all(answer, memoryview(look_of(name)(0)))
+    disk.append_all(answer, memoryview(look_of(request)(0)))
