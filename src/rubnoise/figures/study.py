@@ -9,7 +9,6 @@ from math import isfinite, nan
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.replicates import PooledEstimate, pooled
 from rubnoise.analysis.summary import expected_figure
@@ -224,17 +223,14 @@ def _lines(
             exact=exact_of(point.scenario, quantity),
             scenario=point.scenario,
         )
-        spots.setdefault(_label(point, others), []).append(spot)
+        label = ", ".join(shown_unit(str(point.values[other])) for other in others)
+        spots.setdefault(label, []).append(spot)
     lines = []
     for label, found in spots.items():
         inorder = tuple(sorted(found, key=lambda spot: spot.place))
         through = curve if len(inorder) > 1 else None  # no curve goes through a single point
         lines.append(StudyLine(label=label, spots=inorder, curve=through and through(inorder)))
     return tuple(lines)
-
-
-def _label(point: PointRuns, others: tuple[str, ...]) -> str:
-    return ", ".join(shown_unit(str(point.values[key])) for key in others)
 
 
 def quantities_of(sweep: SweepResult) -> tuple[str, ...]:
@@ -265,6 +261,7 @@ def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
     figures, error = sweep.runs[quantity][:], f"{quantity}_standard_error"
     errors = sweep.runs[error][:] if error in sweep.runs else np.full(figures.size, nan)
     columns = {key: sweep.runs[key][:] for key in sweep.keys}
+    numeric = {key: column for key, column in columns.items() if np.issubdtype(column.dtype, np.number)}
     found = []
     for number, values in enumerate(sweep.values):
         rows = np.flatnonzero(point == number)
@@ -272,14 +269,10 @@ def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
         found.append(
             PointRuns(
                 values=values,
-                numbers=_numbers(columns, int(rows[0])),
+                numbers={key: float(column[rows[0]]) for key, column in numeric.items()},
                 scenario=sweep.scenario(number),
                 figures=figures[rows].tolist(),
                 standard_error=float(known_errors[0]) if known_errors.size else nan,
             )
         )
     return found
-
-
-def _numbers(columns: Mapping[str, NDArray[Any]], row: int) -> dict[str, float]:
-    return {key: float(values[row]) for key, values in columns.items() if np.issubdtype(values.dtype, np.number)}

@@ -239,7 +239,10 @@ def logarithmic(*several: "Axis") -> None:
 
 
 def _at_powers(axis: "Axis", value: float, _: int) -> str:
-    return f"{value:g}" if _is_narrow(axis) else _power_of_ten(value)
+    """Return the label of a power of ten, in raised letters but on a narrow axis."""
+    if _is_narrow(axis):
+        return f"{value:g}"
+    return "10" + str(round(log10(value))).translate(_RAISED) if value > 0.0 else ""
 
 
 def _between_powers(axis: "Axis", value: float, _: int) -> str:
@@ -251,10 +254,6 @@ def _is_narrow(axis: "Axis") -> bool:
     """Whether an axis spans so little that it may hold no power of ten."""
     low, high = sorted(axis.get_view_interval())
     return bool(low > 0.0 and high < 10.0 * low)
-
-
-def _power_of_ten(value: float) -> str:
-    return "10" + str(round(log10(value))).translate(_RAISED) if value > 0.0 else ""
 
 
 def shortened(name: str, longest: int = LONGEST_NAME) -> str:
