@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
+from inspect import signature
 from io import BufferedWriter, RawIOBase, TextIOWrapper
 from typing import Any, Final, TextIO
 
@@ -86,10 +87,12 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         panel = next(heading for heading, commands in HEADINGS.items() if name in commands)
         settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
         app.command(name, **settings)(command)
-        for annotation in command.__annotations__.values():
-            for about in getattr(annotation, "__metadata__", ()):
+        for given in signature(command).parameters.values():
+            for about in getattr(given.annotation, "__metadata__", ()):
                 # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
                 about.readable = False
+                if about.show_default is True and given.default in (None, given.empty):
+                    about.show_default = False  # of what has none; some versions of typer show None
     return app
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def command(
-    files: Annotated[list[Path], typer.Argument(help="Scenario files.", metavar="FILE", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(help="Scenario files.", metavar="FILE")],
     *,
     changes: Changes = None,
     as_json: AsJson = False,

@@ -25,13 +25,7 @@ def command(
     ] = False,
     folder: Annotated[
         Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="With --field: folder for field.md and field.json.",
-            metavar="DIR",
-            show_default=False,
-        ),
+        typer.Option("-o", "--output", help="With --field: folder for field.md and field.json.", metavar="DIR"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace field.md and field.json.")] = False,
     as_json: AsJson = False,

@@ -23,9 +23,7 @@ def command(
     bound: Annotated[
         float | None,
         typer.Option(
-            help="Largest |z| of a figure that agrees; default: the family-wise bound of all figures.",
-            metavar="Z",
-            show_default=False,
+            help="Largest |z| of a figure that agrees; default: the family-wise bound of all figures.", metavar="Z"
         ),
     ] = None,
     as_json: AsJson = False,

@@ -32,14 +32,10 @@ def command(
     height: Annotated[str, typer.Option(help="Scale of their heights.", metavar="S")],
     density: Annotated[str, typer.Option(help="Asperities per area, as in 300 1/mm^2.", metavar="ETA")],
     modulus: Annotated[str, typer.Option(help="Elastic modulus E* of both sides, plane strain.", metavar="E")],
-    load: Annotated[str | None, typer.Option(help="Normal load.", metavar="W", show_default=False)] = None,
-    separation: Annotated[
-        str | None, typer.Option(help="Separation of the mean planes.", metavar="H", show_default=False)
-    ] = None,
+    load: Annotated[str | None, typer.Option(help="Normal load.", metavar="W")] = None,
+    separation: Annotated[str | None, typer.Option(help="Separation of the mean planes.", metavar="H")] = None,
     nominal_area: Annotated[str, typer.Option(help="Nominal area.", metavar="A")] = "1 mm^2",
-    hardness: Annotated[
-        str | None, typer.Option(help="Hardness of the softer side.", metavar="H", show_default=False)
-    ] = None,
+    hardness: Annotated[str | None, typer.Option(help="Hardness of the softer side.", metavar="H")] = None,
     heights: Annotated[Heights, typer.Option(help="Law of heights.", metavar="LAW")] = Heights.GAUSSIAN,
     regime: Annotated[Regime, typer.Option(help="elastic or plastic.", metavar="REGIME")] = Regime.ELASTIC,
     output: Annotated[

@@ -28,9 +28,7 @@ class ExportFormat(StrEnum):
 def command(
     file: ResultFile,
     *,
-    kind: Annotated[
-        ExportFormat, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT", show_default=False)
-    ],
+    kind: Annotated[ExportFormat, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT")],
     group: Annotated[
         ExportedGroup | None,
         typer.Option(

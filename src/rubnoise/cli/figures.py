@@ -12,10 +12,7 @@ PICTURES: Final = ("png", "pdf", "svg")
 
 
 def command(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(help="fig2, fig3 ... fig9, or all.", metavar="FIG", show_default=False),
-    ] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="fig2, fig3 ... fig9, or all.", metavar="FIG")] = None,
     *,
     folder: Annotated[
         Path, typer.Option("-o", "--output", help="Folder of the pictures; created if missing.", metavar="DIR")

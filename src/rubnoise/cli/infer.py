@@ -37,33 +37,24 @@ def command(
         typer.Argument(
             help="A measured trace: CSV, TSV, WAV, MATLAB 5, a result, FILE.h5:PATH, or - for standard input.",
             metavar="TRACE",
-            show_default=False,
         ),
     ],
     *,
     speed: Annotated[
-        str | None,
-        typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED", show_default=False),
+        str | None, typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED")
     ] = None,
-    column: Annotated[
-        str | None, typer.Option(help="Which column, by its name or number.", metavar="NAME", show_default=False)
-    ] = None,
+    column: Annotated[str | None, typer.Option(help="Which column, by its name or number.", metavar="NAME")] = None,
     unit: Annotated[
-        str | None,
-        typer.Option(
-            help='Unit of the values, or what a value of 1 is: mN, "0.5 mN", V.', metavar="U", show_default=False
-        ),
+        str | None, typer.Option(help='Unit of the values, or what a value of 1 is: mN, "0.5 mN", V.', metavar="U")
     ] = None,
     rate: Annotated[
-        str | None,
-        typer.Option(help='Samples a second, where the file has no time: "20 kHz".', metavar="R", show_default=False),
+        str | None, typer.Option(help='Samples a second, where the file has no time: "20 kHz".', metavar="R")
     ] = None,
     zero: Annotated[
         Zero, typer.Option(help="Whether 0 means no force: known or unknown.", metavar="ZERO")
     ] = Zero.UNKNOWN,
     strength: Annotated[
-        str | None,
-        typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI", show_default=False),
+        str | None, typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI")
     ] = None,
     strength_spread: Annotated[
         str | None,
@@ -74,8 +65,7 @@ def command(
         Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
     ] = Offset.none,
     bandwidth: Annotated[
-        str | None,
-        typer.Option(help='Corner of the sensor\'s filter: "200 Hz".', metavar="F", show_default=False),
+        str | None, typer.Option(help='Corner of the sensor\'s filter: "200 Hz".', metavar="F")
     ] = None,
     poles: Annotated[int, typer.Option(help="Poles of this filter.", metavar="P", min=1, max=2)] = 1,
     law: Annotated[
@@ -83,22 +73,15 @@ def command(
         typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
     ] = LawChoice.auto,
     mask: Annotated[
-        list[str] | None,
-        typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F", show_default=False),
+        list[str] | None, typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F")
     ] = None,
     drift: Annotated[bool, typer.Option("--drift", help="Fit a random walk of the sensor as well.")] = False,
     from_: Annotated[
-        str | None,
-        typer.Option("--from", help='First sample, from 1 on, or a time: "2 s".', metavar="A", show_default=False),
+        str | None, typer.Option("--from", help='First sample, from 1 on, or a time: "2 s".', metavar="A")
     ] = None,
-    to: Annotated[
-        str | None, typer.Option(help='Last sample, or a time: "30 s".', metavar="B", show_default=False)
-    ] = None,
+    to: Annotated[str | None, typer.Option(help='Last sample, or a time: "30 s".', metavar="B")] = None,
     strokes: Annotated[
-        str | None,
-        typer.Option(
-            help='Cut at reversals, leave out so much of each end: "10 %".', metavar="PART", show_default=False
-        ),
+        str | None, typer.Option(help='Cut at reversals, leave out so much of each end: "10 %".', metavar="PART")
     ] = None,
     bootstrap: Annotated[
         int, typer.Option(help="Simulate so many traces of what was found, to check its errors.", metavar="N", min=0)

@@ -27,15 +27,10 @@ def command(
     *,
     figures: Annotated[
         str | None,
-        typer.Option(
-            help="Of a sweep: these figures of each point, over its replicates.", metavar="NAME,...", show_default=False
-        ),
+        typer.Option(help="Of a sweep: these figures of each point, over its replicates.", metavar="NAME,..."),
     ] = None,
     over: Annotated[
-        str | None,
-        typer.Option(
-            help="The same over the points with this value of a swept key.", metavar="KEY=VALUE", show_default=False
-        ),
+        str | None, typer.Option(help="The same over the points with this value of a swept key.", metavar="KEY=VALUE")
     ] = None,
     as_json: AsJson = False,
 ) -> None:

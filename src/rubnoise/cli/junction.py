@@ -22,15 +22,9 @@ SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
 
 def command(
     file: ResultFile,
-    number: Annotated[
-        str,
-        typer.Argument(help="Row number of the junction, from 0 in order of birth.", metavar="N", show_default=False),
-    ],
+    number: Annotated[str, typer.Argument(help="Row number of the junction, from 0 in order of birth.", metavar="N")],
     picture: Annotated[
-        Path | None,
-        typer.Argument(
-            help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png", show_default=False
-        ),
+        Path | None, typer.Argument(help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png")
     ] = None,
     *,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print its curve: distance, time, area and force.")] = False,

@@ -32,9 +32,7 @@ def command(
             metavar="CONDITION",
         ),
     ] = None,
-    sort: Annotated[
-        str | None, typer.Option(help="Smallest first; -COLUMN: largest first.", metavar="COLUMN", show_default=False)
-    ] = None,
+    sort: Annotated[str | None, typer.Option(help="Smallest first; -COLUMN: largest first.", metavar="COLUMN")] = None,
     reverse: Annotated[bool, typer.Option("--reverse", help="Reverse the order.")] = False,
     head: Annotated[
         int | None, typer.Option(help="Largest number of rows; default: 20 as text, otherwise all.", metavar="N", min=0)

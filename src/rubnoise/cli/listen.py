@@ -26,7 +26,7 @@ Rate = StrEnum("Rate", {"CD": "44100", "VIDEO": "48000"})
 
 
 def command(
-    files: Annotated[list[Path], typer.Argument(help="Result files.", metavar="RUN.h5", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(help="Result files.", metavar="RUN.h5")],
     *,
     output: Annotated[
         Path | None,
@@ -41,12 +41,10 @@ def command(
             "--speed-up",
             help="Factor by which the sound is faster than the run; default: 1, of several runs an audible one.",
             metavar="X",
-            show_default=False,
         ),
     ] = None,
     seconds: Annotated[
-        float | None,
-        typer.Option(help="Length of the sound, from the start; default: all.", metavar="S", show_default=False),
+        float | None, typer.Option(help="Length of the sound, from the start; default: all.", metavar="S")
     ] = None,
     rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
     force: ReplaceFile = False,

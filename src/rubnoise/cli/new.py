@@ -30,7 +30,6 @@ def command(
             help="Copy this scenario of rubnoise's, such as paper/fig5; `rubnoise examples` lists them.",
             metavar="EXAMPLE",
             autocompletion=shipped_scenarios,
-            show_default=False,
         ),
     ] = None,
 ) -> None:

@@ -5,21 +5,15 @@ from typing import Annotated, Final
 
 import typer
 
-ResultFile = Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)]
-ResultOrSweep = Annotated[
-    Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False)
-]
+ResultFile = Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5")]
+ResultOrSweep = Annotated[Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR")]
 ResultOfAnyKind = Annotated[
-    Path,
-    typer.Argument(
-        help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
-    ),
+    Path, typer.Argument(help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR")
 ]
 StretchStart = Annotated[
-    str | None,
-    typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S", show_default=False),
+    str | None, typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S")
 ]
-StretchEnd = Annotated[str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)]
+StretchEnd = Annotated[str | None, typer.Option("--to", help="End of the stretch.", metavar="S")]
 PageFile = Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]

@@ -58,12 +58,9 @@ def command(
         typer.Option("-o", "--output", help="A png, pdf or svg file; else RUN_WHAT.png, here.", metavar="PICTURE"),
     ] = None,
     start: Annotated[
-        str | None,
-        typer.Option("--from", help="Where the stretch begins: um, or with a unit.", metavar="S", show_default=False),
+        str | None, typer.Option("--from", help="Where the stretch begins: um, or with a unit.", metavar="S")
     ] = None,
-    stop: Annotated[
-        str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S", show_default=False)
-    ] = None,
+    stop: Annotated[str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S")] = None,
     of: Annotated[
         SpectrumOf,
         typer.Option(
@@ -79,7 +76,6 @@ def command(
             help="Another run, laid over the first: for slider, phase, load, and psd of anything but the area."
             " For psd also a record of yours, a csv file.",
             metavar="RUN.h5|CSV",
-            show_default=False,
         ),
     ] = None,
     size: Annotated[

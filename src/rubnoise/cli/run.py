@@ -32,10 +32,7 @@ if TYPE_CHECKING:
 
 @interrupted_at_once
 def command(
-    file: Annotated[
-        Path,
-        typer.Argument(help="The scenario, a TOML file; - is standard input.", metavar="FILE", show_default=False),
-    ],
+    file: Annotated[Path, typer.Argument(help="The scenario, a TOML file; - is standard input.", metavar="FILE")],
     *,
     output: Annotated[
         Path | None,
@@ -116,10 +113,7 @@ def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: b
 
 @interrupted_at_once
 def resume(
-    part: Annotated[
-        Path,
-        typer.Argument(help="The part file of an unfinished run.", metavar="RUN.h5.part", show_default=False),
-    ],
+    part: Annotated[Path, typer.Argument(help="The part file of an unfinished run.", metavar="RUN.h5.part")],
     *,
     force: ReplaceResult = False,
     as_json: AsJson = False,

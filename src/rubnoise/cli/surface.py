@@ -32,46 +32,32 @@ _WAVES: Final = 120
 def command(
     context: typer.Context,
     scans: Annotated[
-        list[Path] | None,
-        typer.Argument(help="A scan, or two: the track, then the slider.", metavar="SCAN [SCAN]", show_default=False),
+        list[Path] | None, typer.Argument(help="A scan, or two: the track, then the slider.", metavar="SCAN [SCAN]")
     ] = None,
     *,
-    cutoff: Annotated[
-        str | None, typer.Option(help='Shortest wave that counts: "5 um".', metavar="LENGTH", show_default=False)
-    ] = None,
-    load: Annotated[
-        str | None, typer.Option(help='Load of the slider: "0.2 N".', metavar="FORCE", show_default=False)
-    ] = None,
-    hardness: Annotated[
-        str | None, typer.Option(help='Hardness of the softer: "1 GPa".', metavar="PRESSURE", show_default=False)
-    ] = None,
+    cutoff: Annotated[str | None, typer.Option(help='Shortest wave that counts: "5 um".', metavar="LENGTH")] = None,
+    load: Annotated[str | None, typer.Option(help='Load of the slider: "0.2 N".', metavar="FORCE")] = None,
+    hardness: Annotated[str | None, typer.Option(help='Hardness of the softer: "1 GPa".', metavar="PRESSURE")] = None,
     longest: Annotated[
-        str | None, typer.Option(help="Longest wave that counts; default: all.", metavar="LENGTH", show_default=False)
+        str | None, typer.Option(help="Longest wave that counts; default: all.", metavar="LENGTH")
     ] = None,
     form: Annotated[
         Form, typer.Option(help="Form to remove: none, tilt, polynomial, cylinder, sphere.", metavar="FORM")
     ] = Form.tilt,
-    unit: Annotated[
-        str | None, typer.Option(help="Unit of a scan that names none: um.", metavar="UNIT", show_default=False)
-    ] = None,
+    unit: Annotated[str | None, typer.Option(help="Unit of a scan that names none: um.", metavar="UNIT")] = None,
     slider_length: Annotated[
-        str | None,
-        typer.Option(help="Length of a slider longer than its scan.", metavar="LENGTH", show_default=False),
+        str | None, typer.Option(help="Length of a slider longer than its scan.", metavar="LENGTH")
     ] = None,
     speed: Annotated[
-        str | None, typer.Option(help='Sliding speed of the scenario: "10 mm/s".', metavar="SPEED", show_default=False)
+        str | None, typer.Option(help='Sliding speed of the scenario: "10 mm/s".', metavar="SPEED")
     ] = None,
     distance: Annotated[
-        str | None,
-        typer.Option(help="Its sliding distance; default: 1000 mean lives.", metavar="LENGTH", show_default=False),
+        str | None, typer.Option(help="Its sliding distance; default: 1000 mean lives.", metavar="LENGTH")
     ] = None,
     mass: Annotated[
-        str | None,
-        typer.Option(help="Let the slider rise and fall on its load: its mass.", metavar="MASS", show_default=False),
+        str | None, typer.Option(help="Let the slider rise and fall on its load: its mass.", metavar="MASS")
     ] = None,
-    damping_ratio: Annotated[
-        float | None, typer.Option(help="Damping ratio of this motion.", metavar="RATIO", show_default=False)
-    ] = None,
+    damping_ratio: Annotated[float | None, typer.Option(help="Damping ratio of this motion.", metavar="RATIO")] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Write the scenario, or the synthetic surface.", metavar="FILE"),

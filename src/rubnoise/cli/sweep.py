@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @interrupted_at_once
 def command(
-    file: Annotated[Path, typer.Argument(help="A file with a table [sweep].", metavar="FILE", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="A file with a table [sweep].", metavar="FILE")],
     *,
     folder: Annotated[
         Path | None,
@@ -28,19 +28,10 @@ def command(
     ] = None,
     jobs: Annotated[
         int | None,
-        typer.Option(
-            "--jobs",
-            "-j",
-            help="Number of processes; default: the number of processors.",
-            metavar="N",
-            show_default=False,
-        ),
+        typer.Option("--jobs", "-j", help="Number of processes; default: the number of processors.", metavar="N"),
     ] = None,
     cluster: Annotated[
-        str | None,
-        typer.Option(
-            help="A Dask scheduler: its address or its scheduler file.", metavar="ADDRESS", show_default=False
-        ),
+        str | None, typer.Option(help="A Dask scheduler: its address or its scheduler file.", metavar="ADDRESS")
     ] = None,
     authority: Annotated[
         Path | None,

@@ -17,9 +17,7 @@ def command(
     file: Annotated[
         Path | None,
         typer.Argument(
-            help="A scenario file, or a result to replay; default: the paper's Figure 5.",
-            metavar="SCENARIO|RUN.h5",
-            show_default=False,
+            help="A scenario file, or a result to replay; default: the paper's Figure 5.", metavar="SCENARIO|RUN.h5"
         ),
     ] = None,
     *,

@@ -29,12 +29,10 @@ if TYPE_CHECKING:
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A scenario file, or a result.", metavar="FILE", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="A scenario file, or a result.", metavar="FILE")],
     picture: Annotated[
         Path | None,
-        typer.Argument(
-            help="The file of --plot; default: FILE_theory.png, in this folder.", metavar="PICTURE", show_default=False
-        ),
+        typer.Argument(help="The file of --plot; default: FILE_theory.png, in this folder.", metavar="PICTURE"),
     ] = None,
     *,
     changes: Changes = None,

@@ -44,7 +44,6 @@ def command(
             REGENERATE,
             help="Refuse a file whose random numbers cannot be drawn again here; rows are made again in any case.",
             metavar="[K]",
-            show_default=False,
         ),
     ] = None,
     as_json: AsJson = False,
