@@ -270,7 +270,7 @@ def test_random_numbers_of_another_version_are_refused(short_result: Path) -> No
 def evaluated(monkeypatch: pytest.MonkeyPatch) -> list[Verdict]:
     """Settle one claim at once, with the verdict that stands in the list."""
     verdicts = [Verdict.HOLDS]
-    monkeypatch.setattr(catalogue, "evaluate_claims", lambda tell: (replace(A_CLAIM, verdict=verdicts[0]),))
+    monkeypatch.setattr(catalogue, "evaluate_claims", lambda tell: (replace(A_CLAIM, if_agreed=verdicts[0]),))
     return verdicts
 
 
