@@ -107,7 +107,7 @@ HOMES: Final = {
 
 
 def __getattr__(name: str) -> object:
-    """Return a public name on its first use: nobody waits for what is not used (PEP 562)."""
+    """Return a public name on its first use, so that unused modules are not loaded (PEP 562)."""
     home = next((module for module, names in HOMES.items() if name in names), None)
     if home is None:
         message = f"module {__name__!r} has no attribute {name!r}"

@@ -141,10 +141,10 @@ _NOT_KEPT: Final[list[str]] = []
 
 
 class _KeptFile(IndexDataCacheFile):
-    """The files in which numba keeps the code of a function, each behind a checksum of what is in it.
+    """The files in which numba keeps the code of a function, each after a checksum of its content.
 
-    Numba looks at the function's own file alone, and would keep using code into which others have been compiled; and it
-    runs what a disk has damaged. Here whatever is not as it was written, or by another version, is compiled anew.
+    Numba checks only the function's own file, so it would use code with older versions of other functions in it, and it
+    runs code that a disk has damaged. Here code that is damaged, or from another version, is compiled again.
     """
 
     @classmethod

@@ -51,7 +51,7 @@ class Separation:
     """A separation that a load holds: m z'' + c z' = P - W, z in um beside the mean.
 
     load: W in uN; hardness: H in MPa, P being H times the area; height_scale: s_0 in um, over which the area falls by e
-    as the slider rises; mass: m in kg, of what moves up and down; damping: c in N s/m. Of first order in z the contact
+    as the slider rises; mass: m in kg, of the moving body; damping: c in N s/m. Of first order in z the contact
     is a spring: P = H A - W z/s_0, A being the area at constant separation.
     """
 
@@ -91,7 +91,7 @@ class Model:
 
     A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None if no times are wanted), sliding distance and tick (um);
     hardness H (MPa) if A_rm is that of a load. A load that weighs moves the separation, of first order or free: then
-    everything that is asked of the model as such is at constant separation.
+    all quantities of the model itself are those at constant separation.
     Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
     """
 

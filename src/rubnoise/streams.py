@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 STREAM_VERSION = 1
-"""Which numbers a seed stands for; a change to any stream, its use or its order raises it."""
+"""Version of the random numbers of a seed; a change to any stream, its use or its order raises it."""
 
 SEED_LIMIT = 2**53
 """Seeds lie below this, so that JSON, HDF5 and TOML readers that hold integers in doubles keep them exactly."""

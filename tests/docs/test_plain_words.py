@@ -51,6 +51,16 @@ AVOID = {
 }
 """What is not to be read by a user (a regular expression between word boundaries), and what to write instead."""
 IDIOM = re.compile(rf"\b(?:{'|'.join(AVOID)})\b", re.IGNORECASE)
+AVOID_IN_DOCSTRINGS = {
+    r"lets? happen": "process, play",
+    r"takes? in": "add",
+    r"by how much": "the difference, the factor",
+    r"with the system": "handed to the operating system",
+    r"stands? before the first": "starts",
+    r"(for|with|of) (one|what|those) that (is|are) (none|no)": "if it is not a ..., not valid",
+    r"what .{1,40} (says?|holds?) of (it|them)sel(f|ves)": "the attributes",
+}
+IDIOM_IN_DOCSTRINGS = re.compile(rf"\b(?:{'|'.join([*AVOID, *AVOID_IN_DOCSTRINGS])})\b", re.IGNORECASE)
 PAGES = sorted(
     ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", *(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
 )
@@ -91,6 +101,22 @@ def length(sentence: str) -> int:
 def idioms(text: str) -> list[str]:
     """Return the phrases of a text that are to be avoided."""
     return [found[0] for found in IDIOM.finditer(" ".join(text.split()))]
+
+
+def docstrings(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield the docstrings of a module, and the texts below its constants, with their lines."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            yield node.lineno, " ".join(node.value.value.split())
+
+
+def idioms_of_docstrings(path: Path) -> list[str]:
+    """Return the phrases to be avoided in the docstrings of a module, each after its line."""
+    return [
+        f"{line}: {found[0]}"
+        for line, text in docstrings(path)
+        for found in IDIOM_IN_DOCSTRINGS.finditer(re.sub(r"\b(?:(?:there|which) is none|is None)\b", "", text))
+    ]
 
 
 @cache
@@ -146,6 +172,19 @@ def test_messages_have_no_idioms() -> None:
         for phrase in idioms(text)
     ]
     assert wrong == []
+
+
+def test_docstrings_have_no_idioms() -> None:
+    assert {str(path.relative_to(ROOT)): found for path in SOURCES if (found := idioms_of_docstrings(path))} == {}
+
+
+def test_idioms_of_docstrings_are_found(tmp_path: Path) -> None:
+    source = tmp_path / "module.py"
+    source.write_text(
+        'def run():\n    """Let happen what\n    is asked for; 0 if there is none."""\n\n\n'
+        'MOST = 3\n"""By how much a text that is none may grow."""\nprint("nobody")\n'
+    )
+    assert idioms_of_docstrings(source) == ["7: By how much", "7: is none", "2: Let happen", "2: asked for"]
 
 
 def test_help_has_no_idioms() -> None:

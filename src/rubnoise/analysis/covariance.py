@@ -50,7 +50,7 @@ class LaggedProducts:
         self._sums = np.zeros((len(self._lags), 3))
 
     def add(self, values: Doubles) -> None:
-        """Take in the values that follow those before."""
+        """Add the next values."""
         new = values - self._centre
         known = self._tail.size
         row = np.concatenate([self._tail, new])
@@ -95,7 +95,7 @@ class CovarianceSum:
         self._total = 0.0
 
     def add(self, values: Doubles) -> None:
-        """Take in the values that follow those before."""
+        """Add the next values."""
         new = values - self._centre
         if self._head.size < self._reach:
             self._head = np.concatenate([self._head, new[: self._reach - self._head.size]])

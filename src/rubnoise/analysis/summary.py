@@ -34,7 +34,7 @@ from rubnoise.theory.sampling import (
 )
 
 FEWEST_DECAYS = 10
-"""Runs shorter than so many decay times of the slider get no standard errors of its motion."""
+"""Least decay times of the slider in a run with standard errors of its motion."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

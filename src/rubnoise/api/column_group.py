@@ -166,7 +166,7 @@ class Columns:
 
 
 def columns_by_group(rows: Rows) -> dict[str, Columns]:
-    """Return the columns of every group that a run has, in a file or in memory, each read when it is asked for."""
+    """Return the columns of every group that a run has, in a file or in memory, each read when it is needed."""
     features = schema.motion_of(rows.columns["junctions"])
     return {group.name: _columns(rows, group.as_in(features)) for group in schema.GROUPS if group.name in rows.columns}
 

@@ -33,7 +33,7 @@ from rubnoise.units import FREQUENCY, SPEED, STRESS, QuantityError, parse_unit
 MOST_BOOTSTRAPS: Final = 10_000
 MOST_COLUMNS: Final = 100_000
 STROKE_END: Final = "5 %"
-"""What is left out of each end of a stroke, if nothing else is said."""
+"""Default share of a stroke that is left out at each end."""
 _MASK: Final = 0.01  # of the frequency, on either side
 _WRONG_WAY: Final = 0.95
 

@@ -1,4 +1,4 @@
-"""A run in memory, with what a run in a file has, and the way into a file."""
+"""A run in memory, with the same groups and methods as a run in a file, which it can be saved into."""
 
 import json
 import os
@@ -87,7 +87,7 @@ class Record(MemoryRecord, Contents):
         return {"title": self.scenario.title if self.scenario is not None else ""}
 
     def reader(self) -> Reader:
-        """Return the rows with what their file would say of them; raises Refused without a scenario."""
+        """Return the rows with the attributes of their file; raises Refused without a scenario."""
         scenario = self.known_scenario()
         origin: Attributes = {"scenario_resolved": json.dumps(scenario.resolved()), "seed": scenario.run.seed}
         return MemoryReader(
@@ -113,7 +113,7 @@ class Record(MemoryRecord, Contents):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MemoryReader(MemoryRecord):
-    """A run in memory with what its file would say of it."""
+    """A run in memory with the attributes of its file."""
 
     attributes: Attributes
     provenance: Attributes

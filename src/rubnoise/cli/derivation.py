@@ -169,9 +169,9 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
 
 
 def motion_as_json(theory: Exact) -> dict[str, Any]:
-    """Return by name how a slider moves, and what judges one-way coupling; a change not known is None, with why.
+    """Return by name the motion of a slider, and the numbers that judge one-way coupling; an unknown change is None.
 
-    Nothing if the model has no slider; nothing judges one that a base drives.
+    Empty if the model has no slider; without the judging numbers if a base drives it.
     """
     slider, motion = theory.model.slider, theory.slider
     if slider is None or motion is None:

@@ -29,7 +29,7 @@ class NoMatchingDiameter(Refused):
 
 
 class PaperMeansLens(Refused):
-    """The paper's calibration asked for with a pulse that is not the paper's."""
+    """The paper's calibration was requested with another pulse than the paper's."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {name}")

@@ -5,7 +5,7 @@ One uniform makes one deviate, so the n-th junction of a block is always made of
 processors and versions, and with them the whole run.
 
 For a gamma deviate a uniform goes through the normal quantile z, and y(z) = ln(x / shape) through the polynomial of the
-piece that z lies in. The polynomials are Taylor series of the quantile, worked out at 80 digits and rounded once.
+piece that z lies in. The polynomials are Taylor series of the quantile, computed at 80 digits and rounded once.
 """
 
 import sys

@@ -1,8 +1,8 @@
 """The pulse shapes: how the area of one junction rises and falls over its life.
 
-What is known of a shape by itself stands here. Its compiled kernel (`simulation`), its Fourier transform and the law of
-its live area (`theory`), and the formulas that judge it (`tests/oracle/second`) are tables by shape that have an entry
-for each of `PULSES`; a test asks every one of them.
+This file has the properties of each shape. Its compiled kernel (`simulation`), its Fourier transform and the law of its
+live area (`theory`), and the formulas that judge it (`tests/oracle/second`) are tables by shape with an entry for each
+of `PULSES`; a test checks every one.
 """
 
 from dataclasses import dataclass

@@ -128,7 +128,7 @@ def drawing(
 
 
 SPECTRA: Final = "psd"
-"""The name of the picture of a sweep that is none of its quantities: the spectra of its points."""
+"""The name of the picture of a sweep that shows no quantity but the spectra of its points."""
 
 FIRST_QUANTITIES: Final = ("displacement_std", "real_contact_area_std")
 """The quantity of a sweep that is drawn if none is named: the first of these that it has."""

@@ -35,7 +35,7 @@ PALE: Final = "#e8e8e8"
 """Okabe and Ito's blue is what a run shows, their vermilion what theory says; they differ in grey print too."""
 
 STUCK: Final = (0.90, 0.90, 0.90)
-"""Red, green and blue of what is shaded because the slider sticks there."""
+"""Red, green and blue of the shade for sticks of the slider."""
 
 SERIES: Final[tuple[tuple[str, str], ...]] = (
     ("#04213a", "o"),
@@ -97,7 +97,7 @@ def new_figure(width: float, height: float) -> "Figure":
 
 @cache
 def _picture_class() -> Any:
-    """Return matplotlib's class of figures, with what a notebook asks for to show one without pyplot."""
+    """Return matplotlib's class of figures, with the method that a notebook needs to show one without pyplot."""
     # Not through pyplot: it would look for a screen and keep every figure of the process.
     from matplotlib.figure import Figure
 
@@ -322,7 +322,7 @@ BINS_PER_DECADE: Final = 24.0
 
 
 NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
-"""Correlation of values so many places apart under a Hann window: the squares of 2/3 and 1/6."""
+"""Correlation of neighbouring bins under a Hann window, by their distance: the squares of 2/3 and 1/6."""
 
 
 def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float, whose: str = "simulated") -> None:

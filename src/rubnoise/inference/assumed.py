@@ -12,7 +12,7 @@ from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 
 SPREADS: Final = (0.0, 0.25, 0.5, 1.0)
-"""Relative spreads of strengths for which number and strength are told beside the assumed one."""
+"""Relative spreads of strengths for which number and strength are given beside the assumed one."""
 ENOUGH_CYCLES: Final = 40.0
 """Cycles per life that a sensor has to pass if its filter is not given; docs/inference.md has the measured table."""
 

@@ -56,9 +56,9 @@ class LawFit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OtherPulse:
-    """Another pulse than was assumed: by how much its criterion is worse, with its error, and the diameter it finds.
+    """A pulse that was not assumed: the difference of its criterion, with its error, and the diameter that it gives.
 
-    ``diameter`` is in um, and ``diameter_off`` by which part it is larger than that of the pulse that was assumed.
+    ``diameter`` is in um; ``diameter_off`` is its relative difference to that of the assumed pulse.
     """
 
     pulse: Pulse

@@ -46,12 +46,12 @@ def tukey(count: int) -> Doubles:
 class Bands:
     """A periodogram in bands, distances in ticks: k = 2 pi p / n per tick for bins p of segments of n samples.
 
-    ``masked`` are ranges in cycles per tick that are left out; ``mean_variance`` is by how much strokes of both ways
-    raise the variance of the mean, if one way has more. ``first`` and ``last`` are the bins of each band; ``energy``
-    the mean of sum-of-squares-normalised |X|^2 over its ``bins`` bins and all ``segments``, in the trace's unit squared
-    per (rad/tick), two-sided; ``variance_factor`` is by how much the taper raises the variance of sums over many bins;
-    ``curvature`` turns d2S/dk2 into the leakage; ``mean_part`` is the part of S(0) that leaves each band with the
-    record's mean; ``power`` has all bins from 0 on.
+    ``masked`` are ranges in cycles per tick that are left out; ``mean_variance`` is the factor by which strokes of both
+    ways raise the variance of the mean, if one way has more. ``first`` and ``last`` are the bins of each band;
+    ``energy`` the mean of sum-of-squares-normalised |X|^2 over its ``bins`` bins and all ``segments``, in the trace's
+    unit squared per (rad/tick), two-sided; ``variance_factor`` is the factor by which the taper raises the variance of
+    sums over many bins; ``curvature`` turns d2S/dk2 into the leakage; ``mean_part`` is the part of S(0) that leaves
+    each band with the record's mean; ``power`` has all bins from 0 on.
     """
 
     samples: int

@@ -54,7 +54,7 @@ OF_FREE_MOTION: Final[dict[Kind, str]] = {
     "lifelines": "Touches of summits: each bar begins where contact is made and ends where it is lost.",
     "load": "Load, separation and normal velocity at the beginning of the run. Flights are shaded, impacts are rings.",
 }
-"""Captions of what has no theory beside it, of a slider that may leave its contact."""
+"""Captions of pictures without theory, for a slider that may leave its contact."""
 
 SECONDS: Final = 5.0
 RATE: Final = 44_100

@@ -32,10 +32,10 @@ CELLS: Final = 4096
 PAGE_BYTES: Final = 14_000_000
 USUAL_BYTES: Final = 12_000_000
 MOST_BYTES: Final = 60_000_000
-"""Bytes of lives and ticks in a page, of its ticks, and of those at most that are asked for; text is a third more."""
+"""Bytes of lives and ticks in a page, of its ticks, and of its ticks at most on request; text is a third more."""
 
 LIVES_BYTES: Final = 12_500_000
-"""Bytes up to which a page holds every life of a run; of more it holds those of its stretch."""
+"""Bytes up to which a page holds every life of a run; with more it holds those of its stretch."""
 
 CURVES: Final = {
     "trace": ("real_contact_area", "junction_count", "friction_force"),

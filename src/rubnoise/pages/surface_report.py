@@ -18,7 +18,7 @@ from rubnoise.web_page import part, web_page
 RATE: Final = 44_100
 SECONDS: Final = 3.0
 SAMPLES_A_LIFE: Final = 100
-"""A mean life of junctions takes so many samples: its noise then falls off above some 300 Hz."""
+"""Samples for a mean life of junctions: the noise then falls off above about 300 Hz."""
 
 _PEAK: Final = 0.7
 

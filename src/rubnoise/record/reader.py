@@ -72,7 +72,7 @@ class HashedReader(Reader, Protocol):
 
 
 class Chunk(Mapping[str, NDArray[Any]]):
-    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is asked for."""
+    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is needed."""
 
     def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
         """Read nothing yet, since unpacking a column takes time."""

@@ -1,7 +1,7 @@
-"""Scenario files: TOML in, a checked scenario or every problem of the file at once out.
+"""Scenario files: from TOML to a checked scenario, or to a list of all problems of the file.
 
-A text becomes data with places, the layers of a file are merged, each key is checked, and then the whole. Begin with
-`document`, which has every key, then `reading`; a file that stands for many runs is read by `sweep`.
+A text becomes data with places, the layers of a file are merged, each key is checked, and then all keys together. Begin
+with `document`, which has every key, then `reading`; a file that stands for many runs is read by `sweep`.
 """
 
 from rubnoise.scenario.reading import build, load, loads

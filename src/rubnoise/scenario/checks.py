@@ -1,4 +1,4 @@
-"""What is wrong or doubtful about a scenario whose every key is right: plausibility, ticks, calibration, cost."""
+"""Problems and warnings of a scenario whose keys are all valid: plausibility, ticks, calibration, cost."""
 
 from collections.abc import Iterator
 
@@ -34,7 +34,7 @@ COARSE = 0.3
 
 
 def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Warn of quantities so far from any contact that a slip of the pen is likely."""
+    """Warn of quantities so far from any real contact that a typing error is likely."""
     for name, section in SECTIONS.items():
         for key, about in section.model_fields.items():
             value = getattr(getattr(document, name), key, None)
@@ -46,7 +46,7 @@ def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _other_prefix(value: Quantity, measure: Measure) -> str:
-    """Suggest MPa for mPa and the like, if that would be plausible."""
+    """Suggest another prefix, such as MPa for mPa, if that would be plausible."""
     number, _, unit = value.written.partition(" ")
     for milli, mega in (("m", "M"), ("M", "m")):
         if unit.startswith(milli):
@@ -60,7 +60,7 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
 
 
 def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
-    """Return the model and its tick, or None and why there is none; and what forbids a run of the model."""
+    """Return the model and its tick, or None and the reason; and the problems that forbid a run of the model."""
     wrong = [*_contact_problems(document, layers), *_offset_problems(document, layers)]
     if problems := wrong + (list(load_problems(document, layers)) if document.load else []):
         return None, None, problems
@@ -89,7 +89,7 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
 
 
 def _resonance_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Warn of ticks between which the contact resonance turns so far that they hardly show it."""
+    """Warn of ticks too wide to show the contact resonance."""
     if model.separation is None or model.tick_duration is None:
         return
     natural = model.separation.oscillator.natural_angular_frequency
@@ -102,7 +102,7 @@ def _resonance_problems(document: Document, layers: Layers, model: Model) -> Ite
 
 
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse a load or a patch from which an area or a count follows that no scenario could give."""
+    """Refuse a load or a patch whose area or count is outside of the range that a scenario may give."""
     area, count = area_and_count(document.interface)
     derived = ((_LOAD, area, AREAS, "um^2 of real contact area"), (_PATCH, count, COUNTS, "junctions"))
     for path, value, possible, what in derived:
@@ -111,9 +111,9 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse what has no run, heights that only equal sizes have, and sums of asperities without `heights = "sum"`.
+    """Refuse excitations without a run, heights without equal sizes, and sums of asperities without `heights = "sum"`.
 
-    A base is lifted by triangles: with lives of another shape theory alone works it out.
+    A base is lifted by triangles: with lives of another shape only theory knows it.
     """
     slider = document.slider
     if slider is None or slider.excitation in {None, "friction"}:
@@ -132,7 +132,7 @@ def _excitation_problems(document: Document, layers: Layers, model: Model) -> It
 
 
 def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse clusters so wide that no stretch of births could be drawn without drawing most of the run."""
+    """Refuse clusters so wide that any stretch of births needs most births of the run."""
     births = model.births
     if isinstance(births, ScatteredBirths) and births.width > _MOST_SPACINGS * births.mean:
         message = f"{births.width:.3g} um is {births.width / births.mean:.3g} mean spacings of births"
@@ -140,7 +140,7 @@ def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
 
 
 def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse lateral offsets if what they do is not known."""
+    """Refuse lateral offsets if their effect is not known."""
     if document.pulse.offset == "none":
         return
     if document.pulse.shape not in OFF_CENTRE:
@@ -178,7 +178,7 @@ def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter:
 
 
 def _width_problems(document: Document, layers: Layers, diameter: float) -> Iterator[Problem]:
-    """Refuse laws with a long tail that are wider than they are made for; the normal law is at home anywhere."""
+    """Refuse laws with a long tail that are wider than their numerics allow; the normal law has no limit."""
     quantities: list[tuple[str, Diameter | Strength, float]] = [("diameter", document.diameter, diameter)]
     if document.strength:
         quantities.append(("strength", document.strength, float(document.strength.mean)))
@@ -195,7 +195,7 @@ def _where_from(document: Document) -> str:
 
 
 def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse a contact that redrawing, which makes lives longer, fills with more junctions than memory holds."""
+    """Refuse a contact in which drawing again makes lives so long that memory cannot hold the junctions."""
     alive = model.mean_junction_count * (model.sizes.moment(1) / model.calibrated_diameter)
     if alive > limits.LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {limits.LIVE_JUNCTIONS:.0e}"
@@ -203,7 +203,7 @@ def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
 
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse what no disk holds, from expected numbers and before any is drawn."""
+    """Refuse runs too large for any disk, from expected numbers, before drawing any."""
     # Those alive at the start are at most a two-thousandth of the limit (`_crowd_problems`).
     junctions = model.birth_rate * model.distance
     ticks = model.tick_count + 1

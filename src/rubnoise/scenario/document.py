@@ -61,7 +61,7 @@ class Interface(Section):
 
 
 def _listed(one_value: str) -> str:
-    """Return every law with what the registry says of it, the law of one value under a name of the table's own."""
+    """Return every law with its description in the registry; the law of one value has a name for each table."""
     known = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
     return "; ".join(f"{one_value if name == 'fixed' else name}: {entry.about}" for name, entry in known.items())
 
@@ -73,7 +73,7 @@ def _without_spread(one_value: str) -> str:
 
 
 def _with_parameters(table: type[Section], centre: str) -> Any:
-    """Return a table with the keys of its own that each law of the registry takes beside the law."""
+    """Return a table with the additional keys of each law of the registry."""
     keys: dict[str, Any] = {}
     for name, entry in LAWS.items():
         for each in entry.parameters:

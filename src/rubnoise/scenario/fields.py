@@ -1,6 +1,6 @@
-"""What stands behind one key: a quantity, a number, a choice or a line of text, each read strictly.
+"""The types of values: a quantity, a number, a choice or a line of text, each read strictly.
 
-Each class is an annotation for pydantic: it reads and refuses the value, and describes it in the JSON schema.
+Each class is an annotation for pydantic: it reads or refuses the value, and describes it in the JSON schema.
 """
 
 import re
@@ -42,7 +42,7 @@ class Unfit(ValueError):  # noqa: N818  (says what the value is)
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Bounds of a number in working units; ``low`` itself is allowed, and 0 is when ``zero`` says so."""
+    """Bounds of a number in working units; ``low`` itself is allowed, and 0 if ``zero`` is true."""
 
     low: float
     high: float
@@ -53,7 +53,7 @@ class Range:
 
 
 class Field(ABC):
-    """A value of one kind: ``read`` turns what the file holds into it, ``describe`` is its JSON schema."""
+    """A type of value: ``read`` converts the value of the file, ``describe`` returns its JSON schema."""
 
     @abstractmethod
     def read(self, value: Any) -> Any:
@@ -72,7 +72,7 @@ class Field(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Measure(Field):
-    """A quantity with a unit, of the first kind or another of ``kinds``; ``plausible`` is where no warning is due."""
+    """A quantity with a unit, of the first kind or another of ``kinds``; outside of ``plausible`` it gets a warning."""
 
     kinds: tuple[Kind, ...]
     possible: Range
@@ -82,7 +82,7 @@ class Measure(Field):
         return core_schema.with_info_plain_validator_function(self._read_in_context)
 
     def _read_in_context(self, value: Any, info: ValidationInfo) -> Quantity:
-        """Read a bare number in working units when it comes from Python, never from a file."""
+        """Read a bare number in working units if it comes from Python, never from a file."""
         number = self._of_python(value) if info.context == FROM_PYTHON else None
         return self.read(value) if number is None else self._within(number)
 
@@ -111,7 +111,7 @@ class Measure(Field):
         return Quantity(Fraction(repr(int(value) if isinstance(value, int) else float(value))), self.kinds[0])
 
     def refusal(self, value: Any) -> Unfit:
-        """Return why a value that is no text is no quantity, with the right form."""
+        """Return the refusal of a value that is not a text, with the right form."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return Unfit(f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"')
         if reason := _no_double(value):
@@ -133,13 +133,13 @@ class Measure(Field):
 
 @dataclass(frozen=True, slots=True)
 class Number(Field):
-    """A TOML number within ``possible``; ``whole`` asks for an integer."""
+    """A TOML number within ``possible``; with ``whole`` an integer."""
 
     possible: Range
     whole: bool = False
 
     def read(self, value: Any) -> int | float:
-        """Return the number; no string and no boolean is one."""
+        """Return the number; raises Unfit for strings and booleans."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise Unfit(f"needs a number, not {_named(value)}", _unquoted_hint(value))
         if not (isinstance(value, int) or isfinite(value)):
@@ -165,7 +165,7 @@ class Number(Field):
 
 @dataclass(frozen=True, slots=True)
 class Choice(Field):
-    """One of the ``available`` words; ``unknown`` is one for which there is no engine."""
+    """One of the ``available`` words; ``unknown`` is a word without an engine."""
 
     available: tuple[str, ...]
     unknown: str = ""
@@ -211,14 +211,14 @@ class Line(Field):
 
 
 def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> str:
-    """Return a suggestion from the known words, or nothing."""
+    """Return a suggestion from the known words, or an empty text."""
     close = get_close_matches(word[:40].lower(), known, n=1, cutoff=0.6)
     mark = '"' if quoted else ""
     return f"did you mean {mark}{close[0]}{mark}?" if close else ""
 
 
 def _no_double(value: float) -> str:
-    """Return what keeps a number from being a finite double, if anything: integers have any length."""
+    """Return why a number is not a finite double, if it is not: integers may have any length."""
     try:
         return "" if isfinite(value) else "not a finite number"
     except OverflowError:

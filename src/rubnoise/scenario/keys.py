@@ -1,4 +1,4 @@
-"""What is wrong with keys: unknown, missing, out of place, or with a value that does not fit."""
+"""Find problems of keys: unknown, missing, in the wrong table, or with an invalid value."""
 
 import json
 from collections.abc import Collection, Iterator, Mapping
@@ -70,7 +70,7 @@ _RIGHT_FORMS: dict[Path, str] = {
 
 
 def format_problems(layers: Layers) -> list[Problem]:
-    """Return what is wrong with the format number of each file: a base file has its own."""
+    """Return the problems of the format number of each file; a base file has its own."""
     problems = []
     for source in layers.sources:
         version = source.data.get("format")
@@ -84,9 +84,9 @@ def format_problems(layers: Layers) -> list[Problem]:
 
 
 def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Problem]]:
-    """Return the document, or None and what is wrong with its keys, alone and among one another.
+    """Return the document, or None and the problems of its keys, alone and in combination.
 
-    Of sources with broken lines nothing is said to be missing: it may stand in one of those.
+    If a source has broken lines, no key counts as missing, since it may be in one of those.
     """
     layers = completed(layers)
     problems = [] if layers.problems else list(_rule_problems(layers))
@@ -113,7 +113,7 @@ def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
 
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
-    """Return the problem of a key that is needed and not there, shown at its table."""
+    """Return the problem of a missing key, shown at its table."""
     return layers.problem(path, reason, f"write {_written(layers, path)}", place=layers.key_place(path[:-1]))
 
 
@@ -149,7 +149,7 @@ def _unknown(layers: Layers, path: Path) -> Problem:
 
 
 def _suggestion(path: Path) -> str:
-    """Suggest the key of this table that is nearest, or the table that has the key."""
+    """Suggest the nearest key of this table, or the table that has the key."""
     word = str(path[-1])
     table = SECTIONS[str(path[0])] if len(path) > 1 and path[0] in SECTIONS else Document
     homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in section.model_fields)
@@ -160,7 +160,7 @@ def _suggestion(path: Path) -> str:
 
 
 def _rule_problems(layers: Layers) -> Iterator[Problem]:
-    """What keys ask of one another, from what the file holds, whether or not their values are right."""
+    """Return the problems of combinations of keys in the file, whether their values are valid or not."""
     slider, sliding = (_table_or_empty(layers, name) for name in ("slider", "sliding"))
     if isinstance(layers.data.get("slider"), dict):
         yield from _excitation_problems(layers, slider)
@@ -186,7 +186,7 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
 
 
 def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
-    """Refuse what is said in two ways at once, in none, or in part of one."""
+    """Refuse alternatives of which two are given, or none, or only a part of one."""
     for ways in ALTERNATIVES[name]:
         yield from _one_of(layers, name, ways)
 
@@ -205,7 +205,7 @@ def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, nee
 
 
 def _loss_problems(layers: Layers) -> Iterator[Problem]:
-    """Compare what a load that weighs loses with its motion."""
+    """Check that the loss of a load that weighs fits its motion."""
     load = _table_or_empty(layers, "load")
     free = load.get("motion") == "free"
     yield from _one_of(layers, "load", DAMPINGS, needed=not free)
@@ -219,7 +219,7 @@ def _loss_problems(layers: Layers) -> Iterator[Problem]:
 
 
 def _said_twice(layers: Layers, both: list[Path]) -> Problem:
-    """Return the problem of two keys that say one thing, shown at the second."""
+    """Return the problem of two keys for one quantity, shown at the second."""
     names = " and ".join(str(path[-1]) for path in both)
     places = sorted(((layers.key_place(path), path) for path in both), key=lambda each: (each[0].rank, each[0].line))
     (first, _), (second, path) = places
@@ -232,7 +232,7 @@ _DRIVEN = {"asperity_height": "base", "heights": "base", "slope": "velocity-weak
 
 
 def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    """Compare the keys of an excitation with it; a driven motion is known one-way alone."""
+    """Check the keys of an excitation; a driven motion is known only one-way."""
     excitation = slider.get("excitation", "friction")
     for key, its in _DRIVEN.items():
         path = ("slider", key)
@@ -258,7 +258,7 @@ def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Prob
 
 
 def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
-    """Compare the keys of a table with its law: those that the law needs, and those that would do nothing."""
+    """Check the keys of a table against its law: missing ones, and ones without effect."""
     table, about = _table_or_empty(layers, name), SECTIONS[name].model_fields["law"]
     law = table.get("law", about.default)
     entry = LAWS.get("fixed" if law == ONE_STRENGTH else law) if isinstance(law, str) else None
@@ -295,7 +295,7 @@ def _own_keys(
     homes: Mapping[str, str],
     optional: Collection[str] = (),
 ) -> Iterator[Problem]:
-    """Refuse keys that a law does not take, with the law that does, and ask for those that it needs."""
+    """Refuse keys that a law does not take, naming the law that does, and report missing ones."""
     table = _table_or_empty(layers, name)
     for key, instead in homes.items():
         path = (name, key)
@@ -308,7 +308,7 @@ def _own_keys(
 
 
 def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> Iterator[Problem]:
-    """Refuse parameters that have to grow from one to the next and do not."""
+    """Refuse parameters that must increase from one to the next and do not."""
     table = _table_or_empty(layers, name)
     for low, high in pairwise(ascending):
         least, most = table.get(low), table.get(high)
@@ -317,6 +317,6 @@ def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> It
 
 
 def _table_or_empty(layers: Layers, name: str) -> dict[str, Any]:
-    """Return a table; an empty one if there is none, or something else in its place."""
+    """Return a table; an empty one if there is none, or if the key has another value."""
     table = layers.data.get(name)
     return table if isinstance(table, dict) else {}

@@ -1,4 +1,4 @@
-"""The layers of a scenario: what a file extends, the file itself, and what `--set` puts on top, merged deeply."""
+"""The layers of a scenario: the files that it extends, the file itself, and overrides by `--set`, merged deeply."""
 
 import os
 import tomllib
@@ -22,14 +22,14 @@ SET = "--set"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layers:
-    """Sources from the most basic to the topmost, their merged data, and the problems met on the way."""
+    """Sources from the most basic to the topmost, their merged data, and the problems found while merging."""
 
     sources: tuple[Source, ...]
     data: dict[str, Any]
     problems: tuple[Problem, ...]
 
     def source_of(self, path: Path) -> Source:
-        """Return the topmost source that gives a key, or the nearest key above it that any gives."""
+        """Return the topmost source with a key, or with the nearest table above it."""
         for known in (path[:n] for n in range(len(path), 0, -1)):
             for source in reversed(self.sources):
                 if gives(source.data, known):
@@ -37,12 +37,12 @@ class Layers:
         return self.main
 
     def origin_of(self, path: Path) -> Source:
-        """Return the most basic source that gives a key, where it is named for the first time."""
+        """Return the most basic source with a key, the first that names it."""
         return next((source for source in self.sources if gives(source.data, path)), self.main)
 
     @property
     def main(self) -> Source:
-        """The file that was asked for."""
+        """The requested file."""
         return next(source for source in reversed(self.sources) if not isinstance(source, Overlay))
 
     @property
@@ -51,11 +51,11 @@ class Layers:
         return tuple(source.name for source in self.sources if not isinstance(source, Overlay | Values))
 
     def value_place(self, path: Path) -> Place:
-        """Return where the value of a key stands that counts."""
+        """Return the place of the value that counts for a key."""
         return self.source_of(path).value_place(path)
 
     def key_place(self, path: Path) -> Place:
-        """Return where a key is named that counts."""
+        """Return the place where the key that counts is named."""
         return self.source_of(path).key_place(path)
 
     def problem(
@@ -73,7 +73,7 @@ class Layers:
         return Problem(path=path, message=message, place=shown, hint=hint, severity=severity, forbids_run=forbids_run)
 
     def topped(self, overlay: "Overlay", *, without: str) -> "Layers":
-        """Return these layers with one more on top, and without a table."""
+        """Return these layers with another one on top, and without a table."""
         data = _merged([self.data, overlay.data])
         kept = {key: value for key, value in data.items() if key != without}
         return replace(self, sources=(*self.sources, overlay), data=kept)
@@ -81,12 +81,12 @@ class Layers:
 
 @dataclass(frozen=True)
 class Overlay(Source):
-    """Keys on top of a file: it is no file itself, and has no format number."""
+    """Keys on top of a file; an overlay is not a file and has no format number."""
 
 
 @dataclass(frozen=True)
 class Setting(Overlay):
-    """One `--set KEY=VALUE`; its text is what was typed."""
+    """One `--set KEY=VALUE`; its text is that of the command line."""
 
     @property
     def _halves(self) -> tuple[tuple[str, ...], str]:
@@ -95,7 +95,7 @@ class Setting(Overlay):
 
     @property
     def data(self) -> dict[str, Any]:
-        """The value, read as TOML or else as a string, under its key."""
+        """The value under its key, read as TOML if possible, otherwise as a string."""
         path, value = self._halves
         data: Any = override_value(value)
         for part in reversed(path):
@@ -104,7 +104,7 @@ class Setting(Overlay):
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What keeps the text from being KEY=VALUE."""
+        """The problems of a text that is not KEY=VALUE."""
         path, _ = self._halves
         if len(self.text) > limits.LINE_CHARACTERS:
             message = f"more than {limits.LINE_CHARACTERS} characters"
@@ -122,24 +122,24 @@ class Setting(Overlay):
         return self.text, len(self.text.partition("=")[0])
 
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
-        """Return the value behind the key."""
+        """Return the place of the value."""
         text, key = self._typed
         return Place(source=self.name, line=0, text=text, start=min(key + 1, len(text)), end=len(text), rank=self.rank)
 
     def key_place(self, path: Path) -> Place:  # noqa: ARG002  (one key)
-        """Return the key."""
+        """Return the place of the key."""
         text, key = self._typed
         return Place(source=self.name, line=0, text=text, start=0, end=key, rank=self.rank)
 
 
 class OptionOverride(str):
-    """An override that is typed as an option of its own: `--seed 7` for `run.seed=7`."""
+    """An override with its own option: `--seed 7` for `run.seed=7`."""
 
     __slots__ = ("option",)
     option: str
 
     def __new__(cls, option: str, key: str, value: object) -> Self:
-        """Keep the option beside the KEY=VALUE that it stands for."""
+        """Keep the option with its KEY=VALUE."""
         self = super().__new__(cls, f"{key}={value}")
         self.option = option
         return self
@@ -147,7 +147,7 @@ class OptionOverride(str):
 
 @dataclass(frozen=True)
 class OptionSetting(Setting):
-    """One override that is typed as an option of its own; its name is that option, which its places show."""
+    """The source of an override with its own option; its name and its places are that option."""
 
     @property
     def _typed(self) -> tuple[str, int]:
@@ -156,13 +156,13 @@ class OptionSetting(Setting):
 
 @dataclass(frozen=True)
 class Values(Source):
-    """Values given in Python, which stand in no line."""
+    """Values given in Python, which have no lines."""
 
     values: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def data(self) -> dict[str, Any]:
-        """The values, in tables of their own and as Python has them."""
+        """The values in copies of their tables, as Python objects."""
         return plain(self.values)
 
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
@@ -171,19 +171,19 @@ class Values(Source):
 
 
 def from_file(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Layers:
-    """Return the layers of a scenario file: what it extends, itself, the overrides."""
+    """Return the layers of a scenario file: the files that it extends, itself, the overrides."""
     return _layered(*_chain(FilePath(path), os.path.normpath(path)), overrides)
 
 
 def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
-    """Return the layers of a text, which cannot extend a file as it lies in no folder."""
+    """Return the layers of a text, which cannot extend a file, since it is in no folder."""
     source = Source(name, text)
     refused = _not_extended(source, "a text has no folder to look in; load the file instead")
     return _layered([source], refused if "extends" in source.data else [], overrides)
 
 
 def from_text_over(values: Mapping[str, Any], text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
-    """Return the layers of a text on top of values, which stand for the file that it extends."""
+    """Return the layers of a text on top of values, which replace the file that it extends."""
     return _layered([Values(name, "", values=values), Source(name, text)], [], overrides)
 
 
@@ -214,7 +214,7 @@ def _setting(text: str, rank: int) -> Setting:
 
 
 def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
-    """Return a file's sources, basic first, and what is wrong with how they extend one another."""
+    """Return a file's sources, the most basic first, and the problems of how they extend one another."""
     sources, seen = [Source(name, _text_of_file(path, name))], [os.path.realpath(path)]
     while isinstance(base := sources[0].data.get("extends"), str):
         path = _extended(path.parent, base)
@@ -236,7 +236,7 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
 
 
 def _extended(folder: FilePath, base: str) -> FilePath:
-    """Return the file that one in a folder extends: beside it, or one that comes with rubnoise by its name."""
+    """Return the path of an extended file: relative to the folder, or the name of one that comes with rubnoise."""
     from rubnoise.scenario.shipped import by_name, shipped_names
 
     beside = folder / base
@@ -270,7 +270,7 @@ def _decoded(content: bytes, name: str) -> str:
 
 
 def override_value(value: str) -> Any:
-    """Return the value of an override, read as TOML if it is, and else as a text."""
+    """Return the value of an override, read as TOML if possible, otherwise as a text."""
     try:
         data = tomllib.loads(f"value = {value}")
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -286,7 +286,7 @@ def _merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Return tables in dicts of their own, and numbers and texts of numpy, alone or in an array of 0-d, as Python's."""
+    """Return copies of tables, with numbers and texts of numpy (also in 0-d arrays) as Python's."""
     if isinstance(value, Mapping):
         return {key: plain(each) for key, each in value.items()}
     if isinstance(value, np.generic | np.ndarray) and value.ndim == 0:

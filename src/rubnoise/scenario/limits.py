@@ -1,4 +1,4 @@
-"""The bounds of what a scenario may ask for, in one place."""
+"""The limits of scenarios, in one place."""
 
 FILE_BYTES = 64 * 1024
 # Of a file and those that it extends, together: what a reader does with them takes its time for each byte.

@@ -1,4 +1,4 @@
-"""The points of a sweep: scenarios that are ready to run, each with a seed and a name of its own."""
+"""The points of a sweep: scenarios ready to run, each with its seed and its name."""
 
 import json
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -22,7 +22,7 @@ _NOT_THE_SIZES = ("file", "column", "hash")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """What the swept keys are at one point, as written, and the whole scenario there."""
+    """The values of the swept keys at one point, as written, and the whole scenario there."""
 
     values: Mapping[str, Any]
     scenario: Scenario
@@ -30,9 +30,9 @@ class Case:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Point:
-    """One run of a sweep: its swept values as written, which replicate it is, its name, its seed and its scenario.
+    """One run of a sweep: its swept values as written, the number of its replicate, its name, seed and scenario.
 
-    The seed stands in the scenario too; replicates are counted from 0.
+    The scenario has the seed, too; replicates are counted from 0.
     """
 
     values: Mapping[str, Any]
@@ -43,12 +43,12 @@ class Point:
 
 
 def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[Point, ...]:
-    """Return so many runs of every case but for the ``first`` ones, the replicates of a case one after another."""
+    """Return the runs of every case from replicate ``first`` on, the replicates of a case one after another."""
     return tuple(point for case in cases for point in _points(case, range(first, replicates)))
 
 
 def _points(case: Case, replicates: range) -> Iterator[Point]:
-    """Yield replicates of a case; what all of them have in common is put into words once."""
+    """Yield replicates of a case; their common text is made once."""
     scenario, resolved = case.scenario, case.scenario.resolved()
     words = _seed_words(resolved)
     for replicate in replicates:
@@ -70,11 +70,11 @@ def _seed_words(resolved: Mapping[str, Any]) -> tuple[int, ...]:
 
 
 def _derived(seed: int, words: tuple[int, ...], replicate: int) -> int:
-    """Return the seed of a replicate: 53 bits that follow from the seed in the scenario and from what happens there.
+    """Return the seed of a replicate: 53 bits from the seed in the scenario and the physics of the scenario.
 
-    Neither the order of points nor what else is swept has a part in it, nor has how the run is written or titled, nor
-    whether the slider pushes back: both couplings meet the same junctions. From numpy's SeedSequence, whose numbers are
-    the same in every version (O'Neill's seed_seq_fe).
+    It does not depend on the order of points, on the other swept values, on output and title, or on the coupling:
+    one-way and two-way sliders meet the same junctions. From numpy's SeedSequence, whose numbers are the same in every
+    version (O'Neill's seed_seq_fe).
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(*words, replicate))
     return int(sequence.generate_state(1, np.uint64)[0]) >> 11
@@ -83,7 +83,7 @@ def _derived(seed: int, words: tuple[int, ...], replicate: int) -> int:
 def run_id(scenario: Scenario) -> str:
     """Return the name of a run, 16 hexadecimal digits of the SHA-256 of its scenario with the seed.
 
-    The title has no part in it, nor has the engine, since both engines give the same bits.
+    It does not depend on the title, nor on the engine, since both engines give the same bits.
     """
     return _name(scenario.resolved(), scenario.run.seed)
 
@@ -94,7 +94,7 @@ def _name(resolved: Mapping[str, Any], seed: int) -> str:
 
 
 def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
-    """Return a resolved scenario as the one JSON text of it: keys sorted, defaults left out, in working units.
+    """Return the canonical JSON text of a resolved scenario: keys sorted, defaults left out, in working units.
 
     Defaults are left out so that a key of a later version, with its default, changes no name and no seed. A calibration
     is left out if it is exact, the first default, or does what exact does: matched, for equal diameters.

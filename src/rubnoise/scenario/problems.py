@@ -1,4 +1,4 @@
-"""What is wrong with a scenario, and how it is shown: `file:line: error: key: message`, the line, a caret, advice."""
+"""The problems of a scenario, and how they are shown: `file:line: error: key: message`, the line, a caret, advice."""
 
 import unicodedata
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ _SHOWN_CHARACTERS = 100
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Where in a text something stands: source name, the line (from 1), its text, and the columns (from 0)."""
+    """A place in a text: source name, the line (from 1), its text, and the columns (from 0)."""
 
     source: str
     line: int
@@ -23,7 +23,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """One thing that is wrong (error) or doubtful (warning) about a key, with advice if there is any.
+    """An error or a warning about a key, with advice if there is any.
 
     ``forbids_run`` marks an error that stops a run, but not the theory of the scenario.
     """
@@ -51,7 +51,7 @@ class Problem:
 
 
 def in_order(problems: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Return the problems by source, line and column, each once; no warning about a key that has an error."""
+    """Return the problems by source, line and column, each once; without warnings about keys with errors."""
     unique = dict.fromkeys(problems)
     wrong = {problem.path for problem in unique if problem.severity == "error"}
     shown = (problem for problem in unique if problem.severity == "error" or problem.path not in wrong)
@@ -76,7 +76,7 @@ def _shown_line(place: Place) -> list[str]:
 
 
 def _shown_text(text: str) -> str:
-    """Escape what would not print as itself: control characters, and those that change the direction of writing."""
+    """Escape characters that do not print as themselves: control characters, and those that change the direction."""
     return "".join(c if c.isprintable() else " " if c == "\t" else c.encode("unicode_escape").decode() for c in text)
 
 

@@ -1,4 +1,4 @@
-"""Reading a scenario: from a file, a text, Python values or another scenario to a Scenario, or to all problems."""
+"""Read a scenario from a file, a text, Python values or another scenario; return a Scenario or all problems."""
 
 import json
 import os
@@ -36,7 +36,7 @@ def hash_of(values: Sequence[float]) -> str:
 
 
 def stored_sizes(*resolved: Mapping[str, Any]) -> ReadSizes:
-    """Return what reads the values that resolved scenarios have kept, by file and column, in place of the files."""
+    """Return a function that takes diameters from resolved scenarios, by file and column, instead of the files."""
     tables = [scenario[_TABLE] for scenario in resolved]
     kept = {(os.path.normpath(each["file"]), each.get("column")): each["values"] for each in tables if "file" in each}
 
@@ -49,9 +49,9 @@ def stored_sizes(*resolved: Mapping[str, Any]) -> ReadSizes:
 
 
 def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Problem]]:
-    """Return layers with the values of a file of diameters and their hash, and what is wrong with these.
+    """Return layers with the values of a file of diameters and their hash, and the problems of these.
 
-    Values that a result keeps beside their file are those of the hash, and the file is not read again.
+    If a result has the values, they must have the hash, and the file is not read again.
     """
     table = given.data.get(_TABLE)
     if not isinstance(table, dict) or not {"file", "column", "hash"} & table.keys():
@@ -68,7 +68,7 @@ def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Pro
 def _sizes_of_file(
     given: Layers, table: Mapping[str, Any], read: ReadSizes | None
 ) -> tuple[Sequence[float], list[Problem]]:
-    """Return the values of a file, which lies relative to the scenario file that names it; or why there are none."""
+    """Return the values of a file, given relative to the scenario file that names it; or the reason of a refusal."""
     if not all(isinstance(table.get(key, ""), str) for key in ("file", "column", "hash")):
         return _STANDS_IN, []  # said where these keys are read
     try:
@@ -89,7 +89,7 @@ def _refuse(path: str, _column: str | None) -> Sequence[float]:
 
 
 def _unlike(given: Layers, table: Mapping[str, Any]) -> list[Problem]:
-    """Refuse values beside a file that are not those of the hash."""
+    """Refuse values that do not have the hash given with their file."""
     if "hash" not in table:
         return [given.problem((_TABLE, "values"), "both values and file are given", "keep exactly one of the two")]
     try:
@@ -110,7 +110,7 @@ def _filled(given: Layers, values: Sequence[float]) -> Layers:
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None) -> Scenario:
     """Return the scenario of a TOML file, with overrides of the form `KEY=VALUE` on top.
 
-    ``read`` reads diameters of a file; without it a scenario that names one is refused. Raises ScenarioRefused with
+    ``read`` reads diameters of a file; without it a scenario with such a file is refused. Raises ScenarioRefused with
     every problem of the file, each with its line.
     """
     return checked(layers.from_file(path, overrides), read)
@@ -131,7 +131,7 @@ def build(values: Mapping[str, Any], name: str = "<python>", read: ReadSizes | N
 
 
 def stored(resolved: object, what: str = "the scenario in the file") -> Scenario:
-    """Return the scenario that a result keeps, as JSON or parsed; raises RunFileRefused, naming it, if it is none."""
+    """Return the scenario of a result, as JSON or parsed; raises RunFileRefused, which names the file."""
     try:
         values: Any = json.loads(resolved) if isinstance(resolved, str) else resolved
         return build(values)
@@ -157,7 +157,7 @@ def checked(
 def examined(
     given: Layers, read: ReadSizes | None = None, *, from_python: bool = False
 ) -> tuple[Scenario | None, list[Problem]]:
-    """Return the scenario of its layers, or None, and everything that is wrong with it or doubtful."""
+    """Return the scenario of its layers, or None, and all errors and warnings."""
     formats = keys.format_problems(given)
     if any(problem.message != "missing" for problem in formats):
         return None, [*given.problems, *formats]  # the other keys may well be right in that format
@@ -175,7 +175,7 @@ def examined(
 
 
 def _complete(slider: Slider | None) -> Slider | None:
-    """Return a slider with the tolerance that a two-way motion has without one."""
+    """Return a slider with the default tolerance of a two-way motion."""
     if slider is None or slider.coupling == "one-way" or slider.tolerance is not None:
         return slider
     return slider.model_copy(update={"tolerance": TOLERANCE})
@@ -206,14 +206,14 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
 
 
 def _files(given: Layers) -> tuple[str, ...]:
-    """Return the files that were read: the scenario, what it extends, and that of its diameters."""
+    """Return the files that were read: the scenario, the files that it extends, and that of its diameters."""
     table = given.data.get(_TABLE, {})
     sizes = [str(_size_file(given, table))] if "file" in table else []
     return *given.files, *sizes
 
 
 def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:
-    """Return the file of diameters, which lies relative to the scenario file that names it."""
+    """Return the path of the file of diameters, given relative to the scenario file that names it."""
     return FilePath(given.source_of((_TABLE, "file")).name).parent / table["file"]
 
 
@@ -257,7 +257,7 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
 
 
 def _paths(table: str, key: str, value: Any) -> Iterator[Path]:
-    """Yield each changed key with its table: of a table that is given as a whole, each key in it."""
+    """Yield each changed key with its table; for a whole table, each of its keys."""
     if table:
         yield table, key
     elif isinstance(value, Mapping):
@@ -278,9 +278,8 @@ def _set(table: dict[str, Any], key: str, value: Any) -> None:
 def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -> tuple[str, str]:
     """Return the table of a key, empty at the top, and the key in it; ``values`` are the tables of the scenario.
 
-    A key of several tables is that of the only one that the scenario has. A name of a table and of a key, such as
-    `load`, is that of the key if the ``value`` is a text. Raises ScenarioRefused for no such key; ``said`` names the
-    argument.
+    A key of several tables means the only one that the scenario has. A name of both a table and a key, such as `load`,
+    means the key if ``value`` is a text. Raises ScenarioRefused for an unknown key; ``said`` names the argument.
     """
     table, dot, key = name.partition(".")
     if dot:

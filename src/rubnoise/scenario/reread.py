@@ -1,4 +1,4 @@
-"""The scenario that a text and its overrides stand for, read once more for a run that was made from them."""
+"""Read a text with its overrides again, to compare it with a run that was made from it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,9 +21,9 @@ _FIRST_CALIBRATION: Final = "exact"  # what a text without the key meant when ol
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reread:
-    """The resolved scenario of a text, and for a point of a sweep the seeds that its replicates have.
+    """The resolved scenario of a text, and for a point of a sweep the seeds of its replicates.
 
-    ``self_contained`` is False if the text extends a file that is not at hand: its keys are those of the run.
+    ``self_contained`` is False if the text extends a file that is missing: its keys are then taken from the run.
     """
 
     resolved: Mapping[str, Any]
@@ -32,10 +32,10 @@ class Reread:
 
 
 def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> Reread:
-    """Return the scenario of a text with overrides; of a sweep the point that has the swept values of the run.
+    """Return the scenario of a text with overrides; for a sweep, the point with the swept values of the run.
 
-    ``run`` is the resolved scenario of the run. Raises ScenarioRefused if the text is no scenario, or if its
-    sweep has no such point.
+    ``run`` is the resolved scenario of the run. Raises ScenarioRefused if the text is not a scenario, or its sweep
+    has no such point.
     """
     self_contained = "extends" not in Source(NAME, text).data
     given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
@@ -49,9 +49,9 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
 
 
 def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
-    """Return a scenario as it was when a run of it was made, whose resolved scenario is ``made``.
+    """Return a scenario with the defaults of the time of its run, whose resolved scenario is ``made``.
 
-    If neither says its calibration it was exact, and not what it is today without the key.
+    If neither has the calibration, it was exact, and not today's default.
     """
     interface = made.get("interface")
     first = isinstance(interface, Mapping) and interface.get("calibration") == _FIRST_CALIBRATION
@@ -61,7 +61,7 @@ def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
 
 
 def sweep_as_made(sweep: Sweep, made: Mapping[str, Any]) -> Sweep:
-    """Return a sweep as it was when the runs of its folder were made, the first of which is ``made``; see `as_made`."""
+    """Return a sweep with the defaults of the time of its runs, the first of which is ``made``; see `as_made`."""
     cases = tuple(replace(case, scenario=as_made(case.scenario, made)) for case in sweep.cases)
     return replace(sweep, cases=cases)
 
@@ -80,7 +80,7 @@ def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Re
 
 
 def _indices(table: Table, run: Mapping[str, Any]) -> tuple[int, ...]:
-    """Return which value of each axis the run has; values side by side have one number."""
+    """Return the number of the run's value on each axis; values side by side have one number."""
     found = [_numbers(axis, run) for axis in table.grid]
     if table.side_by_side:
         common = set.intersection(*(set(_numbers(axis, run)) for axis in table.side_by_side))
@@ -97,7 +97,7 @@ def _numbers(axis: Axis, run: Mapping[str, Any]) -> list[int]:
 
 
 def _is_of(axis: Axis, value: Any, run: Mapping[str, Any]) -> bool:
-    """Whether the run stays as it is when a key is given a value as written."""
+    """Whether a run has the given value of a key."""
     section, key = map(str, axis.path)
     changed = from_values({**run, section: {**run.get(section, {}), key: value}}, NAME)
     scenario, _ = examined(changed)

@@ -1,4 +1,4 @@
-"""A scenario that has been checked: its sections in working units, and the physics that follows from its keys."""
+"""A checked scenario: its sections in working units, and the physics that follows from its keys."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -28,9 +28,9 @@ from rubnoise.units import LENGTH, RATIO, Quantity
 class Scenario:
     """The sections of a scenario file, with values in um, s, kg, uN, MPa, N/m, N s/m and defaults filled in.
 
-    ``text`` is the file as read, ``warnings`` what is allowed and doubtful, each ready to print, ``physics`` the model,
-    ``given`` the keys as they were given, without defaults, ``files`` the files that were read for it. ``too_large``
-    says why no run of it is possible; it is empty if one is. Its theory is exact in both cases.
+    ``text`` is the file as read, ``warnings`` are texts about doubtful values, ``physics`` is the model, ``given`` are
+    the keys as given, without defaults, ``files`` are the files that were read for it. ``too_large`` is the reason why
+    a run is impossible; it is empty if a run is possible. Its theory is exact in both cases.
 
     >>> import rubnoise
     >>> scenario = rubnoise.load("paper/fig5")
@@ -61,8 +61,8 @@ class Scenario:
         """Return the scenario with other values of some keys, checked like a file.
 
         ``replace(seed=3)`` and ``replace({"sliding.speed": "2 mm/s"})``: a key of only one table needs no dots. A value
-        is a text with a unit or a quantity of pint; a plain number is for keys without a unit. None takes a key away,
-        so that its default counts again. A mapping as the value of a table, such as ``slider``, replaces the keys that
+        is a text with a unit or a quantity of pint; a plain number is for keys without a unit. None removes a key,
+        so that its default is used. A mapping as the value of a table, such as ``slider``, replaces the keys that
         it names. Raises ScenarioRefused with every problem.
 
         >>> import rubnoise
@@ -77,7 +77,7 @@ class Scenario:
         return replaced(self, {**(changes or {}), **keys})
 
     def to_dict(self) -> dict[str, Any]:
-        """Return every key with its value, defaults too; `rubnoise.build` makes the scenario of it again."""
+        """Return every key with its value, also defaults; `rubnoise.build` makes the same scenario from it."""
         return self.resolved()
 
     def to_toml(self) -> str:
@@ -92,7 +92,7 @@ class Scenario:
         return text_of(self.resolved())
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> FilePath:
-        """Write the scenario into a file, whole or not at all, and return its path; see `to_toml`.
+        """Write the scenario into a file, completely or not at all, and return its path; see `to_toml`.
 
         ``force`` allows an existing file to be replaced. Raises ScenarioRefused for a file that cannot be written.
         """
@@ -117,7 +117,7 @@ class Scenario:
             raise ScenarioRefused(self.too_large)
 
     def resolved(self) -> dict[str, Any]:
-        """Return every key with its value, defaults too, as a scenario of text, numbers and tables (JSON-able).
+        """Return every key with its value, also defaults, as a table of texts, numbers and tables that JSON can hold.
 
         Quantities are written in working units in full; read again, it is the same scenario to the last bit.
         """
@@ -141,7 +141,7 @@ class Scenario:
 
 
 def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a resolved scenario by its keys with dots; an empty table is a key of its own."""
+    """Return a resolved scenario as a flat table with dotted keys; an empty table has its own key."""
     found: dict[str, Any] = {}
     for name, value in resolved.items():
         tables = isinstance(value, Mapping) and value
@@ -155,7 +155,7 @@ def _explicit(section: sections.Section) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON gives it back, so that what is stored equals what it was stored from."""
+    """Return a value as JSON reads it back, so that the stored value equals it."""
     if isinstance(value, Quantity):
         return value.as_text()
     return list(value) if isinstance(value, tuple) else value
@@ -176,7 +176,7 @@ def diameter_of(document: sections.Document) -> float:
 
 
 def area_and_count(interface: sections.Interface) -> tuple[float, float]:
-    """Return A_rm in um^2 and N_jm as given, or from W/H and from the area of one patch; exact and rounded once."""
+    """Return A_rm in um^2 and N_jm, as given or from W/H and the area of one patch; exact and rounded once."""
     area, load, hardness = interface.mean_real_contact_area, interface.load, interface.hardness
     whole = area.exact if area is not None else cast(Quantity, load).exact / cast(Quantity, hardness).exact
     count, patch = interface.mean_junction_count, interface.patch_area
@@ -184,7 +184,7 @@ def area_and_count(interface: sections.Interface) -> tuple[float, float]:
 
 
 def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
-    """Return how a quantity spreads about its centre: by what law, and by an absolute or a relative spread."""
+    """Return the law of a quantity about its centre, with an absolute or a relative spread."""
     law = "fixed" if quantity.law == sections.ONE_STRENGTH else quantity.law
     own = tuple((each.name, getattr(quantity, each.name)) for each in LAWS[law].parameters)
     if isinstance(quantity, sections.Diameter) and LAWS[law].own_keys:
@@ -198,7 +198,7 @@ def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
 
 
 def _lists(sizes: sections.Diameter) -> tuple[tuple[str, Any], ...]:
-    """Return the lists of a mixture or of measured values as their laws take them."""
+    """Return the lists of a mixture or of measured values in the form that their laws take."""
     if sizes.law == "empirical":
         return ("values", sizes.values), ("sampled", sizes.sampled or "born")
     given, weights = sizes.parts or (), sizes.weights or ()
@@ -207,7 +207,7 @@ def _lists(sizes: sections.Diameter) -> tuple[tuple[str, Any], ...]:
 
 
 def default_tick(diameter: float) -> Quantity:
-    """Return a two-hundredth of the mean life 2 d_m, as the decimal number that a file would give."""
+    """Return a two-hundredth of the mean life 2 d_m, as a decimal number that can be written in a file."""
     return Quantity(Fraction(repr(diameter / 100.0)), LENGTH)
 
 
@@ -239,7 +239,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
 
 
 def births_of(birth: sections.Birth, spacing: float) -> BirthLaw:
-    """Return the law of births of a mean spacing in um."""
+    """Return the law of births with a mean spacing in um."""
     entry = BIRTHS[birth.law]
     own = {each.name: float(getattr(birth, each.name)) for each in entry.keys}
     return cast(BirthLaw, entry.make(mean_spacing=spacing, **own))
@@ -299,13 +299,13 @@ FREE_MOTION: Final = ("restitution", "impact_damping")
 """Keys of a slider that leaves its contact."""
 
 MOST_LIVE: Final = 1000.0
-"""Junctions in contact up to which motion is worked out from event to event; of so many, each is felt by none."""
+"""Junctions in contact up to which free motion is computed; with more, a single one has no effect."""
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
 
 
 def completed(layers: Layers) -> Layers:
-    """Return layers with the contact set if a table [load] asks for it and nothing is said."""
+    """Return layers with the default contact for a table [load], if the file does not give it."""
     if not isinstance(layers.data.get("load"), dict):
         return layers
     data = deepcopy(layers.data)
@@ -317,7 +317,7 @@ def completed(layers: Layers) -> Layers:
 
 
 def load_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse what contradicts a load that weighs, in a document with one."""
+    """Refuse keys that contradict a load that weighs."""
     for path, needed in CONTACT.items():
         if not _agrees(getattr(getattr(document, str(path[0])), str(path[1])), needed):
             message = f"the theory of [load] is for {_words(path, needed)}"
@@ -331,7 +331,7 @@ def load_problems(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse what no free motion begins with, and contacts whose slider never leaves them."""
+    """Refuse starts that free motion does not have, and contacts that their slider never leaves."""
     if document.sliding.start != "stationary":
         message = "free motion begins at rest on the summits that are there"
         yield layers.problem(("sliding", "start"), message, 'start = "stationary"')

@@ -1,4 +1,4 @@
-"""The JSON schema of scenario files, for editors."""
+"""The JSON schema of scenario files, which editors use."""
 
 from typing import Any
 
@@ -10,9 +10,9 @@ _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def json_schema() -> dict[str, Any]:
-    """Return the JSON schema of a scenario file, with what is available in this version.
+    """Return the JSON schema of a scenario file of this version.
 
-    A file that extends another may leave needed keys to it, and one with a sweep to that: they are demanded of others.
+    Required keys may be missing in a file that extends another, or that sweeps them; other files must have them.
     """
     schema = Document.model_json_schema()
     sections = schema["$defs"]
@@ -42,7 +42,7 @@ def _sweep() -> dict[str, Any]:
 
 
 def _lists() -> dict[str, Any]:
-    """Return a table of the tables of a scenario, where every key takes a list of what it takes there."""
+    """Return the tables of a scenario with a list of values for every key."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in SECTIONS}
     for name, _, key in (known.partition(".") for known in known_keys()):
         items = {"$ref": f"#/$defs/{SECTIONS[name].__name__}/properties/{key}"}
@@ -74,7 +74,7 @@ def _one_of(ways: tuple[tuple[str, ...], ...]) -> dict[str, Any]:
 
 
 def _without_noise(node: Any) -> Any:
-    """Drop titles, which repeat the keys, and nulls, which TOML lacks: an optional key is one that may be left out."""
+    """Drop titles, which repeat the keys, and nulls, which TOML does not have: an optional key may be left out."""
     if isinstance(node, list):
         return [_without_noise(item) for item in node]
     if not isinstance(node, dict):

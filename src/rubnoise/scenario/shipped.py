@@ -15,7 +15,7 @@ _HOMES = (_PACKAGE / "shipped_scenarios", _PACKAGE.parents[1] / "scenarios")
 def shipped(name: str) -> Path:
     """Return the path of a scenario file that comes with rubnoise, such as ``paper/fig5.toml``.
 
-    Raises Refused if the installation has lost it.
+    Raises Refused if the installation does not have it.
     """
     for home in _HOMES:
         path = home / name
@@ -25,7 +25,7 @@ def shipped(name: str) -> Path:
 
 
 def shipped_names() -> tuple[str, ...]:
-    """Return the names of all of them, such as ``paper/fig5``, in alphabetical order."""
+    """Return the names of all shipped scenarios, such as ``paper/fig5``, in alphabetical order."""
     home = next((home for home in _HOMES if home.is_dir()), None)
     paths = [] if home is None else [path.relative_to(home) for path in home.glob("*/*.toml")]
     return tuple(sorted(path.with_suffix("").as_posix() for path in paths))
@@ -41,7 +41,7 @@ def by_name(name: str) -> Path:
 
 
 def named(source: str | os.PathLike[str]) -> Path:
-    """Return the path that a path or a name stands for: a file that exists, else a shipped scenario, else itself.
+    """Return the path for a path or a name: an existing file, otherwise a shipped scenario, otherwise the path itself.
 
     Raises Refused, with near names, for a word without ``.toml`` that is neither.
     """
@@ -62,7 +62,7 @@ def named(source: str | os.PathLike[str]) -> Path:
 
 
 def shipped_titles() -> dict[str, str]:
-    """Return the title of every shipped scenario by its name; of one without, that of the file it extends."""
+    """Return the title of every shipped scenario by its name; one without a title has that of the file it extends."""
     return {name: _title(by_name(name)) for name in shipped_names()}
 
 
@@ -74,7 +74,7 @@ def _title(path: Path) -> str:
 
 
 def copy_of(name: str) -> str:
-    """Return the text of a shipped scenario as a file of its own; what it extends comes before its own keys.
+    """Return the text of a shipped scenario as a complete file; the keys that it extends come before its own.
 
     Raises Refused, with near names, for an unknown name.
     """

@@ -1,7 +1,7 @@
-"""One TOML text: its data, where each key of it stands, and what is wrong before any key is looked at.
+"""One TOML text: its data, the place of each key, and the problems that are found before keys are read.
 
 tomllib gives values without their places, and stops at the first mistake. So keys are located here, and each broken
-line is named, with advice for the usual slips; the rest is still read.
+line is reported, with advice for common mistakes; the rest is still read.
 """
 
 import re
@@ -30,12 +30,12 @@ _BARE_VALUE = re.compile(r"[^,\]}#\n\r]+")
 
 
 class Unlocatable(Exception):  # noqa: N818  (not an error by itself: tomllib reports such a text)
-    """The text is no TOML from some point on."""
+    """The text is not TOML from some point on."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Span:
-    """A stretch of text: offsets of its first character and of the one behind its last."""
+    """A stretch of text: the offsets of its first character and of the one after its last."""
 
     start: int
     end: int
@@ -43,7 +43,7 @@ class Span:
 
 @dataclass(slots=True)
 class Spans:
-    """Where things stand: the first mention of each key, the value of each that has one, and which key comes last."""
+    """The spans of keys and values: the first mention of each key, the value of each that has one, and the last key."""
 
     keys: dict[Path, Span] = field(default_factory=dict)
     values: dict[Path, Span] = field(default_factory=dict)
@@ -51,7 +51,7 @@ class Spans:
 
 
 def locate(text: str) -> Spans:
-    """Return the spans of all keys and values; of a broken text, those before the break."""
+    """Return the spans of all keys and values; for a broken text, those before the break."""
     scanner = _Scanner(text)
     with suppress(Unlocatable, RecursionError):
         scanner.document()
@@ -59,7 +59,7 @@ def locate(text: str) -> Spans:
 
 
 class _Scanner:
-    """Walks over a TOML text once, holding the place and the table it is in."""
+    """Scanner of a TOML text, with its present place and table."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -109,7 +109,7 @@ class _Scanner:
         self.value(path)
 
     def key(self, table: Path) -> Path:
-        """Read a dotted key; each part is noted with the span from the first part to itself."""
+        """Read a dotted key; note each part with the span from the first part to itself."""
         path = table
         self.skip(_BLANK)
         start = self.at
@@ -200,7 +200,7 @@ _DUPLICATES = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
-    """What breaks the text: a line (from 1), columns (from 0), the key it is about if known, message and advice."""
+    """A fault that breaks the text: a line (from 1), columns (from 0), its key if known, message and advice."""
 
     line: int
     start: int = 0
@@ -212,7 +212,7 @@ class Fault:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parsed:
-    """The data of a text, the faults in it, and its lines with those at fault left empty."""
+    """The data of a text, its faults, and its lines, with the faulty ones empty."""
 
     data: dict[str, Any]
     lines: list[str]
@@ -233,9 +233,9 @@ def parse(lines: list[str]) -> Parsed:
 
 
 def _long_keys(text: str) -> list[Fault]:
-    """Return the keys of too many parts, in a key's own tokens: a part in quotation marks may hold anything.
+    """Return the keys with too many parts; a part in quotation marks may contain any character.
 
-    The search ends at a quotation mark that begins no string; the parser does not come further either.
+    The search ends at a quotation mark that begins no string, where the parser ends, too.
     """
     found: list[Fault] = []
     for token in _TOKENS.finditer(text):
@@ -327,12 +327,12 @@ class Source:
 
     @property
     def data(self) -> dict[str, Any]:
-        """The TOML data; of a broken text, what could be read without its broken lines."""
+        """The TOML data; for a broken text, the data of its other lines."""
         return {} if self._refusal else self._parsed.data
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What keeps the text from being TOML within the limits."""
+        """The problems of a text that is not TOML within the limits."""
         if self._refusal:
             whole = Place(source=self.name, line=0, text="", start=0, end=0, rank=self.rank)
             return (Problem(path=(), message=self._refusal, place=whole),)
@@ -342,7 +342,7 @@ class Source:
         )
 
     def value_place(self, path: Path) -> Place:
-        """Return where the value of a key stands, or else the nearest key or header above it."""
+        """Return the place of a key's value, or of the nearest key or header above it."""
         for known in (path[:n] for n in range(len(path), 0, -1)):
             span = self._spans.values.get(known) or self._spans.keys.get(known)
             if span:
@@ -350,7 +350,7 @@ class Source:
         return self._on_line(1, 0, 1)
 
     def key_place(self, path: Path) -> Place:
-        """Return where a key is first named."""
+        """Return the place where a key is first named."""
         span = self._spans.keys.get(path)
         return self._place(span) if span else self.value_place(path)
 

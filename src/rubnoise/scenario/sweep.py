@@ -1,4 +1,4 @@
-"""A sweep: one file that stands for many runs, each checked as the whole scenario that it is."""
+"""A sweep: one file for many runs, each checked as a complete scenario."""
 
 import os
 import re
@@ -26,7 +26,7 @@ _SHOWN_CHARACTERS = 40
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Examined:
-    """A point that was looked at: its swept values, its scenario if it has one, and its problems."""
+    """A checked point: its swept values, its scenario if it has one, and its problems."""
 
     values: Mapping[str, Any]
     scenario: Scenario | None
@@ -34,10 +34,10 @@ class Examined:
 
 
 def gathered(points: Sequence[Examined]) -> list[Problem]:
-    """Return the problems of all points, those alike but for their numbers as one.
+    """Return the problems of all points; problems that differ only in numbers are joined.
 
-    A problem of every point, or of every point with the value at which it stands, is reported as in a file of its own;
-    any other one names the first point that has it and says how many more have.
+    A problem of every point, or of every point with a certain value, is reported as for a single scenario; any other
+    problem names the first point that has it and counts the others.
     """
     alike: dict[tuple[object, ...], list[tuple[Problem, Examined]]] = {}
     for point in points:
@@ -48,7 +48,7 @@ def gathered(points: Sequence[Examined]) -> list[Problem]:
 
 
 def in_words(values: Mapping[str, Any]) -> str:
-    """Return swept values as they are printed: `interface.mean_junction_count = 20, ...`."""
+    """Return swept values in printed form: `interface.mean_junction_count = 20, ...`."""
     return ", ".join(f"{key} = {str(value)[:_SHOWN_CHARACTERS]}" for key, value in values.items())
 
 
@@ -68,11 +68,11 @@ _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Sweep:
-    """A file with a `[sweep]` table: its points, each a whole scenario, and how many runs of each are wanted.
+    """A file with a `[sweep]` table: its points, each a complete scenario, and the number of runs of each.
 
-    ``keys`` are the swept ones with dots, ``side_by_side`` those of them in `[sweep.zip]`, ``warnings`` what is allowed
-    and doubtful, each ready to print. ``keep`` says what is left of a run; with a ``precision`` each point gets so many
-    more replicates as it takes.
+    ``keys`` are the swept keys with dots, ``side_by_side`` those of them in `[sweep.zip]`, ``warnings`` are texts about
+    doubtful values. ``keep`` says what is kept of a run; with a ``precision`` each point gets as many more replicates
+    as it needs.
     """
 
     name: str
@@ -96,7 +96,7 @@ _ENGINE_OF_SWEEPS = "batch"
 
 @dataclass(frozen=True, kw_only=True)
 class PointOverlay(Overlay):
-    """What one point puts on top of the file: a value for every swept key, which stands in the list of its axis."""
+    """The layer of one point on top of the file: a value for every swept key, from the list of its axis."""
 
     origin: Layers
     axes: Sequence[Axis]
@@ -104,7 +104,7 @@ class PointOverlay(Overlay):
 
     @property
     def data(self) -> dict[str, Any]:
-        """The values under their keys, and the engine of sweeps if the file names none."""
+        """The values under their keys, and the default engine of sweeps if the file names none."""
         data: dict[str, Any] = {}
         run = self.origin.data.get("run", {})
         if isinstance(run, dict) and "engine" not in run:
@@ -119,14 +119,14 @@ class PointOverlay(Overlay):
         return {axis.key: axis.values[index] for axis, index in zip(self.axes, self.indices, strict=True)}
 
     def value_place(self, path: Path) -> Place:
-        """Return the value in its list."""
+        """Return the place of the value in its list."""
         for axis, index in zip(self.axes, self.indices, strict=True):
             if axis.path == path:
                 return self.origin.value_place((*axis.swept_path, index))
         return self.origin.value_place(path)
 
     def key_place(self, path: Path) -> Place:
-        """Return where the key is swept, or the table of the file."""
+        """Return the place where the key is swept, or the table of the file."""
         swept = next((axis.swept_path for axis in self.axes if axis.path == path), path)
         return self.origin.key_place(swept)
 
@@ -207,7 +207,7 @@ def _examined(given: Layers, table: Table, indices: tuple[int, ...], read: ReadS
 
 
 def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
-    """Refuse points that are the same run: their results would be taken for two."""
+    """Refuse points that are the same run, since their results would count twice."""
     first: dict[str, int] = {}
     for number, case in enumerate(cases, 1):
         before = first.setdefault(run_id(case.scenario), number)

@@ -1,4 +1,4 @@
-"""The `[sweep]` table: which keys take which values, how many runs each point has, and how precise they shall be."""
+"""The `[sweep]` table: the swept keys and their values, the number of runs of each point, and their precision."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -32,9 +32,9 @@ class Precision:
     most_replicates: int
 
     def reached(self, values: Sequence[float]) -> float:
-        """Return s / (sqrt(n) |mean|) of replicates, s their standard deviation; nan among them is left out.
+        """Return s / (sqrt(n) |mean|) of replicates without nan, s being their standard deviation.
 
-        Of fewer than two it is inf, of values that are all the same 0.
+        It is inf for fewer than two, and 0 for equal values.
         """
         finite = [value for value in values if isfinite(value)]
         if len(finite) < 2:
@@ -46,9 +46,9 @@ class Precision:
         return error / abs(mean) if mean else inf
 
     def wanted(self, values: Sequence[float]) -> int:
-        """Return how many replicates a point should have, from what those show that it has: as many when it is met.
+        """Return how many replicates a point should have, from its present ones; not more if it has its precision.
 
-        At most twice as many at a time, since few of them know little of their scatter.
+        At most twice as many at a time, since the scatter of few replicates is uncertain.
         """
         have, reached = len(values), self.reached(values)
         if reached <= self.relative or have >= self.most_replicates:
@@ -93,7 +93,7 @@ class Sweeping(Section):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """What `[sweep]` says of all its points; without a precision there are so many replicates, and no more."""
+    """The settings of `[sweep]` for all points; without a precision the number of replicates is fixed."""
 
     replicates: int = 1
     keep: Keep = "runs"
@@ -101,7 +101,7 @@ class Settings:
 
     @property
     def most_replicates(self) -> int:
-        """How many runs a point may come to have."""
+        """Largest number of runs of a point."""
         return self.replicates if self.precision is None else self.precision.most_replicates
 
 
@@ -109,7 +109,7 @@ _ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
 
 
 def read_settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Settings, list[Problem]]:
-    """Return the settings of a `[sweep]` table, defaults in place of what is wrong, and everything that is."""
+    """Return the settings of a `[sweep]` table, with defaults in place of invalid values, and all problems."""
     values: dict[str, Any] = {}
     problems = []
     for key, about in Sweeping.model_fields.items():
@@ -134,7 +134,7 @@ def _settings(values: Mapping[str, Any], *, counted: bool) -> Settings:
 
 
 def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]) -> Iterator[Problem]:
-    """Yield what keys ask of one another."""
+    """Yield the problems of combinations of keys."""
     if values["precision"] is None:
         for key in _ONLY_WITH_PRECISION:
             if key in table:
@@ -171,13 +171,13 @@ class Axis:
 
     @property
     def swept_path(self) -> Path:
-        """Where the list of values stands in the file."""
+        """The place of the list of values in the file."""
         return (SWEEP, self.table, *self.path)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """A `[sweep]` table that is right as far as it goes: the axes of grid and zip in the order written."""
+    """The valid part of a `[sweep]` table: the axes of grid and zip in the order written."""
 
     grid: tuple[Axis, ...] = ()
     side_by_side: tuple[Axis, ...] = ()
@@ -198,13 +198,13 @@ class Table:
         return min((len(axis.values) for axis in self.side_by_side), default=1)
 
     def choices(self) -> Iterator[tuple[int, ...]]:
-        """Yield for every point which value of each axis it takes; the last key varies fastest."""
+        """Yield for every point the number of its value on each axis; the last key varies fastest."""
         for *firsts, row in product(*(range(len(axis.values)) for axis in self.grid), range(self._rows)):
             yield (*firsts, *(row for _ in self.side_by_side))
 
 
 def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
-    """Return the sweep of a scenario's layers, as much of it as is right, and everything that is wrong with it."""
+    """Return the valid part of the sweep in a scenario's layers, and all its problems."""
     table = layers.data[SWEEP]
     if not isinstance(table, dict):
         return Table(), [layers.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
@@ -269,7 +269,7 @@ def _suggestion(key: str) -> str:
 
 
 def _as_written(layers: Layers, axes: list[Axis]) -> tuple[Axis, ...]:
-    """Return axes in the order of the text, which a dotted key that comes back to a table would upset.
+    """Return axes in the order of the text, which differs from the data's if a dotted key comes back to a table.
 
     A key that a base file names keeps its place when its values are changed.
     """

@@ -1,4 +1,4 @@
-"""A scenario to begin with: every key of this version with its meaning, written from the keys themselves."""
+"""A template of a scenario: every key of this version with its meaning, written from the definitions of the keys."""
 
 from collections.abc import Iterator
 from textwrap import wrap
@@ -83,7 +83,7 @@ REMARKS: Final[dict[tuple[str, str], str]] = {
 
 
 def template() -> str:
-    """Return the text of a scenario that runs as it is, with everything optional beside it as comments."""
+    """Return the text of a scenario that runs as it is, with all optional keys as comments."""
     lines = [HEADING, *_key("format", 1, Document.model_fields["format"])]
     lines += [*_comment(EXTENDS), '#extends = "base.toml"']
     lines += _key("title", "", Document.model_fields["title"])
@@ -93,7 +93,7 @@ def template() -> str:
 
 
 def _section_lines(name: str, section: type[Section] | Any) -> Iterator[str]:
-    """Yield a table; one that may be left out is a comment as a whole."""
+    """Yield the lines of a table; all lines of an optional table are comments."""
     optional = Document.model_fields[name].default is None
     off = optional and name not in WITH_SLIDER
     text = " ".join((section.__doc__ or "").split())
@@ -106,7 +106,7 @@ def _section_lines(name: str, section: type[Section] | Any) -> Iterator[str]:
 
 
 def _sweep() -> Iterator[str]:
-    """Yield the table that makes the file stand for many runs, as a comment with an example of what varies."""
+    """Yield the table [sweep] as a comment, with an example of swept keys."""
     yield from _comment(f"{Sweeping.__doc__} This table is optional; `rubnoise sweep` makes the runs.")
     yield f"#[{SWEEP}]"
     for key, about in Sweeping.model_fields.items():
@@ -128,7 +128,7 @@ def _key(key: str, value: Any, about: FieldInfo, *, off: bool = False, remark: s
 
 
 def _choices(about: FieldInfo) -> str:
-    """Return the words that a choice offers, if its description does not name them all."""
+    """Return the words of a choice, if its description does not name all of them."""
     words = next((each.available for each in about.metadata if isinstance(each, Choice)), ())
     missing = [word for word in words if word not in (about.description or "")]
     return f"One of {', '.join(words)}." if missing else ""

@@ -1,4 +1,4 @@
-"""A scenario file written out with what it extends: one file that needs no other."""
+"""Write a scenario file together with the files that it extends: one file that needs no other."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -9,7 +9,7 @@ from rubnoise.scenario import layers
 
 
 def as_toml(path: Path) -> str:
-    """Return the keys of a file and of what it extends, merged, as the text of one file."""
+    """Return the merged keys of a file and of the files that it extends, as the text of one file."""
     given = layers.from_file(path)
     comments = [f"{line}\n" for line in given.main.text.splitlines() if line.startswith("# ")]
     return "".join(comments) + text_of(given.data)
@@ -25,7 +25,7 @@ def text_of(scenario: Mapping[str, Any]) -> str:
 
 
 def _table_lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a table of keys with simple values, then the tables in it; no key needs quotes."""
+    """Yield the keys of a table with simple values, then the tables in it; no key needs quotes."""
     inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
     plain = {key: value for key, value in table.items() if key not in inner}
     if plain or not inner:

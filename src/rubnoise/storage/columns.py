@@ -35,7 +35,7 @@ class ColumnFile:
 
     Rows wait in memory until a piece is full, or until ``flush``. The hash is that of the raw little-endian bytes,
     taken while rows arrive in order; a column of which a row was written twice is read once more. Without ``hashed``
-    none is taken before somebody asks.
+    none is taken before it is needed.
     """
 
     def __init__(self, descriptor: int, place: ByteRange | GrowingPlace, *, hashed: bool = True) -> None:

@@ -2,7 +2,7 @@
 
 Other modules call these as ``disk.sync(...)``, by the name of the module, so that a test can put others in their
 place. Each function is one system call, or one that is repeated until all bytes are done: a system may read or write
-less than it was asked for (POSIX allows it, and network disks do it).
+less than requested (POSIX allows it, and network disks do it).
 """
 
 import errno

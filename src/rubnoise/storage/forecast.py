@@ -96,7 +96,7 @@ def _likely_junctions(model: Model) -> int:
 
 
 MOST_TIMES, MOST_MORE = 4, 10**6
-"""Births are counted, 60 ns each, only if at most so many times the rows of a file, and so many more, are expected.
+"""Births are counted, 60 ns each, only if at most MOST_TIMES times the rows of a file plus MOST_MORE are expected.
 
 No run is that far off by chance."""
 

@@ -64,7 +64,7 @@ def check_output(
     If a result or a part is in the way, the lock file that a killed run has left beside it is removed.
 
     Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
-    ``force``, a file that exists already, be it whole or, unless ``unfinished``, the part of a run that did not finish.
+    ``force``, a file that exists already: a complete one or, unless ``unfinished``, the part of an unfinished run.
     Also refused, even with ``force``, is a file that the caller ``reads``, by whatever name: it would be lost.
     """
     try:

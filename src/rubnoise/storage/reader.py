@@ -114,7 +114,7 @@ Opened = TypeVar("Opened", bound=OpenFile)
 
 
 class RunFile(OpenFile):
-    """An open run file. Opening reads its structure only; each column is read when it is asked for.
+    """An open run file. Opening reads its structure only; each column is read when it is needed.
 
     ``watch``, if it is set, is called at each read.
     """
@@ -154,7 +154,7 @@ class RunFile(OpenFile):
 
     @cached_property
     def structure(self) -> str:
-        """A hash of everything except the rows, taken when first asked for; empty for a compressed file.
+        """A hash of everything except the rows, taken at the first request; empty for a compressed file.
 
         Raises RunFileRefused if it is larger than that of any run.
         """

@@ -174,7 +174,7 @@ TOO_MUCH: Final = "reading its structure takes more time or memory than that of 
 
 LookName = Literal["structure", "inventory", "dataset", "matlab"]
 Request = tuple[LookName, *tuple[str, ...]]
-"""What is asked of a file: of its values with their name, and from which on."""
+"""A request to the sandbox: the name of a look, and for values their name and the first one."""
 
 
 def look_at(descriptor: int, request: Request, *, patience: float = WALL_SECONDS) -> bytes:

@@ -115,9 +115,10 @@ class Waves:
         return type(self)(self.power * _kept(along, across, cutoff, None), self.spacing, self.scatter)
 
     def at_edge(self, cutoff: float) -> tuple[float, float, float]:
-        """Return what variance and both mean square slopes lose as ln(cutoff) rises by 1, in um^2, 1 and 1.
+        """Return the loss of variance and of both mean square slopes as ln(cutoff) rises by 1, in um^2, 1 and 1.
 
-        -d(sum S)/d ln(cutoff), from the mean power of the waves in a ring at the cut-off, for a spectrum that goes on.
+        -d(sum S)/d ln(cutoff), from the mean power of the waves in a ring at the cut-off, for a spectrum that continues
+        beyond it.
         """
         along, across = self._frequencies
         frequency = np.hypot(along[:, None], across[None, :])

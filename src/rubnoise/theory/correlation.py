@@ -74,7 +74,7 @@ def joint_cumulants(
 ) -> dict[Powers, Doubles]:
     """Return kappa_ij(tau), the joint cumulant of i times A_r(s) and j times A_r(s + tau), in um^(2i + 2j).
 
-    kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each (i, j) asked for
+    kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each pair (i, j)
     and lags tau in um (any shape), by ``sizes`` diameters on each panel of the size law. For Poisson births; for others
     it is the part of single junctions, whatever comes before and after them.
     Source: Campbell's theorem for two places at once (Rice 1944, as above).

@@ -162,9 +162,9 @@ def weak_motion(model: Model) -> Response:
 def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
     """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um, with the error of the law.
 
-    Those of one-way coupling grow with the spread. To those of spreads comes by how much the law itself may miss them:
-    the next term of <V^2/w^2> is 105 u^3, half of which is in a spread; and of what acting back adds, a share
-    1 - r^2/Pi is lost if the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
+    Those of one-way coupling grow with the spread. Those of spreads have the error of the law itself added: the next
+    term of <V^2/w^2> is 105 u^3, half of which is in a spread; and a share 1 - r^2/Pi of the change by feedback is lost
+    if the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
     """
     motion, errors, found = weak_motion(model), motion_errors(model, distance), coupling(model)
     change, u = found.expected_change, found.strength * found.expected_change**2

@@ -121,7 +121,7 @@ class Distribution:
     """The law of A_r: an atom at 0, where no junction is alive, and a density beside it.
 
     ``area`` are places in um^2, evenly spaced over all of the law but 1e-10 (but for very long tails), for a curve. The
-    distribution function is right to 1e-10 wherever it is asked for. The density is right to 1e-9 of 1/std, but within
+    distribution function is right to 1e-10 everywhere. The density is right to 1e-9 of 1/std, but within
     5 % of pi d^2/4 of 0, and of pi d^2/4 and its double if sizes are equal, to 1e-5 of it. Of parabolas of one size
     the two are right to 1e-8 and 1e-7: their density grows without bound towards pi d^2/4.
     """

@@ -164,7 +164,7 @@ def checked_window(window: NDArray[np.float64]) -> Doubles:
 
 
 SEGMENTS = 64
-"""About how many segments half overlap in a record if the length of one is not asked for."""
+"""About how many segments, which half overlap, a record has by default."""
 
 MOST_TICKS = 1 << 18
 """Of one segment, by default and at most: its errors take some ten seconds and a hundred megabytes."""

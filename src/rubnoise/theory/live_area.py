@@ -71,7 +71,7 @@ class Piecewise:
 
 
 _NEAREST = 1e-16
-"""Of a panel: how near to its end a function that is infinite there is worked out."""
+"""Least distance, as a part of a panel, to an end at which a function is infinite and so not evaluated."""
 
 
 def series(values: Doubles) -> Doubles:

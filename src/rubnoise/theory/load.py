@@ -37,7 +37,7 @@ STILL: Final = 1.0 / 3.0
 """Spread of the load over that at constant separation up to which the load counts as constant."""
 
 SAME: Final = 0.1
-"""By how much that may differ from 1 if the separation counts as constant."""
+"""Largest difference from 1 of that ratio with which the separation counts as constant."""
 
 FORCE: Final = "friction_force"
 
@@ -67,7 +67,7 @@ class LoadMotion:
 
     relative_speed: V/(c omega_c); negative_share: of time in which P would be negative, P taken to be Gaussian;
     suppression: spread of the slider's displacement (without a slider of the friction force, without a strength of the
-    load) at constant separation over that under the load; error: bound of what first order misses, relative to a
+    load) at constant separation over that under the load; error: bound of the error of first order, relative to a
     spread; covariances: of the ``names`` with one another, at one time and in products of their units.
     """
 
@@ -139,7 +139,7 @@ def _regime(live: float, speed: float, kept: float) -> Regime:
 
 
 def _error(live: float, speed: float, ratio: float) -> float:
-    """Return the bound of what first order misses of a spread, as exact runs of 20 live junctions show it.
+    """Return the bound of the error of first order, relative to a spread, from exact runs of 20 live junctions.
 
     1 % up to v = 0.1, 2 % from a damping ratio of 0.3 on, 10 % from 0.05 on; fewer junctions err more, as 1/N_jm. inf
     if nothing is known: less damping, and contacts that bounce.

@@ -264,7 +264,7 @@ def motion_cumulants(model: Model) -> MotionCumulants:
 
 
 def _averages(model: Model, drive: Drive) -> list[float]:
-    """Return E[int y^i y'^j dt] for the powers asked for, with diameters close enough to follow the slider's phase."""
+    """Return E[int y^i y'^j dt] for some powers, with diameters close enough to follow the slider's phase."""
     low, high = size_range(model.sizes)
     cuts = np.linspace(low, high, 1 + int(drive.resonance * (high - low) / _PANEL_PHASE))[1:-1]
     diameters, probabilities = _sizes_that_count(*cut_size_rule(model.sizes, cuts, _NODES))

@@ -32,8 +32,8 @@ class PulseTransform:
     """The transform a^(z) of a pulse of unit diameter about its middle, z = k d >= 0; A^(k) = d^3 a^(k d) in um^3.
 
     Far out a^(z) is a level, which falls as 1/z^2, and a swing about it; about the birth, exp(i z) a^(z), only what
-    begins at birth does not swing. ``level``, ``swing`` (its mean square) and ``birth_level`` are asked for z >= 32
-    alone. Everything takes z of any shape.
+    begins at birth does not swing. ``level``, ``swing`` (its mean square) and ``birth_level`` are used only for z >=
+    32. All functions take z of any shape.
     """
 
     amplitude: Callable[[ArrayLike], Doubles]
@@ -152,8 +152,8 @@ _ROUNDING = 1e-12  # by which probabilities may miss 1 without any size being le
 class _Life:
     """A function of a life of unit diameter at phases k d, to be multiplied by d^power.
 
-    ``followed`` is it itself; ``damped`` has its swing averaged out for large phases, and ``scatter`` is the mean
-    square of the swing that is then missing, if a mean square is asked for.
+    ``followed`` is the function itself; ``damped`` has its swing averaged out for large phases, and ``scatter`` is the
+    mean square of the swing that is then missing, for averages of squares.
     """
 
     power: int

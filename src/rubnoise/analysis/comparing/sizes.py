@@ -89,7 +89,7 @@ class Marks:
         self.offsets = UniformSample()
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a chunk of /junctions."""
+        """Add a chunk of /junctions."""
         born = ~np.signbit(columns["birth_distance"])
         if not born.any():
             return
@@ -170,7 +170,7 @@ class AliveAtStart:
         self._offsets: list[Doubles] = []
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a chunk of /junctions."""
+        """Add a chunk of /junctions."""
         there = (columns["state"] & JunctionState.ALIVE_AT_START) != 0
         self._births.append(columns["birth_distance"][there])
         self._diameters.append(columns["diameter"][there])

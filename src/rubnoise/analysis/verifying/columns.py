@@ -175,19 +175,19 @@ def _allowed(figure: Agreement, tally: Tally) -> float:
 
 
 TICKS: Final = 1000
-"""At how many ticks, spread evenly from the first to the last, areas are summed."""
+"""Number of ticks, spread evenly from the first to the last, at which areas are summed."""
 
 FORMULA: Final = 2.0**-48
-"""By how much the area of either way, over d^2, may be off but for its arc cosine: ages are right to 2^-51."""
+"""Allowed error of the area over d^2 in either formula, without its arc cosine: ages are right to 2^-51."""
 
 ROUNDED: Final = 2.0**-53
-"""By how much the argument r of the arc cosine may be off: its value then is by that over sqrt(1 - r^2)."""
+"""Allowed error of the argument r of the arc cosine: the error of its value is that over sqrt(1 - r^2)."""
 
 STEEPEST: Final = 2.0**-27
 """sqrt(1 - r^2) of the largest r below 1, about: nearer to birth and death the textbook's area is 0."""
 
 SUM: Final = 2.0**-52
-"""By how much two sums in another order may differ: 2^-53 of the whole at each addition of either."""
+"""Allowed difference of two sums in another order: 2^-53 of the whole at each addition of either."""
 
 
 def area_check(model: Model, rows: Rows) -> Check:
