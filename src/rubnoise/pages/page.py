@@ -29,12 +29,17 @@ def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[
 def packed(values: NDArray[Any]) -> dict[str, str]:
     """Return an array in the form of a page: its type, little-endian, and its bytes in base 64."""
     little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
-    return {"type": little.dtype.str.lstrip("<|"), "bytes": b64encode(little.tobytes()).decode("ascii")}
+    return {"type": little.dtype.str.lstrip("<|"), "bytes": coded(little.tobytes())}
 
 
-def written(write: Callable[[Path], None]) -> str:
-    """Return what is written into a file, in base 64."""
+def coded(content: bytes) -> str:
+    """Return bytes in base 64."""
+    return b64encode(content).decode("ascii")
+
+
+def written(write: Callable[[Path], None]) -> bytes:
+    """Return what is written into a file."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "part"
         write(path)
-        return b64encode(path.read_bytes()).decode("ascii")
+        return path.read_bytes()

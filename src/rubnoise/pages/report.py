@@ -1,7 +1,6 @@
 """A report of a run or a sweep: one page with words, figures beside exact values, pictures, sound, film and origin."""
 
 import json
-from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from math import isfinite, nan
@@ -22,7 +21,7 @@ from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.figures.style import PicturesMissing
 from rubnoise.model import Model
-from rubnoise.pages.page import HERE, written
+from rubnoise.pages.page import HERE, coded, written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.writing import text_of
@@ -165,13 +164,9 @@ def _normal_motion(file: Reader, model: Model) -> str:
     return _paragraphs([words]) + _html_table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
 
 
-def _picture(content: bytes, caption: str) -> str:
-    return _figure("png", b64encode(content).decode("ascii"), caption)
-
-
-def _figure(kind: str, content: str, caption: str) -> str:
+def _picture(content: bytes, caption: str, kind: str = "png") -> str:
     text = escape(caption, quote=True)
-    image = f'<img alt="{text}" src="data:image/{kind};base64,{content}">'
+    image = f'<img alt="{text}" src="data:image/{kind};base64,{coded(content)}">'
     return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
 
 
@@ -201,7 +196,7 @@ def _sound(file: Reader, between: Between) -> str:
     content = written(lambda path: write_wave(path, pieces, samples=sound.samples, rate=sound.rate, texts={}))
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
-    return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{content}"></audio>'
+    return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{coded(content)}"></audio>'
 
 
 def _film(stretch: Stretch, between: Between) -> str:
@@ -211,7 +206,7 @@ def _film(stretch: Stretch, between: Between) -> str:
         return ""
     content = written(lambda path: write_film(path, film, "gif", between))
     caption = "Junctions slide over each other; below them the real contact area grows."
-    return f"<details><summary>Show the film, which moves</summary>{_figure('gif', content, caption)}</details>"
+    return f"<details><summary>Show the film, which moves</summary>{_picture(content, caption, 'gif')}</details>"
 
 
 def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:

@@ -1,6 +1,5 @@
 """A report of two surfaces: one page with the answers, the maps and curves, the scenario, and its sound."""
 
-from base64 import b64encode
 from html import escape
 from math import sqrt
 from typing import Any, Final
@@ -9,7 +8,7 @@ import numpy as np
 
 from rubnoise.api.running import simulate
 from rubnoise.figures.surface import contact_picture
-from rubnoise.pages.page import HERE, written
+from rubnoise.pages.page import HERE, coded, written
 from rubnoise.scenario import loads
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
@@ -29,7 +28,7 @@ def surface_report(contact: SlidingContact, lines: list[str], **scenario: Any) -
     ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
     """
     title = f"{contact.slider.name} on {contact.track.name}"
-    image = b64encode(contact_picture(contact)).decode("ascii")
+    image = coded(contact_picture(contact))
     alt = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
     text = escape("\n".join(lines))
     sound, words = _sound(contact)
@@ -52,6 +51,6 @@ def _sound(contact: SlidingContact) -> tuple[str, str]:
     area = np.asarray(record.trace["real_contact_area"][:samples], dtype=np.float64)
     values = area - area.mean()
     values *= _PEAK / np.abs(values).max()
-    content = written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={}))
+    content = coded(written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={})))
     speed = tick * RATE * 1e-3
     return content, f"The real contact area of the scenario as it changes at a sliding speed of {speed:.3g} mm/s."
