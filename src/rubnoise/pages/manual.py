@@ -1,5 +1,6 @@
 """The pages of the folder `docs` as one web page, for users who installed the package."""
 
+import base64
 import re
 from collections.abc import Sequence
 from html import escape
@@ -10,7 +11,6 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
 from rubnoise.errors import Refused
-from rubnoise.pages.page import coded
 from rubnoise.web_page import part, web_page
 
 PACKAGE: Final = Path(__file__).parents[1]
@@ -89,7 +89,8 @@ def _embed(image: Token, folder: Path) -> None:
     """Put a drawing into the page; any other picture is replaced by its words."""
     path = folder / str(image.attrGet("src"))
     if path.suffix == ".svg" and path.is_file():
-        image.attrSet("src", f"data:image/svg+xml;base64,{coded(path.read_bytes())}")
+        coded = base64.b64encode(path.read_bytes()).decode()
+        image.attrSet("src", f"data:image/svg+xml;base64,{coded}")
         return
     image.type, image.tag, image.children = "text", "", None
     image.content = f"[{image.content}]"
