@@ -303,6 +303,7 @@ def test_a_contact_that_bears_nothing_here_and_there_is_taken() -> None:
     ("value", "said"),
     [
         ('"two_way"', 'unknown value "two_way"'),
+        ('""', 'unknown value ""'),
         ("true", "needs a word in quotation marks, not a boolean"),
         ("2", "needs a word in quotation marks, not a"),
     ],

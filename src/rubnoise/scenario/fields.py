@@ -165,10 +165,9 @@ class Number(Field):
 
 @dataclass(frozen=True, slots=True)
 class Choice(Field):
-    """One of the ``available`` words; ``unknown`` is a word without an engine."""
+    """One of the ``available`` words."""
 
     available: tuple[str, ...]
-    unknown: str = ""
 
     def read(self, value: Any) -> str:
         """Return the word."""
@@ -177,8 +176,6 @@ class Choice(Field):
             return value
         if not isinstance(value, str):
             raise Unfit(f"needs a word in quotation marks, not {_named(value)}", available)
-        if value == self.unknown:
-            raise Unfit(f'no engine is known for "{value}"', available)
         raise Unfit(f'unknown value "{value[:40]}"', did_you_mean(value, self.available, quoted=True) or available)
 
     def describe(self) -> dict[str, Any]:
