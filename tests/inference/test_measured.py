@@ -224,6 +224,15 @@ def test_a_program_with_threads_reads_it_too(tmp_path: Path) -> None:
         thread.join()
 
 
+def test_a_system_without_fork_reads_datasets_and_vectors_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["force"] = FORCE
+    savemat(tmp_path / "a.mat", {"force": FORCE})
+    monkeypatch.delattr("os.fork")
+    assert read_measured(f"{tmp_path / 'a.h5'}:force").values.tolist() == FORCE.tolist()
+    assert read_measured(tmp_path / "a.mat").values.tolist() == FORCE.tolist()
+
+
 @pytest.mark.parametrize(
     ("given", "problem"),
     [
