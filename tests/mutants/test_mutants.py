@@ -16,7 +16,7 @@ from tests.frozen import Wishes
 MOMENTS = "test_births_count_and_area_of_one_size"
 TICKS = "test_ticks_lie_at_multiples_of_the_tick[batch]"
 BY_NAME = {mutant.name: mutant for mutant in MUTANTS}
-TITLE = '"""The physics of one run: frozen inputs in working units (um, s, kg) and what follows from them at once."""'
+TITLE = (PACKAGE / "model.py").read_text(encoding="utf-8").partition("\n")[0]
 TEXTS = mutants.sources(PACKAGE)
 
 
