@@ -346,6 +346,7 @@ def test_a_flat_surface_is_shown_without_a_shape():
 
 
 def test_a_surface_replaces_no_file_unless_forced(tmp_path):
+    pytest.importorskip("SurfaceTopography")  # which writes the file
     made = synthetic(1)
     made.save(tmp_path / "one.nc")
     before = (tmp_path / "one.nc").read_bytes()
