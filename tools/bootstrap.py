@@ -258,7 +258,7 @@ def environment(settings: Mapping[str, str]) -> dict[str, str]:
 
 def call(command: list[str], settings: Mapping[str, str], lock_file: int) -> int:
     """Run a command to its end, in a process group of its own that is ended with this process; it writes to stderr."""
-    # A signal that comes while the child is made would leave a child that nobody knows.
+    # A signal during Popen would end this process before it knows the child's process id, so the child would stay.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         child = subprocess.Popen(

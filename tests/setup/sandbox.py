@@ -104,7 +104,7 @@ class Sandbox:
             return process.returncode, output, error
 
     def order(self, behaviour: str) -> None:
-        """Say what pip is to do from now on: fail, wait, stay (wait, deaf to Ctrl-C), or (empty) its work."""
+        """Set how pip behaves from now on: fail, wait, stay (wait and ignore Ctrl-C), or (empty) work."""
         (self.folder / "order").write_text(behaviour, encoding="utf-8")
 
     def pip_calls(self) -> list[dict[str, list[str] | dict[str, str]]]:

@@ -143,7 +143,7 @@ def test_a_pip_that_does_not_stop_has_ended_before_set_up_ends(sandbox: Sandbox)
         os.kill(pip, 0)
 
 
-# The signal comes when pip has been at work for a while and its number is not yet known.
+# The signal comes when pip is already at work and its process id is not known yet.
 SLOW_POPEN = """
 import os, signal, subprocess, time
 from pathlib import Path

@@ -93,7 +93,7 @@ def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeyp
     assert any("unreadable" in finding for finding in moments.sweeps(9, seed=3, stories=(BARE,)).findings)
 
 
-def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_truncated_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run_status, "clear_unsynced", lambda *_: None)
     findings = moments.sweeps(30, seed=3, stories=(BARE,)).findings
     assert any("is not the result of this run" in finding for finding in findings)

@@ -331,7 +331,7 @@ def test_what_a_kill_left_of_a_run_of_a_sweep_goes_when_it_is_found_whole(tmp_pa
     attempt(paths.final)
     paths.lock.touch()
     paths.making.touch()
-    clear_unsynced(paths.final, "whole")
+    clear_unsynced(paths.final, "intact")
     assert names(tmp_path) == ["run.h5"]
 
 

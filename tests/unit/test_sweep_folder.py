@@ -309,22 +309,22 @@ def test_only_what_had_no_file_is_begun_and_once(
     assert RunStatus.of(claimed, None).begun == {point.run_id for point in points[1:]}
 
 
-def test_torn_results_of_runs_that_were_begun_go_and_others_stay(
+def test_truncated_results_of_runs_that_were_begun_go_and_others_stay(
     points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
 ) -> None:
-    stranger, torn, whole = (claimed.run(point.run_id) for point in points)
+    stranger, truncated, intact = (claimed.run(point.run_id) for point in points)
     stranger.write_bytes(b"mine")
     ledger.begin(points)
     for point in points[1:]:
         _left(point, claimed)
-    with torn.open("r+b") as file:
-        file.truncate(torn.stat().st_size // 2)
+    with truncated.open("r+b") as file:
+        file.truncate(truncated.stat().st_size // 2)
     for point in points:
         _recovered(point, claimed, ledger)
     assert stranger.read_bytes() == b"mine"
-    assert not torn.exists()
+    assert not truncated.exists()
     assert found_run(points[2], root=claimed.root) is not None
-    assert whole.exists()
+    assert intact.exists()
 
 
 def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
@@ -350,19 +350,19 @@ def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
 ) -> None:
     ledger.begin(points)
     path = _left(points[0], claimed)
-    paths, torn = OutputPaths.of(path), OutputPaths.of(claimed.run(points[1].run_id))
+    paths, truncated = OutputPaths.of(path), OutputPaths.of(claimed.run(points[1].run_id))
     paths.part.hardlink_to(path)
     (alone := OutputPaths.of(claimed.run(points[2].run_id)).journal).write_bytes(b"of a part that is gone")
-    torn.part.write_bytes(bytes(5000))
-    with sole_writer(torn):
+    truncated.part.write_bytes(bytes(5000))
+    with sole_writer(truncated):
         _recovered(points[1], claimed, ledger)
-        assert torn.part.exists()
+        assert truncated.part.exists()
     for point in points:
         _recovered(point, claimed, ledger)
     assert path.exists()
     assert not paths.part.exists()
     assert not alone.exists()
-    assert not torn.part.exists()
+    assert not truncated.part.exists()
 
 
 def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(

@@ -92,7 +92,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
                 # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
                 about.readable = False
                 if about.show_default is True and given.default in (None, given.empty):
-                    about.show_default = False  # of what has none; some versions of typer show None
+                    about.show_default = False  # options without a default; some versions of typer show None
     return app
 
 

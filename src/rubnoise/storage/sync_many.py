@@ -13,6 +13,9 @@ from rubnoise.storage.reader import InUse, TooNew, Unseen
 from rubnoise.storage.resume import mended
 from rubnoise.storage.run_description import description_of
 
+FileState = Literal["intact", "truncated", "other"]
+"""What a file under the final name of a run is; ``other``: the result of something else, or unreadable."""
+
 
 def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
     """Flush complete files to disk, then their folders; return the files that failed with their errors.
@@ -33,21 +36,21 @@ def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
     return wrong
 
 
-def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -> None:
+def clear_unsynced(path: Path, state: FileState | None) -> None:
     """Remove the files that a kill or a power cut has left of a run that was not flushed, if they cannot be recovered.
 
-    ``kind`` is the state of the file under its final name, if there is one; a truncated file is removed. A part is
+    ``state`` is that of the file under its final name, if there is one; a truncated file is removed. A part is
     removed if the complete result exists, or if it has no commit, since only a commit flushes it. Files that another
     process is writing stay.
     """
     paths = OutputPaths.of(path)
     beside = (paths.part, paths.journal, paths.growing, paths.making, paths.lock)
-    if kind != "torn" and not any(each.exists() for each in beside):
+    if state != "truncated" and not any(each.exists() for each in beside):
         return
     with suppress(OutputInUse), sole_writer(paths):
-        if kind == "torn":
+        if state == "truncated":
             disk.remove(paths.final)
-        if kind == "whole" or not paths.part.exists() or _is_lost(paths):
+        if state == "intact" or not paths.part.exists() or _is_lost(paths):
             disk.remove(paths.part)
             paths.remove_beside()
         disk.remove(paths.making)

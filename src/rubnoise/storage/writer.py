@@ -124,7 +124,7 @@ class RunWriter:
         try:
             part = make_part(self._paths, description, hashed=self._safe, durable=self._durable)
         except OSError as problem:
-            raise OutputRefused(f"{self._paths.final}: cannot be written: {problem.strerror or problem}") from problem
+            raise OutputRefused(f"{self._paths.final}: cannot be written: {reason_of(problem)}") from problem
         self._own = os.fstat(part.descriptor)
         opening.callback(self._discard)
         self._part = opening.enter_context(part)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, Literal, Self
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from rubnoise.scenario.sweep_table import Precision
 from rubnoise.storage import disk
 from rubnoise.storage.read_structure import INTERVENTION
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.sync_many import clear_unsynced, is_of_truncated, sync_many
+from rubnoise.storage.sync_many import FileState, clear_unsynced, is_of_truncated, sync_many
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import SYNC_EVERY, JournalEntry, RunRow, SweepJournal
@@ -122,9 +122,6 @@ class RecordedRuns:
         return self.states.count(state)
 
 
-Kind = Literal["whole", "torn", "other"]
-
-
 def found_run(point: Point, *, root: Path, begun: bool = False) -> RunRow | None:
     """Return the row of a run whose finished result exists at its path, or None.
 
@@ -134,25 +131,25 @@ def found_run(point: Point, *, root: Path, begun: bool = False) -> RunRow | None
     """
     folder = SweepFolder(root)
     path = folder.run(point.run_id)
-    row, kind = _found(point, folder, begun=begun) if path.exists() else (None, None)
+    row, state = _found(point, folder, begun=begun) if path.exists() else (None, None)
     if begun:
-        clear_unsynced(path, kind)
+        clear_unsynced(path, state)
     return row
 
 
-def _found(point: Point, folder: SweepFolder, *, begun: bool) -> tuple[RunRow | None, Kind]:
+def _found(point: Point, folder: SweepFolder, *, begun: bool) -> tuple[RunRow | None, FileState]:
     try:
         with open_run(folder.run(point.run_id)) as file:
-            kind, summary = _kind(point, file, begun=begun), file.summary
+            state, summary = _state(point, file, begun=begun), file.summary
     except RunFileRefused as refusal:
-        return None, "torn" if is_of_truncated(refusal) else "other"
-    if kind != "whole":
-        return None, kind
+        return None, "truncated" if is_of_truncated(refusal) else "other"
+    if state != "intact":
+        return None, state
     figures = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}
-    return RunRow(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures), kind
+    return RunRow(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures), state
 
 
-def _kind(point: Point, file: HashedReader, *, begun: bool) -> Kind:
+def _state(point: Point, file: HashedReader, *, begun: bool) -> FileState:
     origin = file.provenance
     if origin["stream_version"] != STREAM_VERSION or not _is_same(str(origin["scenario_resolved"]), point):
         return "other"
@@ -160,7 +157,7 @@ def _kind(point: Point, file: HashedReader, *, begun: bool) -> Kind:
         return "other"
     # HDF5 has checksums for data shorter than a page, and columns have hashes; a longer text has neither.
     lost = begun and origin["scenario_toml"] != point.scenario.text
-    return "torn" if lost or not origin["finished"] or not file.summary or file.damaged() else "whole"
+    return "truncated" if lost or not origin["finished"] or not file.summary or file.damaged() else "intact"
 
 
 def _is_same(resolved: str, point: Point) -> bool:
