@@ -1,0 +1,96 @@
+"""What the program gave before its rooms moved is what it gives: exact values, rows and motions, sweeps."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from tests.reference.held_values import (
+    HELD,
+    RUNS,
+    SWEEPS,
+    columns_of,
+    contact,
+    contacts,
+    exact_values,
+    run_into,
+    summary_of,
+    sweep_values,
+)
+
+THEORY: dict[str, dict[str, list[float | None]]] = json.loads((HELD / "theory.json").read_text(encoding="utf-8"))
+# Relative to the largest value of its row, as the docstrings of theory promise; moments each of its own value.
+TOLERANCES = {
+    "spectral_density": 1e-6,
+    "distribution": 1e-6,
+    "estimated_spectrum": 1e-5,
+    "free": 1e-8,
+}
+BY_LARGEST = {"autocovariance", "area_from_empty", "count_from_empty"}
+
+
+def differences(found: list[float], held: list[float | None], name: str) -> float:
+    """Return the largest difference over what the row's tolerance allows; of what is nan in one alone, infinity."""
+    assert len(found) == len(held), name
+    pairs = [(a, b) for a, b in zip(found, held, strict=True) if b is not None]
+    if any(math.isnan(a) for a, _ in pairs):
+        return math.inf
+    scale = max((abs(b) for _, b in pairs), default=1.0)
+    bounds = [TOLERANCES.get(name, 1e-8) * (scale if name in BY_LARGEST else abs(b)) + 1e-12 * scale for _, b in pairs]
+    return max(
+        (abs(a - b) / bound if bound else math.inf * (a != b) for (a, b), bound in zip(pairs, bounds, strict=True)),
+        default=0.0,
+    )
+
+
+@pytest.mark.parametrize("name", contacts())
+def test_theory_says_what_it_said(name: str) -> None:
+    found = exact_values(contact(name))
+    worst = {key: differences(found.get(key, []), row, key) for key, row in THEORY[name].items()}
+    assert not {key: ratio for key, ratio in worst.items() if ratio > 1.0}
+
+
+def test_a_difference_would_be_noticed() -> None:
+    row = THEORY["paper_fig5"]["area"]
+    assert differences([each * (1.0 + 2e-8) for each in row if each is not None], row, "area") > 1.0
+    assert differences([math.nan, *row[1:]], row, "area") == math.inf  # type: ignore[list-item]
+    assert differences([each for each in row if each is not None], row, "area") == 0.0
+
+
+def farthest(found: np.ndarray[Any, Any], held: np.ndarray[Any, Any]) -> float:
+    """Return the largest difference over the largest value; infinity where whole numbers or lengths differ."""
+    if found.shape != held.shape:
+        return math.inf
+    if held.dtype.kind in "iu":
+        return math.inf * bool(np.any(found != held)) if np.any(found != held) else 0.0
+    scale = float(np.max(np.abs(held), initial=0.0)) or 1.0
+    return float(np.max(np.abs(found - held), initial=0.0)) / scale
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_runs_give_what_they_gave(name: str, tmp_path: Path) -> None:
+    path = run_into(tmp_path / "x.h5", name)
+    found, held = columns_of(path), columns_of(HELD / f"{name}.h5")
+    assert found.keys() == held.keys()
+    assert {column: far for column in held if (far := farthest(found[column], held[column])) > 1e-10} == {}
+    figures, before = summary_of(path), summary_of(HELD / f"{name}.h5")
+    assert figures == pytest.approx(before, rel=1e-8, nan_ok=True)
+
+
+def test_another_seed_would_be_noticed(tmp_path: Path) -> None:
+    run_into(path := tmp_path / "x.h5", "regular")
+    rubnoise.run(rubnoise.open(path).scenario, other := tmp_path / "y.h5", seed=2).close()
+    found, held = columns_of(other), columns_of(HELD / "regular.h5")
+    assert farthest(found["trace/real_contact_area"], held["trace/real_contact_area"]) > 1e-3
+
+
+@pytest.mark.parametrize("name", SWEEPS)
+def test_sweeps_have_the_ids_seeds_and_figures_they_had(name: str, tmp_path: Path) -> None:
+    found, held = sweep_values(name, tmp_path / "sweep"), json.loads((HELD / "sweeps.json").read_text())[name]
+    assert {run: seed for run, (seed, _) in found.items()} == {run: seed for run, (seed, _) in held.items()}
+    for run, (_, figures) in held.items():
+        assert found[run][1] == pytest.approx(figures, rel=1e-10, nan_ok=True)
