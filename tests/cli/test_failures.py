@@ -78,6 +78,21 @@ def test_a_reader_that_leaves_early_is_no_failure_worth_a_traceback(here: Path) 
     assert shown.returncode == 1
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize(
+    "asked", [("theory", SHORT, "--json"), ("check", SHORT), ("schema",)], ids=lambda words: words[0]
+)
+def test_a_command_ends_silently_in_a_pipe_that_head_has_closed(
+    here: Path, asked: tuple[str | Path, ...], unbuffered: str
+) -> None:
+    shown = start(command(*asked), {"PYTHONUNBUFFERED": unbuffered}, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert shown.stdout is not None
+    os.read(shown.stdout.fileno(), 100)
+    shown.stdout.close()
+    assert shown.communicate(timeout=60)[1] == b""
+    assert shown.returncode in {0, 1}  # a short answer may be in the pipe before
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full here")
 def test_an_output_that_is_full_is_told_in_a_line(here: Path) -> None:
     with Path("/dev/full").open("w") as full:

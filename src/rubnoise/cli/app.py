@@ -194,13 +194,14 @@ def _lossless(stream: TextIO) -> TextIO:
 
 
 def _call(flags: Flags) -> None:
+    out = sys.stdout  # for which typer puts another in a closed pipe, whose flush says nothing
     try:
         arguments = _debug_first(sys.argv[1:])
         command = next((word for word in arguments if not word.startswith("-")), None)
         app = program([command]) if command in COMMANDS else program()
         app(arguments, prog_name="rubnoise", obj=flags)
     finally:
-        sys.stdout.flush()
+        out.flush()
 
 
 def _debug_first(arguments: list[str]) -> list[str]:
