@@ -18,7 +18,7 @@ from rubnoise.analysis import reading
 from rubnoise.analysis.comparison import compare
 from rubnoise.contact.laws import Lognormal
 from rubnoise.errors import ScenarioRefused
-from rubnoise.model import Model
+from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import ContactKind, JunctionState
 from rubnoise.scenario import loads
@@ -27,6 +27,8 @@ from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 from rubnoise.theory.free_motion import free_motion, height_exponent
 from rubnoise.theory.load import load_errors, load_motion
+from rubnoise.theory.response import response
+from rubnoise.theory.sampling import motion_errors
 from tests.cli.terminal import call
 from tests.models import bouncing, contents, recorded
 from tests.unit.tampering import change, scenario_of
@@ -226,6 +228,63 @@ def test_first_order_is_the_limit_of_low_speed_and_many_contacts() -> None:
         off[v] = abs(found / exact - 1.0), 0.015 + 4.0 * error / exact
     assert off[0.1][0] < off[0.1][1]
     assert off[1.3][0] > off[1.3][1]
+
+
+def _elastic(v: float, length: float, tick: float, **changes: Any) -> Model:
+    """Return Figure 5 under its load, free and without loss but for the dashpot, over a length in c."""
+    c = np.sqrt(4.0 * 200.0 / np.pi / 20.0)
+    shape = {"height": 0.5, "weight": 2e5, "count": 20.0, "relative_speed": v, "restitution": 1.0, "ratio": 0.05}
+    return bouncing(**shape | {"distance": float(round(length * c)), "tick": round(tick * c, 2)} | changes)
+
+
+def _over_first_order(model: Model) -> dict[str, tuple[float, float]]:
+    """Return the spreads of two runs after a fifth over those of first order, and the error that theory gives them."""
+    assert model.free is not None
+    linear = replace(model, free=None, separation=model.free.held)
+    first, motion, rest = model.tick_count // 5, load_motion(linear), 0.8 * model.distance
+    errors = load_errors(linear, rest, from_start=False)
+    runs = [recorded(model, seed, engine="batch") for seed in (1, 2)]
+    still = model.equilibrium_displacement
+    found = {
+        "separation": (motion.separation_std, errors.separation_std, [run["load"]["separation"] for run in runs]),
+        "normal velocity": (motion.velocity_std, errors.velocity_std, [run["load"]["velocity"] for run in runs]),
+        "load": (motion.load_std, errors.load_std, [run["load"]["load"] for run in runs]),
+        "displacement": (
+            response(linear).displacement_std,
+            motion_errors(linear, rest).displacement_std,
+            [run["slider"]["displacement"] - still for run in runs],
+        ),
+    }
+    return {
+        name: (float(np.sqrt(np.mean([each[first:].var() for each in columns])) / std), error / std / np.sqrt(2.0))
+        for name, (std, error, columns) in found.items()
+    }
+
+
+@pytest.mark.parametrize(("v", "rectified"), [(0.3, False), (1.0026, True)])
+def test_first_order_has_the_displacement_of_a_soft_slider_at_low_speed_alone(v: float, *, rectified: bool) -> None:
+    """Swings at the contact resonance become slow motion, twice as much as first order has; its bound is for others."""
+    found = _over_first_order(_elastic(v, 9000.0 * v, 0.2 * min(v, 1.0)))
+    displacement, error = found.pop("displacement")
+    assert (displacement - 1.0 > 4.0 * error) == rectified
+    assert abs(displacement - (2.1 if rectified else 1.0)) < 4.0 * error * displacement
+    for ratio, scatter in found.values():
+        assert abs(ratio - 1.0) < 0.1 + 4.0 * scatter
+
+
+@pytest.mark.parametrize(("times", "quiet"), [(0.2, True), (5.0, False)])
+def test_at_a_constant_gap_only_a_stiff_slider_moves_as_in_the_paper(times: float, *, quiet: bool) -> None:
+    """Its own resonance is so many times that of the contact; momentum keeps the slow part of the force away."""
+    omega = times * np.sqrt(2e5 / 0.5 / 5e-3)
+    slider = Slider(mass=5e-3, stiffness=5e-3 * omega**2, damping=0.6 * 5e-3 * omega)
+    model = _elastic(30.0, 9000.0, 0.3, ratio=0.3, slider=slider)
+    assert model.free is not None
+    linear = replace(model, free=None, separation=model.free.held)
+    ratio, error = _over_first_order(model)["displacement"]
+    still = ratio / load_motion(linear).suppression
+    assert load_motion(linear).regime == "constant gap"
+    assert abs(ratio - 1.0) < 4.0 * error
+    assert (abs(still - 1.0) < 0.15 + 4.0 * error) == (not quiet)
 
 
 # m = (1 + n)/2 is exact between the same two v = V/(c omega_c), which goes as V sqrt(s_0); no seed serves twice.

@@ -34,7 +34,8 @@ def in_words(model: Model) -> list[str]:
         lines.append(f"The sliding speed is {model.sliding_speed / 1000.0:.4g} mm/s.")
     if model.strengths is not None:
         strength = model.strengths.moment(1)
-        lines.append(f"The friction force is the area times the shear strength, {strength:.4g} MPa on average.")
+        borne = "area" if model.separation is None else "load on the junctions over their hardness"
+        lines.append(f"The friction force is the {borne} times the shear strength, {strength:.4g} MPa on average.")
     if model.free is None:
         lines.append(_separation(model))
     if model.slider is not None:
@@ -116,9 +117,12 @@ def _separation(model: Model) -> str:
     held = model.separation
     if held is None:
         return "The separation of the surfaces is held, so that the load varies as the area does."
+    motion = load_motion(model)
+    held_back = f" The slider moves {motion.suppression:.3g} times less along the surface than at constant separation."
     return (
         f"The slider rests on its load of {1e-6 * held.load:.4g} N, and rises and falls with a contact resonance of"
-        f" {held.oscillator.natural_frequency:.4g} Hz: the regime is {load_motion(model).regime}."
+        f" {held.oscillator.natural_frequency:.4g} Hz: the regime is {motion.regime}."
+        f"{'' if model.slider is None else held_back}"
     )
 
 

@@ -67,8 +67,9 @@ class LoadMotion:
 
     relative_speed: V/(c omega_c); negative_share: of time in which P would be negative, P taken to be Gaussian;
     suppression: spread of the slider's displacement (without a slider of the friction force, without a strength of the
-    load) at constant separation over that under the load; error: bound of the error of first order, relative to a
-    spread; covariances: of the ``names`` with one another, at one time and in products of their units.
+    load) at constant separation over that under the load; error: bound of the relative error of the spreads of
+    separation, normal velocity and load, not of a slider's displacement; covariances: of the ``names`` with one
+    another, at one time and in products of their units.
     """
 
     separation_std: float
@@ -139,7 +140,7 @@ def _regime(live: float, speed: float, kept: float) -> Regime:
 
 
 def _error(live: float, speed: float, ratio: float) -> float:
-    """Return the bound of the error of first order, relative to a spread, from exact runs of 20 live junctions.
+    """Return the bound of the error of first order, relative to a spread of z, z' or P, from runs of 20 live junctions.
 
     1 % up to v = 0.1, 2 % from a damping ratio of 0.3 on, 10 % from 0.05 on; fewer junctions err more, as 1/N_jm. inf
     if nothing is known: less damping, and contacts that bounce.

@@ -40,7 +40,7 @@
       watch: [
         `The trace of the force, on one scale in both runs. What is left of it?`,
         `The slider's displacement: what drives it now?`,
-        `Turn the speed up to 1000 mm/s with the load on. What comes back?`,
+        `Turn the speed up to 1000 mm/s with the load on. What comes back, and what does not?`,
       ],
       table: [
         {
@@ -76,8 +76,10 @@
         2iζω<sub>c</sub>ω)</p>
       <p>Now the force spreads by ${share(f.forceStd / f.forceMean)} of its mean and the separation by
         ${um(f.separationStd)}; slow sliding would make that <var>s</var>₀√(2/<var>N</var>) =
-        ${um(riseOf(f.countMean))}. Changes far above ω<sub>c</sub> find the slider too sluggish: the gap stands, and all
-        lessons before hold. The paper is the limit of fast sliding.</p>`,
+        ${um(riseOf(f.countMean))}. Changes far above ω<sub>c</sub> find the slider too sluggish: the gap stands, and the
+        force is that of all lessons before. The motion along the surface is not: at every speed the mean load stays
+        <var>W</var>, so slow changes stay away, and a slider slower than ω<sub>c</sub> stays quiet. The paper is the
+        limit of fast sliding with a slider whose own frequency is far above ω<sub>c</sub>, too.</p>`,
     checks: [
       {
         id: 'rise',
@@ -95,7 +97,7 @@
       },
       {
         id: 'gap',
-        prompt: () => `When is a constant gap a fair assumption?`,
+        prompt: () => `When is a constant gap a fair assumption for the force?`,
         options: [
           {
             id: 'slow',
