@@ -95,6 +95,25 @@ def test_a_soft_slider_under_a_load_is_told_what_first_order_lacks(speed: str, h
     assert names(here) == []
 
 
+def test_free_motion_says_what_its_area_tends_to_and_what_is_of_constant_separation(here: Path) -> None:
+    """Runs have 66 um^2 and a friction of 0.33 where the constant separation has 50 and 0.25."""
+    text = call("check", "load/bouncing").out
+    assert _value(text, "mean area") == "tends to 67.11409 um^2 at high speeds"
+    assert _value(text, "friction coefficient") == "0.3355705 (at high speeds)"
+    assert _value(text, "real contact area") == "mean 50, std 100 um^2 (at constant separation)"
+    assert "others are for constant separation, which free motion does not have" in " ".join(text.split())
+    assert names(here) == []
+
+
+@pytest.mark.parametrize(("change", "warned"), [((), True), (("--set", "load.damping_ratio=0.05"), False)])
+def test_free_motion_without_any_loss_is_warned_about(change: tuple[str, ...], *, warned: bool, here: Path) -> None:
+    asked = ("load/bouncing", "--set", "load.restitution=1", *change)
+    told = call("check", *asked).out, call("theory", *asked).out, call("run", *asked, "--dry-run").err
+    assert {"levels grow as long as the run lasts" in " ".join(each.split()) for each in told} == {warned}
+    assert ("of first order" in told[0]) != warned
+    assert names(here) == []
+
+
 def test_two_way_coupling_is_advised_only_if_it_is_allowed(here: Path) -> None:
     two_way = ("--set", "slider.coupling=two-way")
     for name, allowed in (("paper/fig5", True), ("load/fig5_load", False)):

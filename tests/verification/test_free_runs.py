@@ -287,6 +287,36 @@ def test_at_a_constant_gap_only_a_stiff_slider_moves_as_in_the_paper(times: floa
     assert (abs(still - 1.0) < 0.15 + 4.0 * error) == (not quiet)
 
 
+@pytest.mark.parametrize(("restitution", "limit"), [(0.7, 1.342), (0.3, 1.835)])
+def test_a_fast_contact_with_a_loss_has_more_area(restitution: float, limit: float) -> None:
+    """It tends to 2 A_rm/(1 + e^2), by the scatter of 16 stretches; A_rm, that of no loss, is far off."""
+    shape = {"relative_speed": 10.0, "count": 20.0, "distance": 10_000.0, "tick": 0.1, "slider": None}
+    model = bouncing(restitution=restitution, **shape)
+    assert free_motion(model).fast_area_mean == pytest.approx(limit * 50.0, rel=3e-4)
+    area = recorded(model, engine="batch")["trace"]["real_contact_area"][model.tick_count // 5 :]
+    means = np.array([each.mean() for each in np.array_split(area, 16)]) / 50.0
+    error = float(means.std(ddof=1)) / 4.0
+    assert abs(means.mean() - limit) < 4.0 * error
+    assert abs(means.mean() - 1.0) > 4.0 * error
+
+
+@pytest.mark.parametrize(("ratio", "grows"), [(0.0, True), (0.05, False)])
+def test_without_any_loss_levels_grow(ratio: float, *, grows: bool) -> None:
+    """Sliding brings energy, which a restitution of 1 gives back; a dashpot takes it away. By eighths of 2000 c."""
+    c = np.sqrt(4.0 * 50.0 / np.pi / 2.0)
+    model = bouncing(
+        restitution=1.0, ratio=ratio, count=2.0, relative_speed=3.0, distance=round(2000.0 * c), tick=0.2, slider=None
+    )
+    runs = [recorded(model, seed, engine="batch")["load"]["velocity"] for seed in (1, 2, 3)]
+    first, *_, last = (np.sqrt(np.mean([part**2 for part in parts])) for parts in _eighths(runs))
+    assert (last > 2.0 * first) == grows
+
+
+def _eighths(runs: list[Any]) -> Iterator[list[Any]]:
+    """Return the same eighth of all runs, of one length."""
+    return (list(parts) for parts in zip(*(each[: each.size // 8 * 8].reshape(8, -1) for each in runs), strict=True))
+
+
 # m = (1 + n)/2 is exact between the same two v = V/(c omega_c), which goes as V sqrt(s_0); no seed serves twice.
 def _level(model: Model, seeds: Sequence[int]) -> tuple[float, float]:
     """Return ln of the normal velocity (root mean square over all runs) after a fifth, and its standard error."""
@@ -348,6 +378,9 @@ def test_theory_knows_what_is_exact() -> None:
     assert elastic.area_mean == pytest.approx(50.0)
     assert elastic.force_mean == pytest.approx(250.0 * 50.0)
     assert elastic.first_order is not None
+    assert elastic.fast_area_mean == elastic.area_mean
+    assert known.first_order is None  # a loss in the contact has another limit, with or without a dashpot
+    assert free_motion(bouncing(ratio=0.05)).first_order is None
     assert free_motion(RUNS["impact damping"]).impact_damping == pytest.approx(0.3)
     assert height_exponent(0.75) == 0.875
 

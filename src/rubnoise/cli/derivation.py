@@ -1,6 +1,7 @@
 """The numbers that follow from a scenario: sizes, exact means and spreads, validity and cost, by name and as lines."""
 
 from collections.abc import Iterator
+from math import isnan
 from pathlib import Path
 from typing import Any, Final
 
@@ -51,8 +52,9 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
     answer: dict[str, Any] = {}
     if theory.force is not None:
         answer["friction_force"] = {"mean": theory.force.mean, "std": theory.force.std}
-        if model.load is not None:
-            answer["friction_coefficient"] = theory.force.mean / model.load
+        more = 1.0 if theory.free is None else theory.free.fast_area_mean / theory.area.mean
+        if model.load is not None and not isnan(more):
+            answer["friction_coefficient"] = more * theory.force.mean / model.load
     if model.slider is not None and (motion := motion_as_json(theory)):
         missing = missing_for_motion(model)
         answer["slider"] = {
@@ -84,10 +86,10 @@ SIZES: Final[tuple[LineWords, ...]] = (
     ("mean diameter d_m", "{calibrated_diameter} um (calibration {calibration})"),
     ("mean life L_jm", "{mean_life_distance} um"),
     ("mean birth spacing s_jm", "{mean_birth_spacing} um"),
-    ("junction count", "mean {junction_count.mean}, std {junction_count.std}"),
-    ("real contact area", "mean {real_contact_area.mean}, std {real_contact_area.std} um^2"),
-    ("friction force", "mean {friction_force.mean}, std {friction_force.std} uN"),
-    ("friction coefficient", "{friction_coefficient}"),
+    ("junction count", "mean {junction_count.mean}, std {junction_count.std}{held}"),
+    ("real contact area", "mean {real_contact_area.mean}, std {real_contact_area.std} um^2{held}"),
+    ("friction force", "mean {friction_force.mean}, std {friction_force.std} uN{held}"),
+    ("friction coefficient", "{friction_coefficient}{fast}"),
     ("natural frequency", "{slider.natural_frequency} Hz"),
     ("damping ratio", "{slider.damping_ratio}"),
 )
@@ -115,7 +117,7 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[st
     """Yield the numbers that follow from a scenario, as lines to print under a heading."""
     model = scenario.model()
     yield from [line("title", scenario.title)] if scenario.title else []
-    yield from lines(answer | {"calibration": model.calibration}, SIZES)
+    yield from lines(answer | words_of_model(model), SIZES)
     if "slider" in answer:
         yield from lines(answer["slider"], MOTION)
     yield from format_load(answer["load"])
@@ -130,6 +132,16 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[st
     # Those of the scenario are printed when it is loaded.
     yield from (remark(f"warning: {warning}") for warning in answer["warnings"][len(scenario.warnings) :])
     yield from (remark(f"note: {note}") for note in answer["notes"])
+
+
+def words_of_model(model: Model) -> dict[str, str]:
+    """Return how sizes were found, and for free motion that numbers are for constant separation or high speeds."""
+    free = model.free
+    return {
+        "calibration": model.calibration,
+        "held": "" if free is None else " (at constant separation)",
+        "fast": "" if free is None or free.restitution == 1.0 else " (at high speeds)",
+    }
 
 
 def format_cost(cost: dict[str, Any]) -> Iterator[str]:

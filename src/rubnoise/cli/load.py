@@ -45,7 +45,7 @@ LINES: Final[dict[str, tuple[LineWords, ...]]] = {
             "{contact_resonance} Hz, impact damping {impact_damping} of 1/(s_0 omega_c)",
         ),
         ("load", "mean {load_mean} uN"),
-        ("mean area", "{area_mean} um^2"),
+        ("mean area", "{area_mean} um^2", "tends to {fast_area_mean} um^2 at high speeds"),
         (
             "of first order",
             "normal velocity std {first_order_velocity_std} um/s, the limit of many junctions at a low speed",
@@ -105,8 +105,7 @@ def load_notes(load: dict[str, Any]) -> list[str]:
     if load["regime"] == FREE:
         exact = "the numbers of free motion are exact, and so is that the level's exponents obey m = (1 + n)/2"
         changed = "where nothing but height and speed changes"
-        others = "others are for constant separation, which free motion has at high speeds alone"
-        return [f"{exact} {changed}; {others}"]
+        return [f"{exact} {changed}; others are for constant separation, which free motion does not have"]
     notes = []
     if load["regime"] == CONSTANT_GAP and (load["relative_frequency"] or inf) < FAR:
         notes.append(
@@ -121,6 +120,9 @@ def load_notes(load: dict[str, Any]) -> list[str]:
 
 def load_warnings(load: dict[str, Any]) -> list[str]:
     """Return the reasons why first order is doubtful, if there are any."""
+    if load["regime"] == FREE and load.get("restitution") == 1.0 and load["damping_ratio"] == 0.0:
+        lossless = "with a restitution of 1 and no dashpot nothing takes away the energy that sliding brings"
+        return [f"{lossless}: there is no stationary state, and levels grow as long as the run lasts"]
     if load["regime"] in {HELD, FREE}:
         return []
     warnings = []

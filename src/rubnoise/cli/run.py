@@ -175,7 +175,7 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     model, doubts = scenario.model(), []
     if model.slider is not None and not model.is_two_way:
         doubts += one_way_warnings(model, response(model).one_way_validity)
-    if model.separation is not None:
+    if model.held is not None:
         doubts += load_warnings(load_as_json(exact(model)))
     if missing := missing_for_motion(model):
         doubts.append(too_short_for_motion(missing.decays, missing.needed))

@@ -124,10 +124,10 @@ MOMENTS: Final[tuple[LineWords, ...]] = (
     ("mean diameter d_m", "{diameter.calibrated} um (calibration {calibration})"),
     ("diameters as drawn", "mean {diameter.mean} um"),
     ("of those found alive", "mean {diameter.length_biased_mean} um"),
-    ("junction count", "mean {count.mean}, variance {count.variance}"),
-    ("real contact area", "mean {area.mean}, std {area.std} um^2"),
+    ("junction count", "mean {count.mean}, variance {count.variance}{held}"),
+    ("real contact area", "mean {area.mean}, std {area.std} um^2{held}"),
     ("", "skewness {area.skewness}, excess kurtosis {area.excess_kurtosis}"),
-    ("friction force", "mean {force.mean}, std {force.std} uN"),
+    ("friction force", "mean {force.mean}, std {force.std} uN{held}"),
     ("", "skewness {force.skewness}, excess kurtosis {force.excess_kurtosis}"),
 )
 
@@ -232,6 +232,12 @@ UNITS: Final = {
     "load.velocity_std": "um/s",
     "load.velocity_level": "dB",
     "load.load_std": "uN",
+    "load.load_mean": "uN",
+    "load.area_mean": "um^2",
+    "load.fast_area_mean": "um^2",
+    "load.force_mean": "uN",
+    "load.first_order_separation_std": "um",
+    "load.first_order_velocity_std": "um/s",
     **{
         f"load_covariances.{one}*{other}": f"{of_one}*{of_other}"
         for one, of_one in COVARYING.items()
@@ -251,10 +257,10 @@ OTHER_MODELS: Final = {
 
 def format_theory(heading: str, model: "Model", answer: dict[str, Any]) -> Iterator[str]:
     """Yield the exact values, as lines to print under a heading."""
-    from rubnoise.cli.derivation import MOTION, motion_warnings
+    from rubnoise.cli.derivation import MOTION, motion_warnings, words_of_model
 
     yield from (sentence(printable(heading)), "")
-    yield from lines(answer | {"calibration": model.calibration}, MOMENTS)
+    yield from lines(answer | words_of_model(model), MOMENTS)
     if "slider" in answer:
         yield from lines(answer["slider"], MOTION)
         yield from [remark(f"note: {ONE_WAY_ALONE}")] if model.is_two_way else []

@@ -42,7 +42,7 @@ class Exact:
     """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
     ``load`` is the motion under a load that weighs, of first order: None without one. ``free`` are the exact results of
-    free motion; all others are then those of constant separation, its limit at high speeds.
+    free motion; all others are then those of constant separation, where N junctions bear the load.
 
     >>> import rubnoise
     >>> theory = rubnoise.exact(rubnoise.load("scenarios/paper/fig5.toml"))

@@ -18,8 +18,9 @@ class FreeMotion:
     """Scales of free motion (Hz; the rest without units), its exact means (uN, um^2), and its limit.
 
     live: N; restitution, or impact_damping as beta s_0 omega_c, the other nan; area_mean and force_mean: nan unless the
-    contact is elastic, and force_mean also without a strength; first_order: the limit of small v and large N, None
-    without damping.
+    contact is elastic, and force_mean also without a strength; fast_area_mean: what the mean area tends to at high
+    speeds, nan with impact damping; first_order: the limit of small v and large N, of a contact with no loss but that
+    of a dashpot, else None.
     """
 
     contact_resonance: float
@@ -31,6 +32,7 @@ class FreeMotion:
     load_mean: float
     area_mean: float
     force_mean: float
+    fast_area_mean: float
     first_order: LoadMotion | None
 
 
@@ -44,6 +46,8 @@ def free_motion(model: Model) -> FreeMotion:
 
     Momentum: the mean of P is W. If nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
     is A_rm, the mean summed overlap N s_0, and the mean friction force E[psi] A_rm: strengths do not move the slider.
+    At high speeds sliding alone changes overlaps, so that half of the area grows and half shrinks, which bears e^2 as
+    much: W = H A (1 + e^2)/2, and the mean area tends to 2 A_rm/(1 + e^2).
     Raises Refused without free motion.
     """
     if model.free is None:
@@ -66,5 +70,8 @@ def free_motion(model: Model) -> FreeMotion:
         force_mean=model.strengths.mean * model.mean_real_contact_area
         if elastic and model.strengths is not None
         else nan,
-        first_order=load_motion(linear) if held.damping > 0.0 else None,
+        fast_area_mean=nan
+        if free.restitution is None
+        else 2.0 * model.mean_real_contact_area / (1.0 + free.restitution**2),
+        first_order=load_motion(linear) if elastic and held.damping > 0.0 else None,
     )

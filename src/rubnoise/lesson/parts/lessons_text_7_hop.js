@@ -77,7 +77,7 @@
       const { length, rate, speed } = flight.scalesOf(world);
       return `
       <p>Behind a hill of width <var>c</var> and height <var>s</var>₀ the surface falls away. The weight <var>W</var> takes a
-        time 1/ω<sub>c</sub> to let the mass <var>m</var> down by <var>s</var>₀,</p>
+        time 1/ω<sub>c</sub> to let the mass <var>m</var> down by half of <var>s</var>₀,</p>
       <p class="formula">ω<sub>c</sub> = √(<var>W</var>/(<var>m</var><var>s</var>₀))</p>
       <p>and the hill takes <var>c</var>/<var>V</var> to pass. If that is the shorter time, the slider is left in the air.
         So one number counts,</p>
