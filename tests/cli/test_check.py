@@ -95,6 +95,26 @@ def test_a_soft_slider_under_a_load_is_told_what_first_order_lacks(speed: str, h
     assert names(here) == []
 
 
+COUPLED_OTHERWISE = [
+    ("load/fig5_load", ()),
+    ("paper/fig5", ("birth.law=jittered", "birth.jitter=30 %", "interface.calibration=exact")),
+    ("paper/fig5", ("birth.law=regular", "interface.calibration=exact")),
+]
+
+
+@pytest.mark.parametrize(("name", "changes"), COUPLED_OTHERWISE)
+def test_a_coupling_strength_is_for_births_at_random_at_constant_separation(
+    name: str, changes: tuple[str, ...], here: Path
+) -> None:
+    """Others have no slow force, so a Pi near 0 would be called weak beside a velocity above the sliding speed."""
+    asked = (name, *(word for change in changes for word in ("--set", change)))
+    assert _value(call("check", *asked).out, "coupling strength").startswith("not known: ")
+    for answer in (call("check", *asked, "--json").json()["scenarios"][name], call("theory", *asked, "--json").json()):
+        assert answer["slider"]["coupling_strength"] is None
+        assert answer["slider"]["one_way_validity"] > 0.1
+    assert names(here) == []
+
+
 def test_free_motion_says_what_its_area_tends_to_and_what_is_of_constant_separation(here: Path) -> None:
     """Runs have 66 um^2 and a friction of 0.33 where the constant separation has 50 and 0.25."""
     text = call("check", "load/bouncing").out

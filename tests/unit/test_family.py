@@ -145,6 +145,21 @@ def test_the_border_is_the_damping(slope: float, steady: bool) -> None:  # noqa:
     assert (found.amplitude > 0.0) == (not steady)
 
 
+def test_a_force_that_falls_with_speed_has_no_noise() -> None:
+    """Of the contact only the mean force is left: no spread, spectrum or distribution, and no picture of them."""
+    asked = ("theory", "paper/fig5", "--set", "slider.excitation=velocity-weakening", "--set", "slider.slope=0.1 N*s/m")
+    found = call(*asked, "--json").json()
+    assert set(found) == {"velocity_weakening"}
+    assert found["velocity_weakening"]["mean_force"] == pytest.approx(51168.4, rel=1e-6)
+    text = call(*asked).out
+    assert "mean force" in text
+    assert not any(word in text for word in ("std", "spectral", "autocovariance", "distribution", "junction"))
+    for curve in (("--at-lag", "1"), ("--plot",), ("--white",)):
+        refused = call(*asked, *curve)
+        assert (refused.code, refused.out) == (2, "")
+        assert "has no noise" in refused.err
+
+
 def test_a_cycle_obeys_its_closed_solution() -> None:
     """In the slip y is a growing oscillation about 0, which begins at the spring's largest pull with the speed V."""
     run, slope = one_size(excitation="velocity-weakening", slope=0.3), 0.3

@@ -12,9 +12,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rubnoise
+from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.one_way import WORTH_A_WARNING
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, RunStopped
 from rubnoise.model import Model
+from rubnoise.pages.report_words import in_words, motion_in_words
 from rubnoise.scenario import Scenario
 from rubnoise.simulation import draws
 from rubnoise.storage import writer
@@ -26,11 +29,25 @@ from tests.cli.terminal import call
 from tests.models import contents, recorded
 
 FILE = Path(__file__).parents[2] / "scenarios" / "ancestors" / "rice_moslehy.toml"
+OVER_SPEED = Agreement(name="one_way_validity", observed=0.26, expected=None, standard_error=None)
 MANY = ["interface.mean_junction_count=20", "interface.mean_real_contact_area=200 um^2", "slider.heights=sum"]
 
 
 def base(*changes: str) -> Scenario:
     return rubnoise.load(FILE, changes)
+
+
+def test_the_motion_over_a_base_is_a_lift_and_no_sliding() -> None:
+    """Nothing holds the separation, and the speed of sliding is no measure of a velocity normal to it."""
+    changes = [word for change in MANY for word in ("--set", change)]
+    told = " ".join(call("check", FILE, *changes).out.split())
+    told += " ".join(call("theory", FILE, *changes).out.split()) + " ".join(in_words(base(*MANY).model()))
+    assert "lifted by a base: the motion of the slider is normal to the surface" in told
+    assert "it moves normal to the surfaces" in told
+    for wrong in ("held", "one-way validity", "sliding speed)", "spreads by"):
+        assert wrong not in told
+    assert response(base(*MANY).model()).one_way_validity > WORTH_A_WARNING
+    assert motion_in_words(base().model(), [OVER_SPEED]) == []
 
 
 def integrated(model: Model, junctions: Any, time: Doubles, start: tuple[float, float]) -> Doubles:

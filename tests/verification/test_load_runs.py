@@ -234,6 +234,8 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
 def test_third_octaves_of_a_run_are_those_of_theory(result: Path) -> None:
     with rubnoise.open(result) as file:
         heard, motion = heard_bands(file.reader(), file.model()), load_motion(file.model())
+        std = next(figure.observed for figure in file.summary if figure.name == "normal_velocity_std")
+    assert heard.velocity == pytest.approx(std, rel=1e-9)
     assert heard.exact is not None
     assert heard.frequency.size > 10
     # The power of a band of width B over a time T scatters by 1/sqrt(B T), 10/ln(10) dB for each part of it.
@@ -244,9 +246,13 @@ def test_third_octaves_of_a_run_are_those_of_theory(result: Path) -> None:
 
 
 def test_a_report_says_the_regime() -> None:
+    """And that friction is the load over the hardness, not the area, times the strength."""
     model = loaded(**SHORT)
-    assert any("the regime is constant load" in words for words in in_words(model))
-    assert any("is held" in words for words in in_words(replace(model, separation=None)))
+    under, held = " ".join(in_words(model)), " ".join(in_words(replace(model, separation=None)))
+    assert "the regime is constant load. The slider moves 359 times less along the surface than" in under
+    assert "The friction force is the load on the junctions over their hardness times the shear strength" in under
+    assert "is held" in held
+    assert "The friction force is the area times the shear strength" in held
 
 
 def test_exponents_of_runs_belong_together() -> None:

@@ -16,10 +16,10 @@ def one_way_warnings(model: "Model", validity: float) -> list[str]:
     """
     if model.slider is None or model.is_two_way or not validity > WORTH_A_WARNING:
         return []
+    if model.slider.excitation == "base":
+        return []  # which lifts the slider, normal to the sliding
     if model.held is not None:
         advice = "two-way coupling is known at constant separation alone, so without [load]"
-    elif model.slider.excitation == "base":
-        advice = "two-way coupling is not known for excitation by the base"
     else:
         advice = f'two-way coupling (slider.coupling = "two-way") is needed above {WORTH_A_WARNING:g}'
     spread = f"the velocity of the slider spreads by {validity:.3g} times the sliding speed"

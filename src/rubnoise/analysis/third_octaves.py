@@ -26,7 +26,7 @@ _PART_LEFT_OUT: Final = 1e-6  # of the power, 60 dB: as in theory
 class HeardBands:
     """Levels in dB re 50 nm/s in third octaves about frequencies in Hz: of a run, and exact ones (None if not known).
 
-    ``velocity`` is the root mean square in um/s over all frequencies.
+    ``velocity`` is the standard deviation in um/s, over all frequencies.
     """
 
     velocity: float
@@ -43,7 +43,8 @@ class HeardBands:
 def heard_bands(rows: Rows, model: Model) -> HeardBands:
     """Return the normal velocity of a run in the third octaves that hold more than 1e-6 of its power.
 
-    The integral of Welch's estimate over a band, (1/pi) int S dw; bands of fewer than 4 of its bins are left out.
+    The whole is the standard deviation of the velocity, a band the integral of Welch's estimate over it,
+    (1/pi) int S dw; bands of fewer than 4 of its bins are left out.
     Raises Refused for a run without a load that weighs, and for one too short for any band.
     """
     if "load" not in rows.columns or model.tick_duration is None:
@@ -52,11 +53,14 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
     ticks = min(2 * (count // (_SEGMENTS + 1)), _MOST_TICKS)
     if ticks < 4 * _FEWEST_BINS:
         raise Refused(f"{count} ticks are too few for third octaves")
-    total = WelchSum(ticks, model.tick_duration)
+    total, mean, square = WelchSum(ticks, model.tick_duration), 0.0, 0.0
     for chunk in chunks(rows, "load"):
         if chunk.first >= count:
             break
-        total.add(np.asarray(chunk["velocity"], dtype=np.float64))
+        velocity = np.asarray(chunk["velocity"], dtype=np.float64)
+        total.add(velocity)
+        mean, square = mean + float(velocity.sum()), square + float(velocity @ velocity)
+        seen = chunk.first + velocity.size
     spectrum = total.spectrum()
     width = float(spectrum.wavenumber[1]) / (2.0 * pi)
     edges = width * (np.arange(spectrum.density.size) + 0.5)
@@ -71,7 +75,7 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
         kept &= np.array([number in known for number in numbers])
         exact = np.array([known.get(number, nan) for number in numbers])[kept]
     return HeardBands(
-        velocity=sqrt(float(running[-1])),
+        velocity=sqrt(square / seen - (mean / seen) ** 2),
         frequency=middles[kept],
         level=np.array([level(sqrt(each)) for each in power[kept].tolist()]),
         exact=exact,

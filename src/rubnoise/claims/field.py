@@ -45,8 +45,8 @@ class Publication:
 class FieldClaim:
     """A published statement with the model's numbers.
 
-    ``label`` is the name of the number in a table. ``published`` is None if the source gives no number. ``scenario`` is
-    that of the runs.
+    ``label`` is the name of the number in a table. ``published`` is None if the source gives no number, and ``widened``
+    if it holds several readings of the source: to lie in it is then no test. ``scenario`` is that of the runs.
     """
 
     id: str
@@ -57,6 +57,7 @@ class FieldClaim:
     because: str
     quantity: ClaimedNumber | None = None
     published: Range | None = None
+    widened: bool = False
     scenario: str | None = None
 
     @property
@@ -74,7 +75,7 @@ class FieldClaim:
     @property
     def verdict(self) -> FieldVerdict:
         """The verdict that follows from the numbers."""
-        agree = self.numbers_agree
+        agree = None if self.widened and self.numbers_agree else self.numbers_agree
         return {None: FieldVerdict.NO_TEST, True: FieldVerdict.AGREES, False: FieldVerdict.DISAGREES}[agree]
 
 

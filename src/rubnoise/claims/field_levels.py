@@ -171,6 +171,7 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
             conditions=conditions,
             quantity=quantity,
             published=published,
+            widened=source is not sources.DANG_2013,
             because=f"{_WHITE} A model of shocks between asperities has stronger shocks at higher speed; here the "
             "force does not depend on speed.",
             scenario=FAST,
@@ -185,6 +186,7 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
             conditions="here a slider that sticks and slips at 1 to 2 mm/s, along the surface",
             quantity=two_way,
             published=(0.375, 0.75),
+            widened=True,
             because="Feedback turns the sign: where the slider sticks and slips, its velocity grows about as V^0.5. It "
             "does so at lower speeds than measured, and the sum of both exponents stays near 1.",
             scenario=SLOW,

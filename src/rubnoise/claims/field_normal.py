@@ -91,6 +91,7 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
             conditions=f"two rough flats, dry, light load. {_OWN}",
             quantity=_of_speed(bouncing, speed, "velocity"),
             published=(0.7, 1.16),
+            widened=True,
             because="Impacts are harder at higher speed. No single power: the slope falls from 1.4 to 0.4 over this "
             "range.",
             scenario=BOUNCING,
@@ -103,6 +104,7 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
             conditions=f"two rough flats, dry, light load. {_OWN}",
             quantity=_of_height(bouncing),
             published=(0.7, 1.16),
+            widened=True,
             because="m = (1 + n)/2 with the local n, whatever bounces.",
             scenario=BOUNCING,
         ),
@@ -137,6 +139,7 @@ def _exponents(bouncing: Evidence, damped: Evidence) -> list[FieldClaim]:
             f"3/8). {_OWN}",
             quantity=_of_speed(damped, speed, "velocity"),
             published=(0.375, 0.75),
+            widened=True,
             because="Its slope lies between these over the whole range.",
             scenario=DAMPED,
         ),

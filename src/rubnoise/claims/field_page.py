@@ -11,7 +11,9 @@ _HEAD = """\
 # The field
 
 Published numbers beside those of this model. A row *agrees* if the exact number lies in the published range and the
-95 % interval of the runs touches it. $n$ is the exponent of speed $V$ and $m$ that of height, of a level of vibration.
+95 % interval of the runs touches it. To lie in a range that holds two readings of its source is *no test*: amplitude or
+power for 3/4, and two notes on which exponent is 0.7 to 0.96 and which 0.8 to 1.16. $n$ is the exponent of speed $V$
+and $m$ that of height, of a level of vibration.
 *Normal*: a slider that [may leave its contact](load.md#free-to-bounce); other motion is along the surface. A star marks
 numbers from the notes of others. `rubnoise claims --field` makes the runs from fixed seeds, and has conditions and
 reasons of each row, as [field.json](field.json); [another page](paper.md) has the claims of the paper.

@@ -44,7 +44,7 @@ def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
 
 def motion_warnings(model: Model, answer: dict[str, Any]) -> list[str]:
     """Return warnings about the exact motion of an answer: of its slider, and under its load."""
-    one_way = one_way_warnings(model, answer["slider"]["one_way_validity"]) if "slider" in answer else []
+    one_way = one_way_warnings(model, answer.get("slider", {}).get("one_way_validity", 0.0))
     return one_way + (load_warnings(answer["load"]) if "load" in answer else [])
 
 
@@ -97,7 +97,7 @@ MOTION: Final[tuple[LineWords, ...]] = (
     ("displacement", "mean {displacement_mean}, std {displacement_std} um"),
     ("velocity", "std {velocity_std} um/s"),
     ("one-way validity", "{one_way_validity:.6g} (std of velocity over sliding speed)"),
-    ("coupling strength", "{coupling_strength} (Pi; weak below 0.03)"),
+    ("coupling strength", "{coupling_strength} (Pi; weak below 0.03)", "not known: {change_unknown}"),
     ("stick number", "{stick_number} (theta; a slow slider sticks above 1)"),
     ("expected change", "{expected_change:change} of std displacement, if two-way", "not known: {change_unknown}"),
 )
@@ -192,13 +192,13 @@ def motion_as_json(theory: Exact) -> dict[str, Any]:
         "displacement_mean": motion.mean_displacement,
         "displacement_std": motion.displacement_std,
         "velocity_std": motion.velocity_std,
-        "one_way_validity": motion.one_way_validity,
     }
     if slider.excitation == "base":
-        return figures  # a base does not feel the motion
+        return figures  # a base lifts: it does not feel the motion, and sliding speed is no measure of it
+    figures["one_way_validity"] = motion.one_way_validity
     found = theory.coupling()
     figures |= {
-        "coupling_strength": found.strength,
+        "coupling_strength": None if isnan(found.strength) else found.strength,
         "stick_number": found.stick_number,
         "expected_change": found.expected_change if found.unknown is None else None,
     }

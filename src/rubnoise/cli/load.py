@@ -1,4 +1,4 @@
-"""The effect of a load that weighs, by name and as lines to print; without one, that the separation is held."""
+"""The effect of a load that weighs, by name and as lines to print; without one, that separation is held or a lift."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 HELD = "separation held"
 """The regime of a scenario without a load that weighs: the gap is constant, and the load is not."""
+
+LIFTED = "lifted by a base"
+"""The regime of a slider over a base, which moves as asperities lift it."""
 
 FREE = "free"
 """The regime of a slider that may leave its contact, of which N, v and the loss decide what it does."""
@@ -37,6 +40,7 @@ WORTH_A_SHARE = 1e-4
 
 LINES: Final[dict[str, tuple[LineWords, ...]]] = {
     HELD: (("normal motion", "{regime}; the load that it takes varies by {load_variation:percent} (std over mean)"),),
+    LIFTED: (("normal motion", "{regime}: the motion of the slider is normal to the surface"),),
     FREE: (
         ("normal motion", "free to leave the contact (V is {relative_speed} times c omega_c, N is {live})"),
         (
@@ -76,6 +80,8 @@ def load_as_json(theory: "Exact") -> dict[str, Any]:
             known["first_order_separation_std"] = linear.separation_std
             known["first_order_velocity_std"] = linear.velocity_std
         return {"regime": FREE} | {name: value for name, value in known.items() if not isnan(value)}
+    if theory.model.slider is not None and theory.model.slider.excitation == "base":
+        return {"regime": LIFTED}
     if motion is None:
         return {"regime": HELD, "load_variation": theory.area.std / theory.area.mean}
     slider = theory.model.slider
@@ -112,7 +118,7 @@ def load_notes(load: dict[str, Any]) -> list[str]:
             "the force is that of a constant gap, but not the slider's motion: momentum keeps the mean load at every"
             " speed, so a slider moves as in the paper only if omega_0, too, is far above omega_c"
         )
-    if load["regime"] not in {HELD, BOUNCING} and (load["error_bound"] or 0.0) > ERROR_WORTH_A_NOTE:
+    if load["regime"] != BOUNCING and (load.get("error_bound") or 0.0) > ERROR_WORTH_A_NOTE:
         error = f"{100.0 * load['error_bound']:.2g} %"
         notes.append(f"first order misses the spreads of separation, normal velocity and load by up to {error}")
     return notes
@@ -123,7 +129,7 @@ def load_warnings(load: dict[str, Any]) -> list[str]:
     if load["regime"] == FREE and load.get("restitution") == 1.0 and load["damping_ratio"] == 0.0:
         lossless = "with a restitution of 1 and no dashpot nothing takes away the energy that sliding brings"
         return [f"{lossless}: there is no stationary state, and levels grow as long as the run lasts"]
-    if load["regime"] in {HELD, FREE}:
+    if load["regime"] in {HELD, LIFTED, FREE}:
         return []
     warnings = []
     if load["regime"] == BOUNCING:

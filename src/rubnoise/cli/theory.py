@@ -23,6 +23,7 @@ from rubnoise.cli.layout import (
 from rubnoise.cli.load import format_load, load_notes
 from rubnoise.cli.options import AsJson, Changes, ReplacePlot
 from rubnoise.cli.plot import check_picture, write_picture
+from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
     from rubnoise.model import Model
@@ -83,13 +84,16 @@ def command(
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")
-    if plot and (wavenumbers or lags or areas or levels or distances or segment is not None or white):
+    points_given = bool(wavenumbers or lags or areas or levels or distances or segment is not None or white)
+    if plot and points_given:
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     if plot:
         picture = picture or Path(f"{file.stem}_theory.png")
         check_picture(picture, force=force, reads=[file])
     scenario = scenario_or_result(file, changes or (), quiet=as_json)
     model = scenario.model()
+    if (plot or points_given) and model.slider is not None and model.slider.excitation == "velocity-weakening":
+        raise Refused(f"{file}: a force that falls with speed has no noise, so there are no curves of it")
     if plot and picture is not None:
         from rubnoise.figures.theory import theory_picture
 
@@ -216,6 +220,7 @@ UNITS: Final = {
     "base_excitation.base_std": "um",
     "base_excitation.displacement_std": "um",
     "base_excitation.velocity_std": "um/s",
+    "velocity_weakening.mean_force": "uN",
     "velocity_weakening.border": "N*s/m",
     "velocity_weakening.mean_displacement": "um",
     "velocity_weakening.amplitude": "um",

@@ -16,7 +16,7 @@ from rubnoise.cli.load import load_as_json
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.base_excitation import base_response
-from rubnoise.theory.campbell import Cumulants, area_cumulants
+from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance, covariance_reach
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
@@ -156,6 +156,10 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None, *, 
     ``segment``: ticks of a segment of Welch's method; ``white``: whether to add Kilburn's white noise. A group
     that does not apply to the model is left out; raises Refused if an option requests it.
     """
+    if model.slider is not None and model.slider.excitation == "velocity-weakening":
+        # Without junctions there is no noise: of the contact's force only the mean is left.
+        known = {"mean_force": force_cumulants(model).mean} | asdict(velocity_weakening(model))
+        return {"velocity_weakening": known}
     theory = exact(model)
     answer: dict[str, Any] = {
         "count": {"mean": theory.count_mean, "variance": theory.count_variance},
@@ -208,8 +212,6 @@ def _other_models(model: Model, *, white: bool) -> dict[str, Any]:
     found: dict[str, Any] = {}
     if model.slider is not None and model.slider.excitation == "base":
         found["base_excitation"] = asdict(base_response(model))
-    if model.slider is not None and model.slider.excitation == "velocity-weakening":
-        found["velocity_weakening"] = asdict(velocity_weakening(model))
     if white:
         found["white_noise"] = asdict(white_noise(model))
     return found

@@ -115,6 +115,8 @@ def _contact(model: Model) -> list[str]:
 def _separation(model: Model) -> str:
     """Return how the separation moves, or that it is held."""
     held = model.separation
+    if model.slider is not None and model.slider.excitation == "base":
+        return "Asperities lift the slider: it moves normal to the surfaces."
     if held is None:
         return "The separation of the surfaces is held, so that the load varies as the area does."
     motion = load_motion(model)
@@ -141,7 +143,7 @@ def motion_in_words(model: Model, figures: Sequence[Agreement]) -> list[str]:
     """Return sentences about the measured motion: whether one-way coupling holds, or how the slider sticks."""
     measured = {each.name: each.observed for each in figures}
     lines = []
-    if "one_way_validity" in measured:
+    if "one_way_validity" in measured and model.slider is not None and model.slider.excitation == "friction":
         lines.append(_one_way(model, measured["one_way_validity"]))
     if "stick_fraction" in measured:
         lines.append(

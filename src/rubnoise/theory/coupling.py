@@ -90,6 +90,7 @@ WHITE = 0.95
 class Coupling:
     """The strength of two-way coupling for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
 
+    Pi is nan unless births are at random at constant separation.
     ``expected_change`` is nan if the law of weak coupling does not hold, and ``unknown`` then says why; else it is
     None.
     """
@@ -178,6 +179,8 @@ def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
 
 
 def _strength(model: Model, drive: Drive) -> float:
+    if not are_at_random(model) or model.separation is not None:
+        return nan  # at low frequency a force of other births, or under a load, says nothing about its power
     if drive.slider.damping == 0.0:
         return inf
     density = float(force_spectral_density(model, drive.strengths, 0.0))
