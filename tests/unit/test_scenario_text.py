@@ -2,7 +2,6 @@
 
 import json
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,88 +13,70 @@ from rubnoise.scenario import json_schema, limits, load, loads
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.problems import Place, Problem, in_order, report
-from rubnoise.scenario.source import locate, parse
+from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import load_either
 from rubnoise.scenario.sweep_table import Sweeping
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 
-# The locator finds every key and value of a TOML text.
-TEXT = '''\
+# The locator finds every key and value of a TOML text that has them line by line.
+TEXT = """\
 # a = 1
 a = 1 # one
 "b c".'d' = "x # y" # text
 e.f . g = [1, 2, # three
   { h = "]" }, ]
 i = { j = 'k', "l" = { m = 1.5 } }
-n = """two
-lines " "" """""
 o = 1979-05-27 07:32:00   # a date
-p = \'\'\'raw ' text\'\'\'
 
 [ q . "r" ] # header
 s = true
-[[t]]
-u = "\\u00b5\\""
-[[t]]
-u = 2
-[t.v]
-w = 3
-[[t.x]]
-[[t.x]]
-y=4'''
+"\\u00b5" = 'raw " text'
+"""
 
 
-def value(*path: str | int) -> str:
-    span = locate(TEXT).values[path]
-    return TEXT[span.start : span.end]
+def shown(place: Place) -> str:
+    return place.text[place.start : place.end]
 
 
 @pytest.mark.parametrize(
-    ("path", "text"),
+    ("path", "text", "line"),
     [
-        (("a",), "1"),
-        (("b c", "d"), '"x # y"'),
-        (("e", "f", "g"), '[1, 2, # three\n  { h = "]" }, ]'),
-        (("e", "f", "g", 1), "2"),
-        (("e", "f", "g", 2, "h"), '"]"'),
-        (("i",), "{ j = 'k', \"l\" = { m = 1.5 } }"),
-        (("i", "l", "m"), "1.5"),
-        (("n",), '"""two\nlines " "" """""'),
-        (("o",), "1979-05-27 07:32:00"),
-        (("p",), "'''raw ' text'''"),
-        (("q", "r", "s"), "true"),
-        (("t", 0, "u"), '"\\u00b5\\""'),
-        (("t", 1, "u"), "2"),
-        (("t", 1, "v", "w"), "3"),
-        (("t", 1, "x", 1, "y"), "4"),
+        (("a",), "1", 2),
+        (("b c", "d"), '"x # y"', 3),
+        (("e", "f", "g"), "[1, 2,", 4),
+        (("e", "f", "g", 1), "[1, 2,", 4),
+        (("i",), "{ j = 'k', \"l\" = { m = 1.5 } }", 6),
+        (("i", "l", "m"), "{ j = 'k', \"l\" = { m = 1.5 } }", 6),
+        (("o",), "1979-05-27 07:32:00", 7),
+        (("q", "r", "s"), "true", 10),
+        (("q", "r", "\u00b5"), "'raw \" text'", 11),
+        (("q", "r", "nothing"), 'q . "r"', 9),
     ],
 )
-def test_a_value_is_where_it_is(path: tuple[str | int, ...], text: str) -> None:
-    assert value(*path) == text
+def test_a_value_is_where_it_is(path: tuple[str | int, ...], text: str, line: int) -> None:
+    place = Source("a.toml", TEXT).value_place(path)
+    assert (shown(place), place.line) == (text, line)
 
 
 def test_a_key_is_where_it_is_first_named() -> None:
-    keys = locate(TEXT).keys
-    assert TEXT[keys["q", "r"].start : keys["q", "r"].end] == 'q . "r"'
-    assert TEXT[keys["e", "f", "g"].start : keys["e", "f", "g"].end] == "e.f . g"
-    assert TEXT[keys["e",].start : keys["e",].end] == "e"
+    source = Source("a.toml", TEXT + '["b c"]\ne = 1\n')
+    assert [shown(source.key_place(path)) for path in (("q", "r"), ("e", "f"), ("b c",))] == [
+        'q . "r"',
+        "e.f . g",
+        "\"b c\".'d'",
+    ]
 
 
-@pytest.mark.parametrize("broken", ["a = 1\nb d = 2\nc = 3", "a = 1\n[b\nc = 3", "a = 1\n= 2", 'a = 1\n"\\q" = 2'])
-def test_of_a_broken_text_the_sound_part_is_found(broken: str) -> None:
-    spans = locate(broken)
-    assert ("a",) in spans.values
-    assert ("c",) not in spans.values
+@pytest.mark.parametrize("broken", ["a = 1\nb d = 2\nc = 3", "a = 1\n= 2\nc = 3", 'a = 1\n"\\q" = 2\nc = 3'])
+def test_of_a_broken_text_the_other_lines_are_read(broken: str) -> None:
+    source = Source("a.toml", broken)
+    assert source.data == {"a": 1, "c": 3}
+    assert [problem.place.line for problem in source.problems] == [2]
 
 
-def test_the_last_key_named() -> None:
-    assert locate("[a]\nb.c = 1,5").last == ("a", "b", "c")
-    assert locate("[a]\nb = 1\n[d.e").last == ("d", "e")
-    assert locate("").last == ()
-
-
-def test_deep_nesting_ends_in_time() -> None:
-    assert locate("a = " + "[" * 60_000).keys.keys() == {("a",)}
+def test_without_a_sound_header_nothing_is_blamed_on_the_wrong_table() -> None:
+    source = Source("a.toml", "a = 1\n[b\nc = 3")
+    assert (source.data, len(source.problems)) == ({}, 1)
 
 
 # How problems are shown: in order, with the line and a caret, and nothing that a terminal would obey.
@@ -146,59 +127,10 @@ def test_a_warning_about_a_wrong_key_is_left_out() -> None:
     assert "warning: a.b: wrong" in report([warning])
 
 
-# What a scenario may ask of its reader: parts of a key anywhere, readings of a broken text, files in a chain.
-Counted = Callable[[], int]
-
-PARTS = ".a" * limits.KEY_DOTS
-"""Seventeen parts with the one before them are the most."""
-
-LONG = {
-    "bare": "a{}.a = 1",
-    "commas": '"a,b"{}.a = 1',
-    "an equals sign": "'a=b'{}.a = 1",
-    "a hash": '"a#b"{}.a = 1',
-    "dots in quotation marks": '"..."{}."..." = 1',
-    "an escaped quotation mark": r'"a\",\\"{}.a = 1',
-    "blanks": 'a{}\t. "a" = 1',
-    "a header": '["a,b"{}.a]',
-    "a header of tables": "[['a=b'{}.a]]",
-    "an inline table": "x = {{ a{}.a = 1 }}",
-    "tables in an array": "x = [1, 'a', {{ y = 2, a{}.a = 1 }}]",
-    "behind a long string": 'x = [\n"""\n""", {{ a{}.a = 1 }}, "z"]',
-    "behind a long literal": "x = ['''\n''''', {{ a{}.a = 1 }}]",
-    "behind a broken line": 'x = 1,5 mm\n"a,b"{}.a = 1',
-    "behind a string that is left out with its line": 'x = """ """ """\n"a,b"{}.a = 1\n',
-}
-
-
-@pytest.fixture
-def parsed(monkeypatch: pytest.MonkeyPatch) -> Counted:
-    """Return how often tomllib has been asked to parse a whole text."""
-    calls: list[int] = []
-    original = tomllib.loads
-
-    def counting(text: str) -> object:
-        calls.append(len(text))
-        return original(text)
-
-    monkeypatch.setattr(tomllib, "loads", counting)
-    return lambda: len(calls)
-
-
-@pytest.mark.parametrize("context", LONG)
-def test_parts_of_a_key_are_counted_wherever_it_stands(context: str) -> None:
-    text = LONG[context]
-    (too_long,) = [fault for fault in parse(text.format(PARTS).split("\n")).faults if "parts" in fault.message]
-    assert too_long.message == "a key of more than 17 parts"
-    assert text.split("\n")[too_long.line - 1].count("{}") == 1
-    shorter = parse(text.format(PARTS[2:]).split("\n")).faults
-    assert not [fault for fault in shorter if "parts" in fault.message]
-
-
-@pytest.mark.parametrize("context", [name for name in LONG if not name.startswith("behind a broken")])
-def test_a_key_of_too_many_parts_never_meets_the_parser(context: str, parsed: Counted) -> None:
-    faults = parse(LONG[context].format(PARTS).split("\n")).faults
-    assert parsed() == len(faults) - 1
+# What a scenario may ask of its reader: deep keys, readings of a broken text, files in a chain.
+@pytest.mark.parametrize("text", ["x" + ".a" * 490 + " = 1", "x = " + "[" * 900, 'x = """\n' + '"" ' * 300])
+def test_no_line_takes_long(text: str) -> None:
+    assert len(Source("a.toml", f"{text}\n" * 60).problems) >= 1
 
 
 @pytest.mark.parametrize(
@@ -215,16 +147,17 @@ def test_dots_elsewhere_are_no_parts(line: str) -> None:
     assert loads(BARE.replace("format = 1\n", f"format = 1\n{line}\n")).title.count("a") in {0, 21}
 
 
-def test_a_short_text_is_read_until_every_broken_line_is_named(parsed: Counted) -> None:
-    faults = parse([f"x{number} = 1,5 mm" for number in range(19)]).faults
-    assert len(faults) == parsed() - 1 == 19
+@pytest.mark.parametrize(("lines", "named"), [(19, 19), (40, limits.SYNTAX_ERRORS)])
+def test_a_text_is_read_until_every_broken_line_is_named_or_there_are_many(lines: int, named: int) -> None:
+    found = Source("a.toml", "\n".join(f"x{number} = 1,5 mm" for number in range(lines))).problems
+    assert {problem.hint for problem in found} == {'write "1.5 mm"'}
+    assert len(found) == named
 
 
-def test_a_long_text_is_read_a_few_times(parsed: Counted) -> None:
-    lines = [f'"k{number}" = 1' for number in range(4000)] + ['"k1" = 1'] * 19
-    faults = parse(lines).faults
-    assert 2 <= len(faults) == parsed() <= 4
-    assert {fault.hint for fault in faults} == {"first given in line 2; keep one of the two"}
+def test_a_key_that_is_given_twice_names_the_first() -> None:
+    lines = [f'"k{number}" = 1' for number in range(400)] + ['"k1" = 1'] * 19
+    found = Source("a.toml", "\n".join(lines)).problems
+    assert {problem.hint for problem in found} == {"first given in line 2; keep one of the two"}
 
 
 def test_files_that_extend_one_another_are_bounded_together(tmp_path: Path) -> None:

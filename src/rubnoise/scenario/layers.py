@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any, Literal, Self
+from typing import Any, Final, Literal, Self
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from rubnoise.scenario.source import Source
 from rubnoise.units import is_of_pint
 
 SET = "--set"
+
+_MOST_PARTS: Final = 4
+"""Parts of the longest keys, those below sweep.grid."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +111,7 @@ class Setting(Overlay):
         path, _ = self._halves
         if len(self.text) > limits.LINE_CHARACTERS:
             message = f"more than {limits.LINE_CHARACTERS} characters"
-        elif "=" not in self.text or not all(path) or len(path) > limits.KEY_DOTS:
+        elif "=" not in self.text or not all(path) or len(path) > _MOST_PARTS:
             message = "not of the form KEY=VALUE, as in --set run.seed=7"
         elif path[0] == "extends":
             message = "extends belongs into a file"

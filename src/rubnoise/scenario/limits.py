@@ -4,12 +4,9 @@ FILE_BYTES = 64 * 1024
 # Of a file and those that it extends, together: what a reader does with them takes its time for each byte.
 CHAIN_BYTES = 128 * 1024
 LINE_CHARACTERS = 1000
-# tomllib's time grows with the square of the parts of a dotted key; no key of ours has more than two.
-KEY_DOTS = 16
 EXTENDS_DEPTH = 8
+# A text with a mistake is read once more without its line, so often at most.
 SYNTAX_ERRORS = 20
-# A text with a mistake is read once more without its line: twenty times if it is short, twice at its longest.
-SYNTAX_CHARACTERS = 2 * FILE_BYTES
 TITLE_CHARACTERS = 200
 
 RESULT_ROWS = 2_000_000_000
