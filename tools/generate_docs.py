@@ -7,19 +7,17 @@ and `<!-- / -->`; everything else on a page is written by hand.
 import json
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import package_map
 from parts import filled, parts_of, table
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 from scipy.stats import t as student
 
-from rubnoise.scenario.document import Document
-from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number, Parts, Sizes
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.document import SECTIONS, TOP, presence
+from rubnoise.scenario.fields import Choice, Line, Measure, Number, Parts, Sizes
 from rubnoise.scenario.limits import TITLE_CHARACTERS
+from rubnoise.scenario.section import Key, keys_of
 from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
@@ -116,36 +114,36 @@ def _column(column: Dataset) -> tuple[str, ...]:
 
 def keys() -> Iterator[str]:
     """Yield the keys of a scenario file: those at the top, then a section for each table."""
-    top = {name: about for name, about in Document.model_fields.items() if name not in SECTIONS}
-    yield from _keys(top)
+    yield from _keys(TOP)
     for name, section in SECTIONS.items():
         yield f"### [{name}]"
         yield ""
         yield " ".join((section.__doc__ or "").split())
-        yield _need(Document.model_fields[name])
+        yield _NEEDS[presence(name)]
         yield ""
-        yield from _keys(section.model_fields)
+        yield from _keys(keys_of(section))
 
 
 def sweep() -> Iterator[str]:
     """Yield the keys of a sweep beside its lists."""
-    yield from _keys(Sweeping.model_fields)
+    yield from _keys(keys_of(Sweeping))
 
 
-def _need(table: FieldInfo) -> str:
-    if table.is_required():
-        return "This table is required."
-    return "This table is optional." if table.default is None else "This table is optional; its keys have defaults."
+_NEEDS = {
+    "needed": "This table is required.",
+    "optional": "This table is optional.",
+    "defaults": "This table is optional; its keys have defaults.",
+}
 
 
-def _keys(fields: dict[str, FieldInfo]) -> Iterator[str]:
-    rows = ((f"`{key}`", _values(about), _default(about), about.description or "") for key, about in fields.items())
+def _keys(fields: Mapping[str, Key]) -> Iterator[str]:
+    rows = ((f"`{key}`", _values(about), _default(about), about.about) for key, about in fields.items())
     yield table(("key", "value", "default", "meaning"), rows)
 
 
-def _values(about: FieldInfo) -> str:
+def _values(about: Key) -> str:
     """Return what a key may hold, as far as one line can say it."""
-    match next(each for each in about.metadata if isinstance(each, Field)):
+    match about.kind:
         case Measure(kinds=kinds, possible=possible):
             low, high = (kinds[0].number(bound) for bound in (possible.low, possible.high))
             examples = " or ".join(f'{kind.name}, `"{kind.example}"`' for kind in kinds)
@@ -165,8 +163,8 @@ def _values(about: FieldInfo) -> str:
             raise TypeError(f"no words for {type(other).__name__}")
 
 
-def _default(about: FieldInfo) -> str:
-    if about.default is PydanticUndefined:
+def _default(about: Key) -> str:
+    if about.is_needed:
         return "required"
     return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
 

@@ -11,7 +11,7 @@ def main() -> None:
     usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if usual:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # We use no plug-ins of pydantic, and it would look for them in every installed package.
+    # typer may load pydantic, which would look for plug-ins in every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for library in ("OMP", "OPENBLAS", "MKL"):  # of matrices as small as ours, further threads only burn time waiting
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")

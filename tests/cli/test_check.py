@@ -7,8 +7,11 @@ from pathlib import Path
 import pytest
 
 import rubnoise
+from rubnoise.contact.births import BIRTHS
+from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import loads
-from rubnoise.scenario.keys import BIRTH_SAMPLES, LAW_SAMPLES, SECTIONS
+from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.section import keys_of
 from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.sweep_table import Sweeping
@@ -313,7 +316,10 @@ OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
 DRIVEN = ("excitation", "asperity_height", "heights", "slope")
 SIZES = ("values", "sampled", "file", "column", "hash")
 OTHERS = ("load", "hardness", "patch_area", "weights", "parts", *SIZES, *DRIVEN)
-ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *LAW_SAMPLES, *BIRTH_SAMPLES)
+OF_LAWS = {each.name for entry in LAWS.values() for each in entry.parameters} | {
+    each.name for entry in BIRTHS.values() for each in entry.keys
+}
+ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *OF_LAWS)
 
 
 def _everything() -> str:
@@ -364,14 +370,14 @@ def test_the_scenario_that_new_makes_is_the_first_one() -> None:
 def test_every_key_is_there_with_its_meaning() -> None:
     keys = tomllib.loads(OPTIONAL.sub("", template()))
     assert {name: set(keys[name]) for name in SECTIONS} == {
-        name: set(section.model_fields) for name, section in SECTIONS.items()
+        name: set(keys_of(section)) for name, section in SECTIONS.items()
     }
     flat = " ".join(template().replace("\n#", "").split())
-    assert set(keys["sweep"]) == {*Sweeping.model_fields, "grid"}
+    assert set(keys["sweep"]) == {*keys_of(Sweeping), "grid"}
     for section in (*SECTIONS.values(), Sweeping):
-        for about in section.model_fields.values():
-            assert about.description
-            assert " ".join(about.description.split()) in flat
+        for about in keys_of(section).values():
+            assert about.about
+            assert " ".join(about.about.split()) in flat
 
 
 def test_every_optional_key_may_be_set() -> None:

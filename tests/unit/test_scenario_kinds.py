@@ -11,7 +11,6 @@ from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Spread, Weibull, law_for
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import build, loads
-from rubnoise.scenario.keys import BIRTH_SAMPLES
 from rubnoise.scenario.reread import reread
 from rubnoise.scenario.sweep import load_sweep
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
@@ -347,7 +346,7 @@ def test_a_law_of_births_takes_its_own_keys_and_no_others(law: str) -> None:
     model = loads(text + table).model()
     assert type(model.births).__name__.lower().startswith(law)
     assert build(loads(text + table).resolved()).model() == model
-    for key, value in BIRTH_SAMPLES.items():
+    for key, value in {each.name: each.sample for entry in BIRTHS.values() for each in entry.keys}.items():
         if key in keys:
             assert f'birth.{key}: missing; the law "{law}" needs a {key}' in refusal(text)
         else:

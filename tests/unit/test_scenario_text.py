@@ -10,9 +10,9 @@ import pytest
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import json_schema, limits, load, loads
-from rubnoise.scenario.document import Document
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.document import SECTIONS, TOP
 from rubnoise.scenario.problems import Place, Problem, in_order, report
+from rubnoise.scenario.section import keys_of
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import load_either
 from rubnoise.scenario.sweep_table import Sweeping
@@ -44,7 +44,8 @@ def shown(place: Place) -> str:
         (("a",), "1", 2),
         (("b c", "d"), '"x # y"', 3),
         (("e", "f", "g"), "[1, 2,", 4),
-        (("e", "f", "g", 1), "[1, 2,", 4),
+        (("e", "f", "g", 1), "2", 4),
+        (("e", "f", "g", 2, "h"), "[1, 2,", 4),
         (("i",), "{ j = 'k', \"l\" = { m = 1.5 } }", 6),
         (("i", "l", "m"), "{ j = 'k', \"l\" = { m = 1.5 } }", 6),
         (("o",), "1979-05-27 07:32:00", 7),
@@ -208,20 +209,20 @@ def test_a_scenario_of_the_project_names_its_schema_and_loads_without_a_warning(
     first = path.read_text(encoding="utf-8").splitlines()[0]
     assert (path.parent / first.removeprefix("#:schema ")).resolve() == SCENARIOS / "scenario.schema.json"
     assert load_either(path).warnings == ()
-    assert set(tomllib.loads(path.read_text(encoding="utf-8"))) <= {*Document.model_fields, "extends", "sweep"}
+    assert set(tomllib.loads(path.read_text(encoding="utf-8"))) <= {*TOP, *SECTIONS, "extends", "sweep"}
 
 
 def test_the_schema_of_a_sweep_takes_lists_of_what_each_key_takes() -> None:
     schema = json_schema()
     sweep = schema["properties"]["sweep"]["properties"]
-    assert set(sweep) == {*Sweeping.model_fields, "grid", "zip"}
+    assert set(sweep) == {*keys_of(Sweeping), "grid", "zip"}
     for table in (sweep["grid"], sweep["zip"]):
         swept = {
             f"{name}.{key}": about
             for name, keys in table["properties"].items()
             for key, about in keys["properties"].items()
         }
-        assert set(swept) == {f"{name}.{key}" for name, section in SECTIONS.items() for key in section.model_fields} - {
+        assert set(swept) == {f"{name}.{key}" for name, section in SECTIONS.items() for key in keys_of(section)} - {
             "run.seed"
         }
         for about in swept.values():

@@ -4,15 +4,25 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, is_dataclass
 from pathlib import Path
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar, cast, get_args, get_origin, get_type_hints
 
 from parts import fill
-from pydantic import TypeAdapter
 
 DOCS: Final = Path(__file__).resolve().parents[2] / "docs"
 Row = TypeVar("Row")
+
+
+def built(kind: Any, value: Any) -> Any:
+    """Return what JSON holds of a value as its kind says: dataclasses, and tuples of them or of numbers."""
+    if isinstance(value, dict) and is_dataclass(kind):
+        hints, make = get_type_hints(kind), cast(Callable[..., Any], kind)
+        return make(**{name: built(hints[name], each) for name, each in value.items()})
+    if isinstance(value, list):
+        of_tuple = next((each for each in (kind, *get_args(kind)) if get_origin(each) is tuple), None)
+        return tuple(built(get_args(of_tuple)[0] if of_tuple else None, each) for each in value)
+    return value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,9 +44,8 @@ class Study(Generic[Row]):
 
     def kept(self) -> list[Row]:
         """Return the rows of the data."""
-        adapter = TypeAdapter(self.row)
         rows = json.loads((self.docs / self.data).read_text("utf-8"))["rows"]
-        return [adapter.validate_python(each) for each in rows]
+        return [built(self.row, each) for each in rows]
 
     def main(self) -> int:
         """Make the rows and keep them, or take those of before with --table; draw the tables unless a row is wrong."""

@@ -137,7 +137,7 @@ class Story:
 
     def by(self, engine: str) -> Scenario:
         """Return what is run, by another engine than the file says."""
-        return replace(self.scenario, run=self.scenario.run.model_copy(update={"engine": engine}))
+        return replace(self.scenario, run=replace(self.scenario.run, engine=engine))
 
     @cached_property
     def expected(self) -> Mapping[str, Any]:

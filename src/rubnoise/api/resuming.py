@@ -167,7 +167,7 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
         raise Refused(f"{part}: {reason}; rubnoise {made_by} can resume it, rubnoise.run(..., force=True) starts over")
     if engine is None:
         return scenario
-    return replace(scenario, run=scenario.run.model_copy(update={"engine": engine}))
+    return replace(scenario, run=replace(scenario.run, engine=engine))
 
 
 def _stored(description: RunDescription, part: str) -> Scenario:

@@ -147,4 +147,4 @@ def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
         number = -1
     if not 0 <= number < SEED_LIMIT:
         raise ScenarioRefused(f"run.seed: {seed} is no whole number from 0 to {SEED_LIMIT - 1}")
-    return replace(scenario, run=scenario.run.model_copy(update={"seed": number}))
+    return replace(scenario, run=replace(scenario.run, seed=number))

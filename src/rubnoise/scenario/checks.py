@@ -8,12 +8,12 @@ from rubnoise.contact.off_centre import OFF_CENTRE, pulse_of
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.scenario import limits
-from rubnoise.scenario.document import AREAS, COUNTS, Diameter, Document, Strength
+from rubnoise.scenario.document import AREAS, COUNTS, SECTIONS, Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure
-from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, load_problems, model_of, spread_of
+from rubnoise.scenario.section import keys_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
@@ -36,10 +36,9 @@ COARSE = 0.3
 def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
     """Warn of quantities so far from any real contact that a typing error is likely."""
     for name, section in SECTIONS.items():
-        for key, about in section.model_fields.items():
-            value = getattr(getattr(document, name), key, None)
-            measure = next((m for m in about.metadata if isinstance(m, Measure)), None)
-            if isinstance(value, Quantity) and measure and value not in measure.plausible:
+        for key, about in keys_of(section).items():
+            value, measure = getattr(getattr(document, name), key, None), about.kind
+            if isinstance(value, Quantity) and isinstance(measure, Measure) and value not in measure.plausible:
                 size = "large" if value > measure.plausible.high else "small"
                 message = f"implausibly {size} ({value.kind.number(value)})"
                 yield layers.problem((name, key), message, _other_prefix(value, measure), severity="warning")

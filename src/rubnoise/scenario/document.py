@@ -1,206 +1,203 @@
-"""The keys of a scenario file, section by section, with what each may hold."""
+"""The keys of a scenario file, table by table: what each may hold, its meaning, its default, and an ordinary value.
 
-from typing import TYPE_CHECKING, Annotated, Any
+Checks, refusals, the template, the JSON schema and the pages read this file and nothing else.
+"""
 
-from pydantic import BaseModel, ConfigDict, create_model
-from pydantic import Field as About
+# ruff: noqa: RUF009  (what looks like a default that is shared describes the field)
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass
+from typing import TYPE_CHECKING, Any, Final, get_args, get_type_hints
 
 from rubnoise.contact.births import BIRTHS
-from rubnoise.contact.laws import LAWS
+from rubnoise.contact.laws import LAWS, LawEntry
 from rubnoise.scenario import limits
-from rubnoise.scenario.fields import Choice, Line, Measure, Number, Parts, Range, Sizes
+from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number, Parts, Range, Sizes
+from rubnoise.scenario.section import Section, key, keys_of, needed
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, FORCE, INVERSE_SPEED, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
-FORMAT = 1
-ONE_STRENGTH = "constant"
+FORMAT: Final = 1
+ONE_STRENGTH: Final = "constant"
 """The strength table's word for the law that the registry calls fixed."""
 AREAS, COUNTS = Range(1e-12, 1e18), Range(1e-6, limits.LIVE_JUNCTIONS)
 """Mean real contact areas in um^2 and mean numbers of junctions that are possible."""
+_MASS: Final = Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6))
+_DAMPING: Final = Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9))
 
 
-class Section(BaseModel):
-    """A table whose keys are all known."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
-
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Interface(Section):
     """The contact: mean real contact area, or load and hardness; mean number of junctions, or the area of one."""
 
-    mean_real_contact_area: Annotated[
-        Quantity | None,
+    mean_real_contact_area: Quantity | None = key(
         Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
-        About(description="Mean real contact area A_rm; or else load and hardness."),
-    ] = None
-    load: Annotated[
-        Quantity | None,
+        "Mean real contact area A_rm; or else load and hardness.",
+        sample="200 um^2",
+        form='mean_real_contact_area = "200 um^2" or load and hardness',
+    )
+    load: Quantity | None = key(
         Measure((FORCE,), possible=Range(1e-12, 1e18), plausible=Range(1e-3, 1e12)),
-        About(description="Normal load W; with hardness, A_rm = W/H (Bowden and Tabor)."),
-    ] = None
-    hardness: Annotated[
-        Quantity | None,
+        "Normal load W; with hardness, A_rm = W/H (Bowden and Tabor).",
+        sample="0.2 N",
+    )
+    hardness: Quantity | None = key(
         Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-2, 1e6)),
-        About(description="Hardness H of the softer side; psi/H is the coefficient of friction."),
-    ] = None
-    mean_junction_count: Annotated[
-        float | None,
+        "Hardness H of the softer side; psi/H is the coefficient of friction.",
+        sample="1 GPa",
+    )
+    mean_junction_count: float | None = key(
         Number(COUNTS),
-        About(description="Mean number of junctions N_jm; need not be a whole number; or else patch_area."),
-    ] = None
-    patch_area: Annotated[
-        Quantity | None,
+        "Mean number of junctions N_jm; need not be a whole number; or else patch_area.",
+        sample=20,
+        form='mean_junction_count = 20 or patch_area = "10 um^2"',
+    )
+    patch_area: Quantity | None = key(
         Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
-        About(description="Mean area of one junction, so that N_jm = A_rm/patch_area: load adds junctions."),
-    ] = None
-    calibration: Annotated[
-        str,
+        "Mean area of one junction, so that N_jm = A_rm/patch_area: load adds junctions.",
+        sample="10 um^2",
+    )
+    calibration: str = key(
         Choice(("paper", "exact", "matched")),
-        About(description="Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm."),
-    ] = "matched"
+        "Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm.",
+        "matched",
+    )
+
+
+def _laws(one_value: str) -> dict[str, LawEntry]:
+    """Return the laws that a table may name; the law of one value has a name for each table."""
+    taken = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
+    return {one_value if name == "fixed" else name: entry for name, entry in taken.items()}
 
 
 def _listed(one_value: str) -> str:
-    """Return every law with its description in the registry; the law of one value has a name for each table."""
-    known = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
-    return "; ".join(f"{one_value if name == 'fixed' else name}: {entry.about}" for name, entry in known.items())
+    return "; ".join(f"{name}: {entry.about}" for name, entry in _laws(one_value).items())
 
 
 def _without_spread(one_value: str) -> str:
-    taking = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
-    names = [one_value if name == "fixed" else name for name, entry in taking.items() if not entry.takes_spread]
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+    *names, last = (name for name, entry in _laws(one_value).items() if not entry.takes_spread)
+    return f"{', '.join(names)} and {last}"
 
 
 def _with_parameters(table: type[Section], centre: str) -> Any:
     """Return a table with the additional keys of each law of the registry."""
-    keys: dict[str, Any] = {}
-    for name, entry in LAWS.items():
-        for each in entry.parameters:
-            about = About(description=f"{each.about.format(centre=centre)}; for the law {name}.")
-            keys[each.name] = (Annotated[float | None, Number(Range(each.low, each.high)), about], None)
-    return create_model(table.__name__, __base__=table, __doc__=table.__doc__, **keys)
+    own = [
+        (each.name, "float | None", key(Number(Range(each.low, each.high)), about, sample=each.sample))
+        for name, entry in LAWS.items()
+        for each in entry.parameters
+        for about in [f"{each.about.format(centre=centre)}; for the law {name}."]
+    ]
+    made = make_dataclass(
+        table.__name__, own, bases=(table,), frozen=True, slots=True, kw_only=True, namespace={"__module__": __name__}
+    )
+    made.__doc__ = table.__doc__
+    return made
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Diameter(Section):
     """The distribution of junction diameters about the calibrated diameter d_m."""
 
-    law: Annotated[
-        str,
-        Choice(tuple(LAWS)),
-        About(description=f"{_listed('fixed')}."),
-    ] = "fixed"
-    spread: Annotated[
-        Quantity | None,
+    law: str = key(Choice(tuple(LAWS)), f"{_listed('fixed')}.", "fixed")
+    spread: Quantity | None = key(
         Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        About(description=f"Standard deviation: a length, or a percentage of d_m; not for {_without_spread('fixed')}."),
-    ] = None
-    weights: Annotated[
-        tuple[float, ...] | None,
-        Sizes("weights"),
-        About(description="Weight of each part, made to add up to 1; for the law mixture."),
-    ] = None
-    parts: Annotated[
-        tuple[dict[str, Any], ...] | None,
+        f"Standard deviation: a length, or a percentage of d_m; not for {_without_spread('fixed')}.",
+        sample="10 %",
+        form='spread = "0.2 um" or spread = "4 %"',
+    )
+    weights: tuple[float, ...] | None = key(
+        Sizes("weights"), "Weight of each part, made to add up to 1; for the law mixture.", sample=[0.7, 0.3]
+    )
+    parts: tuple[dict[str, Any], ...] | None = key(
         Parts(),
-        About(description="Tables with law, mean (um) and, where the law takes one, spread (%); scaled to d_m."),
-    ] = None
-    values: Annotated[
-        tuple[float, ...] | None,
+        "Tables with law, mean (um) and, where the law takes one, spread (%); scaled to d_m.",
+        sample=[{"law": "fixed", "mean": 4.0}, {"law": "normal", "mean": 9.0, "spread": "20 %"}],
+        form='parts = [{law = "fixed", mean = 4}, {law = "normal", mean = 9, spread = "20 %"}]',
+    )
+    values: tuple[float, ...] | None = key(
         Sizes("diameters"),
-        About(description="Measured diameters in um, which are scaled to the mean d_m; for the law empirical."),
-    ] = None
-    file: Annotated[
-        str | None,
+        "Measured diameters in um, which are scaled to the mean d_m; for the law empirical.",
+        sample=[4.1, 5.3, 6.0],
+        form='values = [4.1, 5.3, 6.0] or file = "sizes.csv"',
+    )
+    file: str | None = key(
         Line(),
-        About(description="File with the values, CSV or HDF5, relative to the scenario's; for the law empirical."),
-    ] = None
-    column: Annotated[
-        str | None,
+        "File with the values, CSV or HDF5, relative to the scenario's; for the law empirical.",
+        sample="sizes.csv",
+    )
+    column: str | None = key(
         Line(),
-        About(description="Column of the file, by name or number, or dataset; a table of one column needs none."),
-    ] = None
-    hash: Annotated[
-        str | None,
+        "Column of the file, by name or number, or dataset; a table of one column needs none.",
+        sample="diameter",
+    )
+    hash: str | None = key(
         Line(),
-        About(description="SHA-256 of the values in um; a file that has changed is refused. Filled in when left out."),
-    ] = None
-    sampled: Annotated[
-        str | None,
+        "SHA-256 of the values in um; a file that has changed is refused. Filled in when left out.",
+        sample="2b2a067e28d6b407c6503c591e07fe6db2e0bf09bff4e5ac753fa369e2e7cc35",
+    )
+    sampled: str | None = key(
         Choice(("born", "alive")),
-        About(description="How values were found: born, each counts alike; alive, in a snapshot, by one over itself."),
-    ] = None
+        "How values were found: born, each counts alike; alive, in a snapshot, by one over itself.",
+        sample="alive",
+    )
 
 
-def _about_birth(key: str) -> Any:
-    name, about = next((name, each.about) for name, entry in BIRTHS.items() for each in entry.keys if each.name == key)
-    return About(description=f"{about}; for the law {name}.")
+def _of_births(key_name: str, kind: Field) -> Any:
+    law, own = next((law, each) for law, entry in BIRTHS.items() for each in entry.keys if each.name == key_name)
+    return key(kind, f"{own.about}; for the law {law}.", sample=own.sample)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Birth(Section):
     """The positions of births along the sliding distance."""
 
-    law: Annotated[
-        str,
-        Choice(tuple(BIRTHS)),
-        About(description=f"{'; '.join(f'{name}: {entry.about}' for name, entry in BIRTHS.items())}."),
-    ] = "poisson"
-    shape: Annotated[float | None, Number(Range(0.125, 100.0)), _about_birth("shape")] = None
-    cluster_size: Annotated[float | None, Number(Range(0.1, 1e4)), _about_birth("cluster_size")] = None
-    cluster_width: Annotated[
-        Quantity | None,
-        Measure((LENGTH,), possible=Range(1e-12, 1e12), plausible=Range(1e-6, 1e6)),
-        _about_birth("cluster_width"),
-    ] = None
-    jitter: Annotated[
-        Quantity | None,
-        Measure((RATIO,), possible=Range(1e-6, 1e2), plausible=Range(1e-6, 1e2)),
-        _about_birth("jitter"),
-    ] = None
+    law: str = key(
+        Choice(tuple(BIRTHS)), f"{'; '.join(f'{name}: {entry.about}' for name, entry in BIRTHS.items())}.", "poisson"
+    )
+    shape: float | None = _of_births("shape", Number(Range(0.125, 100.0)))
+    cluster_size: float | None = _of_births("cluster_size", Number(Range(0.1, 1e4)))
+    cluster_width: Quantity | None = _of_births(
+        "cluster_width", Measure((LENGTH,), possible=Range(1e-12, 1e12), plausible=Range(1e-6, 1e6))
+    )
+    jitter: Quantity | None = _of_births(
+        "jitter", Measure((RATIO,), possible=Range(1e-6, 1e2), plausible=Range(1e-6, 1e2))
+    )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse(Section):
     """The area of a junction over its life."""
 
-    shape: Annotated[
-        str,
+    shape: str = key(
         Choice(("lens", "triangle", "parabola")),
-        About(
-            description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak; "
-            "parabola: the overlap of two paraboloids, as rough surfaces have it."
-        ),
-    ] = "lens"
-    offset: Annotated[
-        str,
+        "lens: the overlap of two circles; triangle: a straight rise and fall to the same peak; "
+        "parabola: the overlap of two paraboloids, as rough surfaces have it.",
+        "lens",
+    )
+    offset: str = key(
         Choice(("none", "uniform")),
-        About(
-            description="none: junctions pass through both centres; uniform: they miss the centre line by up to the "
-            "diameter (lens and parabola, Poisson births, one-way coupling)."
-        ),
-    ] = "none"
+        "none: junctions pass through both centres; uniform: they miss the centre line by up to the "
+        "diameter (lens and parabola, Poisson births, one-way coupling).",
+        "none",
+    )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Strength(Section):
     """The shear strength of junctions, which turns area into force."""
 
-    law: Annotated[
-        str,
-        Choice((ONE_STRENGTH, *(name for name, entry in LAWS.items() if name != "fixed" and not entry.own_keys))),
-        About(description=f"{_listed(ONE_STRENGTH)}."),
-    ] = ONE_STRENGTH
-    mean: Annotated[
-        Quantity,
+    law: str = key(Choice(tuple(_laws(ONE_STRENGTH))), f"{_listed(ONE_STRENGTH)}.", ONE_STRENGTH)
+    mean: Quantity = needed(
         Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
-        About(description="Mean shear strength psi; for normal before redrawing, for power the unit of its ends."),
-    ]
-    spread: Annotated[
-        Quantity | None,
+        "Mean shear strength psi; for normal before redrawing, for power the unit of its ends.",
+        sample="250 MPa",
+    )
+    spread: Quantity | None = key(
         Measure((STRESS, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        About(
-            description=f"Standard deviation: a stress, or a percentage of the mean; not for "
-            f"{_without_spread(ONE_STRENGTH)}."
-        ),
-    ] = None
+        f"Standard deviation: a stress, or a percentage of the mean; not for {_without_spread(ONE_STRENGTH)}.",
+        sample="20 %",
+        form='spread = "50 MPa" or spread = "20 %"',
+    )
 
 
 if not TYPE_CHECKING:  # the keys that a law brings along are known to the registry alone
@@ -208,181 +205,194 @@ if not TYPE_CHECKING:  # the keys that a law brings along are known to the regis
     Strength = _with_parameters(Strength, "the mean")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Sliding(Section):
     """Sliding distance and speed."""
 
-    distance: Annotated[
-        Quantity,
+    distance: Quantity = needed(
         Measure((LENGTH,), possible=Range(1e-9, 1e30), plausible=Range(1e-3, 1e12)),
-        About(description="Sliding distance of the run."),
-    ]
-    speed: Annotated[
-        Quantity | None,
+        "Sliding distance of the run.",
+        sample="40 mm",
+    )
+    speed: Quantity | None = key(
         Measure((SPEED,), possible=Range(1e-9, 1e15), plausible=Range(1e-3, 1e9)),
-        About(description="Sliding speed; without it, no times are written."),
-    ] = None
-    start: Annotated[
-        str,
+        "Sliding speed; without it, no times are written.",
+        sample="20 mm/s",
+        form='speed = "1 mm/s"',
+    )
+    start: str = key(
         Choice(("stationary", "empty")),
-        About(description="stationary: junctions of all ages are alive at the start; empty: there are none."),
-    ] = "stationary"
+        "stationary: junctions of all ages are alive at the start; empty: there are none.",
+        "stationary",
+    )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Slider(Section):
     """The oscillator that the friction force excites; give either damping or damping_ratio."""
 
-    mass: Annotated[
-        Quantity,
-        Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6)),
-        About(description="Mass m."),
-    ]
-    stiffness: Annotated[
-        Quantity,
+    mass: Quantity = needed(_MASS, "Mass m.", sample="50 g", form='mass = "5 g"')
+    stiffness: Quantity = needed(
         Measure((STIFFNESS,), possible=Range(1e-12, 1e15), plausible=Range(1e-4, 1e11)),
-        About(description="Stiffness k."),
-    ]
-    damping: Annotated[
-        Quantity | None,
-        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
-        About(description="Damping coefficient c."),
-    ] = None
-    damping_ratio: Annotated[
-        float | None, Number(Range(1e-9, 1e6)), About(description="Damping ratio c / (2 sqrt(k m)).")
-    ] = None
-    coupling: Annotated[
-        str,
+        "Stiffness k.",
+        sample="100 kN/m",
+        form='stiffness = "300 N/m"',
+    )
+    damping: Quantity | None = key(
+        _DAMPING, "Damping coefficient c.", sample="5 N*s/m", form='damping = "0.05 N*s/m" or damping_ratio = 0.02'
+    )
+    damping_ratio: float | None = key(
+        Number(Range(1e-9, 1e6)), "Damping ratio c / (2 sqrt(k m)).", sample=0.02, remark="Instead of damping."
+    )
+    coupling: str = key(
         Choice(("one-way", "two-way")),
-        About(
-            description="one-way: the motion of the slider does not change the sliding distance; two-way: it does, "
-            "and the slider may stick and turn round."
-        ),
-    ] = "one-way"
-    excitation: Annotated[
-        str | None,
+        "one-way: the motion of the slider does not change the sliding distance; two-way: it does, "
+        "and the slider may stick and turn round.",
+        "one-way",
+    )
+    excitation: str | None = key(
         Choice(("friction", "base", "velocity-weakening")),
-        About(
-            description="friction, the default: the force of the junctions; base: asperities lift the slider's base "
-            "(Rice and Moslehy), which runs with lives that are triangles of one size; velocity-weakening: a mean "
-            "force that falls with speed, without junctions, which theory alone has."
-        ),
-    ] = None
-    asperity_height: Annotated[
-        Quantity | None,
+        "friction, the default: the force of the junctions; base: asperities lift the slider's base "
+        "(Rice and Moslehy), which runs with lives that are triangles of one size; velocity-weakening: a mean "
+        "force that falls with speed, without junctions, which theory alone has.",
+        sample="friction",
+    )
+    asperity_height: Quantity | None = key(
         Measure((RATIO, LENGTH), possible=Range(1e-9, 1e6), plausible=Range(1e-9, 1e6)),
-        About(description="Height of a triangular impulse: a percentage of d, or a length; for base."),
-    ] = None
-    heights: Annotated[
-        str | None,
+        "Height of a triangular impulse: a percentage of d, or a length; for base.",
+        sample="2 %",
+    )
+    heights: str | None = key(
         Choice(("highest", "sum")),
-        About(description="sum: impulses add up also where asperities meet, of which a rigid body rides the highest."),
-    ] = None
-    slope: Annotated[
-        Quantity | None,
-        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
-        About(description="By how much the force falls with speed; for velocity-weakening."),
-    ] = None
-    tolerance: Annotated[
-        float | None,
+        "sum: impulses add up also where asperities meet, of which a rigid body rides the highest.",
+        sample="sum",
+    )
+    slope: Quantity | None = key(
+        _DAMPING,
+        "By how much the force falls with speed; for velocity-weakening.",
+        sample="10 N*s/m",
+        form='slope = "0.1 N*s/m"',
+    )
+    tolerance: float | None = key(
         Number(Range(1e-12, 1e-4)),
-        About(description="Error of each step of a two-way motion, relative to its deflection; default 1e-9."),
-    ] = None
-    start: Annotated[
-        str,
+        "Error of each step of a two-way motion, relative to its deflection; default 1e-9.",
+        sample=1e-09,
+        remark="Only for two-way coupling.",
+    )
+    start: str = key(
         Choice(("equilibrium", "rest")),
-        About(description="equilibrium: at rest at the static deflection under the mean force; rest: at zero."),
-    ] = "equilibrium"
+        "equilibrium: at rest at the static deflection under the mean force; rest: at zero.",
+        "equilibrium",
+    )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Load(Section):
     """A load that weighs: the slider rises and falls under interface.load, of first order or free to leave its contact.
 
     First order needs either damping or damping_ratio, free motion either restitution or impact_damping.
     """
 
-    height_scale: Annotated[
-        Quantity,
+    height_scale: Quantity = needed(
         Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e3)),
-        About(description="Height scale s_0: rising by so much leaves 1/e of the real contact area."),
-    ]
-    mass: Annotated[
-        Quantity,
-        Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6)),
-        About(description="Mass of what moves up and down."),
-    ]
-    damping: Annotated[
-        Quantity | None,
-        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
-        About(description="Damping coefficient of the normal motion."),
-    ] = None
-    damping_ratio: Annotated[
-        float | None,
+        "Height scale s_0: rising by so much leaves 1/e of the real contact area.",
+        sample="0.5 um",
+    )
+    mass: Quantity = needed(_MASS, "Mass of what moves up and down.", sample="5 g")
+    damping: Quantity | None = key(
+        _DAMPING,
+        "Damping coefficient of the normal motion.",
+        sample="4 N*s/m",
+        form='damping_ratio = 0.05 or damping = "4 N*s/m"',
+    )
+    damping_ratio: float | None = key(
         Number(Range(1e-9, 1e6)),
-        About(description="Damping ratio of the contact resonance, c / (2 sqrt(W m / s_0))."),
-    ] = None
-    motion: Annotated[
-        str,
+        "Damping ratio of the contact resonance, c / (2 sqrt(W m / s_0)).",
+        sample=0.05,
+        remark="Instead of damping.",
+    )
+    motion: str = key(
         Choice(("first-order", "free")),
-        About(
-            description="first-order: the contact is a spring of stiffness W/s_0, for small motions; free: every"
-            " junction pushes by itself, and the slider may leave its contact."
-        ),
-    ] = "first-order"
-    restitution: Annotated[
-        float | None,
+        "first-order: the contact is a spring of stiffness W/s_0, for small motions; free: every"
+        " junction pushes by itself, and the slider may leave its contact.",
+        "first-order",
+    )
+    restitution: float | None = key(
         Number(Range(0.0, 1.0)),
-        About(description="Restitution e of free motion: the force of an overlap that shrinks is e^2 as large."),
-    ] = None
-    impact_damping: Annotated[
-        Quantity | None,
+        "Restitution e of free motion: the force of an overlap that shrinks is e^2 as large.",
+        sample=0.7,
+        form='restitution = 0.7 or impact_damping = "60 s/m"',
+        remark="Only for free motion.",
+    )
+    impact_damping: Quantity | None = key(
         Measure((INVERSE_SPEED,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e3)),
-        About(description="Loss of free motion that grows with speed (Hunt and Crossley); instead of restitution."),
-    ] = None
-
-
-class Output(Section):
-    """The ticks of the traces, and compression."""
-
-    tick: Annotated[
-        Quantity | None,
-        Measure((LENGTH,), possible=Range(1e-9, 1e12), plausible=Range(1e-6, 1e6)),
-        About(description="Distance between samples of the traces; default: mean life / 200."),
-    ] = None
-    compression: Annotated[str, Choice(("none", "gzip")), About(description="gzip: smaller files, but slower.")] = (
-        "none"
+        "Loss of free motion that grows with speed (Hunt and Crossley); instead of restitution.",
+        sample="60 s/m",
+        remark="Only for free motion.",
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Output(Section):
+    """The ticks of the traces, and compression."""
+
+    tick: Quantity | None = key(
+        Measure((LENGTH,), possible=Range(1e-9, 1e12), plausible=Range(1e-6, 1e6)),
+        "Distance between samples of the traces; default: mean life / 200.",
+        sample="0.1 um",
+    )
+    compression: str = key(Choice(("none", "gzip")), "gzip: smaller files, but slower.", "none")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SampledOutput(Output):
     """What is written, once the tick is known."""
 
-    tick: Annotated[Quantity, Measure((LENGTH,), possible=Range(1e-300, 1e12), plausible=Range(1e-6, 1e6))]
+    tick: Quantity = needed(Measure((LENGTH,), possible=Range(1e-300, 1e12), plausible=Range(1e-6, 1e6)), "")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Run(Section):
     """Seed and engine."""
 
-    seed: Annotated[
-        int, Number(Range(0, SEED_LIMIT - 1), whole=True), About(description="Seed of all random numbers.")
-    ] = 1
-    engine: Annotated[
-        str,
+    seed: int = key(Number(Range(0, SEED_LIMIT - 1), whole=True), "Seed of all random numbers.", 1)
+    engine: str = key(
         Choice(("events", "batch")),
-        About(description="events: junctions as SimPy processes; batch: the same result, faster, without events."),
-    ] = "events"
+        "events: junctions as SimPy processes; batch: the same result, faster, without events.",
+        "events",
+    )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Document(Section):
     """A rubnoise scenario."""
 
-    format: Annotated[int, Number(Range(FORMAT, FORMAT), whole=True), About(description="Version of this format: 1.")]
-    title: Annotated[str, Line(), About(description="One line that describes the run.")] = ""
+    format: int = needed(Number(Range(FORMAT, FORMAT), whole=True), "Version of this format: 1.", sample=FORMAT)
+    title: str = key(Line(), "One line that describes the run.", "")
     interface: Interface
-    diameter: Diameter = Diameter()
-    birth: Birth = Birth()
-    pulse: Pulse = Pulse()
+    diameter: Diameter = field(default_factory=Diameter)
+    birth: Birth = field(default_factory=Birth)
+    pulse: Pulse = field(default_factory=Pulse)
     strength: Strength | None = None
     sliding: Sliding
     slider: Slider | None = None
     load: Load | None = None
-    output: Output = Output()
-    run: Run = Run()
+    output: Output = field(default_factory=Output)
+    run: Run = field(default_factory=Run)
+
+
+TOP: Final = keys_of(Document)
+"""Keys above all tables."""
+
+SECTIONS: Final[Mapping[str, type[Section]]] = {
+    name: next(each for each in (kind, *get_args(kind)) if isinstance(each, type) and issubclass(each, Section))
+    for name, kind in get_type_hints(Document).items()
+    if name not in TOP
+}
+"""The tables by their names."""
+
+
+def presence(name: str) -> str:
+    """Return whether a table is "needed", "optional", or has "defaults" for all of its keys."""
+    about = next(each for each in fields(Document) if each.name == name)
+    return "optional" if about.default is None else "needed" if about.default_factory is MISSING else "defaults"

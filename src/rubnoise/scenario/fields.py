@@ -1,6 +1,6 @@
 """The types of values: a quantity, a number, a choice or a line of text, each read strictly.
 
-Each class is an annotation for pydantic: it reads or refuses the value, and describes it in the JSON schema.
+Each class reads or refuses the value of a key, and describes it in the JSON schema.
 """
 
 import re
@@ -14,14 +14,9 @@ from fractions import Fraction
 from math import isfinite
 from typing import Any, Final
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, core_schema
-
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario.limits import TITLE_CHARACTERS
 from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, QuantityError, from_pint, is_of_pint, read_quantity
-
-FROM_PYTHON = {"from_python": True}
 
 # Letters and marks that print as nothing, such as fillers; and selectors of a variant without a sign before them.
 _SELECTORS = "\u180b-\u180d\u180f\ufe00-\ufe0f\U000e0100-\U000e01ef"
@@ -63,11 +58,9 @@ class Field(ABC):
     def describe(self) -> dict[str, Any]:
         """Return the JSON schema of the value."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return self.describe()
+    def of_python(self, value: Any) -> Any:
+        """Return a value from Python, which may be of more types than one of a file."""
+        return self.read(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +71,9 @@ class Measure(Field):
     possible: Range
     plausible: Range
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self._read_in_context)
-
-    def _read_in_context(self, value: Any, info: ValidationInfo) -> Quantity:
-        """Read a bare number in working units if it comes from Python, never from a file."""
-        number = self._of_python(value) if info.context == FROM_PYTHON else None
+    def of_python(self, value: Any) -> Quantity:
+        """Return a quantity; a bare number is in working units, as it is never in a file."""
+        number = self._of_python(value)
         return self.read(value) if number is None else self._within(number)
 
     def read(self, value: Any) -> Quantity:

@@ -1,31 +1,20 @@
 """Find problems of keys: unknown, missing, in the wrong table, or with an invalid value."""
 
-import json
 from collections.abc import Collection, Iterator, Mapping
 from itertools import pairwise
 from typing import Any, Final
 
-from pydantic import BaseModel, ValidationError
-
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
-from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
-from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
+from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Diameter, Document, presence
+from rubnoise.scenario.fields import Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import FREE_MOTION, completed
+from rubnoise.scenario.section import Key, Section, keys_of, right_form
 
-SECTIONS: dict[str, type[BaseModel]] = {
-    name: kind
-    for name, about in Document.model_fields.items()
-    for kind in (about.annotation, *getattr(about.annotation, "__args__", ()))
-    if isinstance(kind, type) and issubclass(kind, BaseModel)
-}
 SWEEP = "sweep"
 """The table of many runs, which is read apart: a scenario is one run."""
-
-LAW_SAMPLES: dict[str, float] = {each.name: each.sample for entry in LAWS.values() for each in entry.parameters}
-"""An ordinary value of every key that some law takes for itself."""
 
 ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
     "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
@@ -37,37 +26,6 @@ DAMPINGS: Final = (("damping",), ("damping_ratio",))
 LOSSES: Final = tuple((key,) for key in FREE_MOTION)
 """Ways to say what a load that weighs loses: of first order, and in free motion, which may have the others, too."""
 
-BIRTH_SAMPLES: dict[str, str | float] = {each.name: each.sample for entry in BIRTHS.values() for each in entry.keys}
-"""An ordinary value of every key that some law of births takes for itself."""
-
-_RIGHT_FORMS: dict[Path, str] = {
-    ("format",): "format = 1",
-    ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2" or load and hardness',
-    ("interface", "load"): 'load = "0.2 N"',
-    ("interface", "hardness"): 'hardness = "1 GPa"',
-    ("interface", "mean_junction_count"): 'mean_junction_count = 20 or patch_area = "10 um^2"',
-    ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
-    **{(table, key): f"{key} = {value:g}" for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
-    **{("birth", key): f"{key} = {json.dumps(value)}" for key, value in BIRTH_SAMPLES.items()},
-    ("diameter", "weights"): "weights = [0.7, 0.3]",
-    ("diameter", "parts"): 'parts = [{law = "fixed", mean = 4}, {law = "normal", mean = 9, spread = "20 %"}]',
-    ("diameter", "values"): 'values = [4.1, 5.3, 6.0] or file = "sizes.csv"',
-    ("diameter", "file"): 'file = "sizes.csv"',
-    ("strength", "mean"): 'mean = "250 MPa"',
-    ("strength", "spread"): 'spread = "50 MPa" or spread = "20 %"',
-    ("sliding", "distance"): 'distance = "40 mm"',
-    ("sliding", "speed"): 'speed = "1 mm/s"',
-    ("slider", "mass"): 'mass = "5 g"',
-    ("slider", "stiffness"): 'stiffness = "300 N/m"',
-    ("slider", "asperity_height"): 'asperity_height = "2 %"',
-    ("slider", "slope"): 'slope = "0.1 N*s/m"',
-    ("slider", "damping"): 'damping = "0.05 N*s/m" or damping_ratio = 0.02',
-    ("load", "height_scale"): 'height_scale = "0.5 um"',
-    ("load", "mass"): 'mass = "5 g"',
-    ("load", "damping"): 'damping_ratio = 0.05 or damping = "4 N*s/m"',
-    ("load", "restitution"): 'restitution = 0.7 or impact_damping = "60 s/m"',
-}
-
 
 def format_problems(layers: Layers) -> list[Problem]:
     """Return the problems of the format number of each file; a base file has its own."""
@@ -78,7 +36,7 @@ def format_problems(layers: Layers) -> list[Problem]:
             message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
             problems.append(layers.problem(("format",), message, place=source.value_place(("format",))))
         elif version is None and not isinstance(source, (Overlay, Values)) and not layers.problems:
-            hint = f"the first line of the file: {_RIGHT_FORMS['format',]}"
+            hint = "the first line of the file: format = 1"
             problems.append(layers.problem(("format",), "missing", hint, place=source.key_place(())))
     return problems
 
@@ -90,25 +48,59 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Pr
     """
     layers = completed(layers)
     problems = [] if layers.problems else list(_rule_problems(layers))
-    context = FROM_PYTHON if from_python else {}
-    try:
-        document = Document.model_validate({"format": FORMAT, **layers.data}, context=context)
-    except ValidationError as error:
-        for detail in error.errors(include_url=False):
-            problems += _explained(layers, detail["loc"], detail["type"], detail.get("ctx", {}).get("error"))
-        return None, problems
-    return (None if problems else document), problems
+    values: dict[str, Any] = {}
+    for name, given in {"format": FORMAT, **layers.data}.items():
+        if name in TOP:
+            values |= _values(layers, problems, (), {name: given}, from_python=from_python)
+        elif name not in SECTIONS:
+            problems.append(_unknown(layers, (name,)))
+        elif isinstance(given, Mapping):
+            values[name] = _section(layers, problems, name, given, from_python=from_python)
+        elif given is not None or presence(name) != "optional":
+            problems.append(layers.problem((name,), "needs a table", f"a line [{name}] with its keys below"))
+    for name in SECTIONS:
+        if name not in layers.data and presence(name) == "needed":
+            values[name] = _section(layers, problems, name, {}, from_python=from_python)
+    return (None if problems else Document(**values)), problems
+
+
+def _section(
+    layers: Layers, problems: list[Problem], name: str, given: Mapping[str, Any], *, from_python: bool
+) -> Section | None:
+    """Return a table, or None if something is wrong with it, which joins the problems."""
+    known, before = keys_of(SECTIONS[name]), len(problems)
+    problems += [_unknown(layers, (name, key)) for key in given if key not in known]
+    lacking = [key for key, about in known.items() if about.is_needed and key not in given]
+    problems += [missing(layers, (name, key)) for key in lacking if not layers.problems]
+    values = _values(layers, problems, (name,), given, from_python=from_python)
+    return SECTIONS[name](**values) if len(problems) == before and not lacking else None
+
+
+def _values(
+    layers: Layers, problems: list[Problem], table: Path, given: Mapping[str, Any], *, from_python: bool
+) -> dict[str, Any]:
+    """Return the values of the known keys of a table, without those that are refused, which join the problems."""
+    known, values = keys_of(SECTIONS[str(table[0])]) if table else TOP, {}
+    for key, value in given.items():
+        about = known.get(key)
+        if about is None or (value is None and about.default is None and not about.is_needed):
+            continue
+        try:
+            values[key] = about.kind.of_python(value) if from_python else about.kind.read(value)
+        except Unfit as unfit:
+            problems.append(layers.problem((*table, key), str(unfit), unfit.hint))
+    return values
 
 
 def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
     """Return the problems of quantities at these keys that are numbers without a unit."""
     problems: list[Problem] = []
     for table, key in paths:
-        about = SECTIONS[str(table)].model_fields.get(str(key)) if table in SECTIONS else None
-        measure = next((each for each in about.metadata if isinstance(each, Measure)), None) if about else None
+        about = keys_of(SECTIONS[str(table)]).get(str(key)) if table in SECTIONS else None
         value = _table_or_empty(layers, str(table)).get(str(key))
-        if measure is not None and isinstance(value, int | float) and not isinstance(value, bool):
-            problems += _explained(layers, (table, key), "value_error", measure.refusal(value))
+        if about and isinstance(about.kind, Measure) and isinstance(value, int | float) and not isinstance(value, bool):
+            unfit = about.kind.refusal(value)
+            problems.append(layers.problem((table, key), str(unfit), unfit.hint))
     return problems
 
 
@@ -119,27 +111,9 @@ def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
 
 def _written(layers: Layers, path: Path) -> str:
     table_is_there = isinstance(layers.data.get(str(path[0])), dict)
-    form = _RIGHT_FORMS.get(path, f"{path[-1]} = ...")
+    known: Key = (TOP if len(path) == 1 else keys_of(SECTIONS[str(path[0])]))[str(path[-1])]
+    form = right_form(str(path[-1]), known)
     return form if table_is_there or len(path) == 1 else f"{form} in a table [{path[0]}]"
-
-
-def _explained(layers: Layers, path: Path, kind: str, error: Exception | None) -> Iterator[Problem]:
-    if kind == "missing" and layers.problems:
-        return
-    if kind == "missing" and len(path) == 1:
-        needed = (name for name, about in SECTIONS[str(path[0])].model_fields.items() if about.is_required())
-        yield from (missing(layers, (*path, name)) for name in needed)
-    elif kind == "missing":
-        yield missing(layers, path)
-    elif kind in {"extra_forbidden", "invalid_key"}:
-        yield _unknown(layers, path)
-    elif isinstance(error, Unfit):
-        yield layers.problem(path, str(error), error.hint)
-    elif kind.startswith(("model", "dict")):
-        hint = f"a line [{path[0]}] with its keys below" if path else ""
-        yield layers.problem(path, "needs a table", hint)
-    else:
-        yield layers.problem(path, f"cannot be read: {error or kind}")
 
 
 def _unknown(layers: Layers, path: Path) -> Problem:
@@ -151,11 +125,11 @@ def _unknown(layers: Layers, path: Path) -> Problem:
 def _suggestion(path: Path) -> str:
     """Suggest the nearest key of this table, or the table that has the key."""
     word = str(path[-1])
-    table = SECTIONS[str(path[0])] if len(path) > 1 and path[0] in SECTIONS else Document
-    homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in section.model_fields)
+    homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in keys_of(section))
     if homes and homes != (".".join(map(str, path)),):
         return f"did you mean {' or '.join(homes)}?"
-    known = (*table.model_fields, *((SWEEP,) if table is Document else ()))
+    inside = len(path) > 1 and path[0] in SECTIONS
+    known = tuple(keys_of(SECTIONS[str(path[0])])) if inside else (*TOP, *SECTIONS, SWEEP)
     return did_you_mean(word, known) or f"known here: {', '.join(known)}"
 
 
@@ -259,7 +233,7 @@ def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Prob
 
 def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     """Check the keys of a table against its law: missing ones, and ones without effect."""
-    table, about = _table_or_empty(layers, name), SECTIONS[name].model_fields["law"]
+    table, about = _table_or_empty(layers, name), keys_of(SECTIONS[name])["law"]
     law = table.get("law", about.default)
     entry = LAWS.get("fixed" if law == ONE_STRENGTH else law) if isinstance(law, str) else None
     if entry is None or not (table or SECTIONS[name] is Diameter):
@@ -281,7 +255,7 @@ def _unequal_lists(layers: Layers) -> Iterator[Problem]:
 
 
 def _birth_problems(layers: Layers) -> Iterator[Problem]:
-    law = _table_or_empty(layers, "birth").get("law", SECTIONS["birth"].model_fields["law"].default)
+    law = _table_or_empty(layers, "birth").get("law", keys_of(SECTIONS["birth"])["law"].default)
     if isinstance(law, str) and law in BIRTHS:
         homes = {each.name: name for name, entry in BIRTHS.items() for each in entry.keys}
         yield from _own_keys(layers, "birth", law, [each.name for each in BIRTHS[law].keys], homes)

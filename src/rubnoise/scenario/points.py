@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.section import keys_of
 
 _ID_DIGITS = 16
 _NOT_THE_CONTACT = ("title", "output", "run")
@@ -53,7 +54,7 @@ def _points(case: Case, replicates: range) -> Iterator[Point]:
     words = _seed_words(resolved)
     for replicate in replicates:
         seed = _derived(scenario.run.seed, words, replicate)
-        run = scenario.run.model_copy(update={"seed": seed})
+        run = replace(scenario.run, seed=seed)
         yield Point(
             values=case.values,
             replicate=replicate,
@@ -89,7 +90,7 @@ def run_id(scenario: Scenario) -> str:
 
 
 def _name(resolved: Mapping[str, Any], seed: int) -> str:
-    run = resolved["run"] | {"seed": seed, "engine": SECTIONS["run"].model_fields["engine"].default}
+    run = resolved["run"] | {"seed": seed, "engine": keys_of(SECTIONS["run"])["engine"].default}
     return sha256(canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
 
 
@@ -109,7 +110,7 @@ def canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
 
 
 def _without_defaults(section: str, table: dict[str, Any]) -> dict[str, Any]:
-    fields, left_out = SECTIONS[section].model_fields, _NOT_THE_SIZES if section == "diameter" else ()
+    fields, left_out = keys_of(SECTIONS[section]), _NOT_THE_SIZES if section == "diameter" else ()
     kept = {key: value for key, value in table.items() if key not in left_out}
     return {key: value for key, value in kept.items() if key == "calibration" or value != fields[key].default}
 

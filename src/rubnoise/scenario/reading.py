@@ -15,12 +15,13 @@ from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled, plausibility
-from rubnoise.scenario.document import Document, SampledOutput, Slider
-from rubnoise.scenario.fields import FROM_PYTHON, Sizes, Unfit, did_you_mean
-from rubnoise.scenario.keys import ALTERNATIVES, SECTIONS
+from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput, Slider
+from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean
+from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem, in_order, report
 from rubnoise.scenario.scenario import TOLERANCE, Scenario
+from rubnoise.scenario.section import keys_of
 from rubnoise.units import Quantity
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]
@@ -178,11 +179,10 @@ def _complete(slider: Slider | None) -> Slider | None:
     """Return a slider with the default tolerance of a two-way motion."""
     if slider is None or slider.coupling == "one-way" or slider.tolerance is not None:
         return slider
-    return slider.model_copy(update={"tolerance": TOLERANCE})
+    return replace(slider, tolerance=TOLERANCE)
 
 
 def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, problems: list[Problem]) -> Scenario:
-    output = {"tick": tick, "compression": document.output.compression}
     return Scenario(
         title=document.title,
         interface=document.interface,
@@ -193,7 +193,7 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
         sliding=document.sliding,
         slider=_complete(document.slider),
         load=document.load,
-        output=SampledOutput.model_validate(output, context=FROM_PYTHON),
+        output=SampledOutput(tick=tick, compression=document.output.compression),
         run=document.run,
         name=given.main.name,
         text=given.main.text,
@@ -284,8 +284,8 @@ def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -
     table, dot, key = name.partition(".")
     if dot:
         return table, key
-    homes = [section for section, kind in SECTIONS.items() if name in kind.model_fields]
-    if name in Document.model_fields and not (homes and isinstance(value, str)):
+    homes = [section for section, kind in SECTIONS.items() if name in keys_of(kind)]
+    if (name in TOP or name in SECTIONS) and not (homes and isinstance(value, str)):
         return "", name
     homes = [section for section in homes if section in values] or homes
     if len(homes) == 1:
@@ -293,6 +293,6 @@ def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -
     if homes:
         meant = " or ".join(f'"{home}.{name}"' for home in homes)
         raise ScenarioRefused(f"{said}: {name} is a key of several tables: say {meant}")
-    known = (*Document.model_fields, *(key for kind in SECTIONS.values() for key in kind.model_fields))
+    known = (*TOP, *SECTIONS, *(key for kind in SECTIONS.values() for key in keys_of(kind)))
     hint = did_you_mean(name, tuple(dict.fromkeys(known)))
     raise ScenarioRefused(f"{said}: no key {name}" + (f"; {hint}" if hint else ""))

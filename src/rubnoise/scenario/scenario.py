@@ -20,6 +20,7 @@ from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import ratio_of
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
+from rubnoise.scenario.section import Section, keys_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 
@@ -123,8 +124,8 @@ class Scenario:
         """
         tables = {
             name: _explicit(section)
-            for name in sections.Document.model_fields
-            if isinstance(section := getattr(self, name, None), sections.Section)
+            for name in sections.SECTIONS
+            if isinstance(section := getattr(self, name, None), Section)
         }
         return {"format": sections.FORMAT, "title": self.title, **tables}
 
@@ -149,8 +150,8 @@ def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _explicit(section: sections.Section) -> dict[str, Any]:
-    values = {name: getattr(section, name) for name in type(section).model_fields}
+def _explicit(section: Section) -> dict[str, Any]:
+    values = {name: getattr(section, name) for name in keys_of(type(section))}
     return {name: _plain(value) for name, value in values.items() if value is not None}
 
 

@@ -1,9 +1,12 @@
 """The JSON schema of scenario files, which editors use."""
 
+from collections.abc import Mapping
+from inspect import cleandoc
 from typing import Any
 
-from rubnoise.scenario.document import Document
-from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES, SECTIONS, SWEEP
+from rubnoise.scenario.document import SECTIONS, TOP, Document, presence
+from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES, SWEEP
+from rubnoise.scenario.section import Key, Section, keys_of
 from rubnoise.scenario.sweep_table import Sweeping, known_keys
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -14,27 +17,38 @@ def json_schema() -> dict[str, Any]:
 
     Required keys may be missing in a file that extends another, or that sweeps them; other files must have them.
     """
-    schema = Document.model_json_schema()
-    sections = schema["$defs"]
-    needed = {name: section.pop("required") for name, section in sections.items() if "required" in section}
-    required = [name for name in schema.pop("required") if name != "format"]
-    schema["properties"]["extends"] = {
-        "type": "string",
-        "description": "A scenario file to build on, relative to this.",
-    }
-    schema["properties"][SWEEP] = _sweep()
+    needed = {name: [key for key, about in keys_of(kind).items() if about.is_needed] for name, kind in SECTIONS.items()}
     return {
         "$schema": _DIALECT,
-        **_without_noise(schema),
+        "$defs": {kind.__name__: _table(kind) for kind in sorted(SECTIONS.values(), key=lambda each: each.__name__)},
+        **_table(Document),
+        "properties": {
+            **_properties(TOP),
+            **{name: {"$ref": f"#/$defs/{kind.__name__}"} for name, kind in SECTIONS.items()},
+            "extends": {"type": "string", "description": "A scenario file to build on, relative to this."},
+            SWEEP: _sweep(),
+        },
         "required": ["format"],
         "if": {"not": {"anyOf": [{"required": ["extends"]}, {"required": [SWEEP]}]}},
-        "then": _complete(required, needed),
+        "then": _complete(
+            [name for name in SECTIONS if presence(name) == "needed"],
+            {name: keys for name, keys in needed.items() if keys},
+        ),
     }
+
+
+def _table(section: type[Section]) -> dict[str, Any]:
+    return _object_with(_properties(keys_of(section))) | {"description": cleandoc(section.__doc__ or "")}
+
+
+def _properties(keys: Mapping[str, Key]) -> dict[str, Any]:
+    defaults = {name: {} if about.default is None else {"default": about.default} for name, about in keys.items()}
+    return {name: defaults[name] | {"description": about.about} | about.kind.describe() for name, about in keys.items()}
 
 
 def _sweep() -> dict[str, Any]:
     properties = {
-        **Sweeping.model_json_schema()["properties"],
+        **_properties(keys_of(Sweeping)),
         "grid": _lists() | {"description": "Lists of values; every combination is a point."},
         "zip": _lists() | {"description": "Lists of equal length, in parallel."},
     }
@@ -55,7 +69,7 @@ def _object_with(properties: dict[str, Any]) -> dict[str, Any]:
 
 
 def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, Any]:
-    properties: dict[str, Any] = {name.lower(): {"required": keys} for name, keys in needed.items()}
+    properties: dict[str, Any] = {name: {"required": keys} for name, keys in needed.items()}
     for name, several in ALTERNATIVES.items():
         properties[name] = properties.get(name, {}) | {"allOf": [_one_of(each) for each in several]}
     properties["load"] |= {
@@ -71,22 +85,3 @@ def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, An
 
 def _one_of(ways: tuple[tuple[str, ...], ...]) -> dict[str, Any]:
     return {"oneOf": [{"required": list(way)} for way in ways]}
-
-
-def _without_noise(node: Any) -> Any:
-    """Drop titles, which repeat the keys, and nulls, which TOML does not have: an optional key may be left out."""
-    if isinstance(node, list):
-        return [_without_noise(item) for item in node]
-    if not isinstance(node, dict):
-        return node
-    kept = {key: value for key, value in node.items() if not _is_noise(key, value)}
-    if "anyOf" in kept:
-        (only,) = [item for item in kept.pop("anyOf") if item != {"type": "null"}]
-        kept |= only
-    return {key: _without_noise(value) for key, value in kept.items()}
-
-
-def _is_noise(key: str, value: Any) -> bool:
-    return (key == "title" and isinstance(value, str)) or (
-        key == "default" and (value is None or isinstance(value, dict))
-    )

@@ -7,7 +7,7 @@ has them; and a line that breaks the text is reported and left out, so that one 
 import re
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final, NamedTuple
 
@@ -20,6 +20,7 @@ _DOTTED: Final = rf"{_NAME}(?:[ \t]*+\.[ \t]*+{_NAME})*+"
 _NAMES: Final = re.compile(_NAME)
 _HEADER: Final = re.compile(rf"[ \t]*\[\[?[ \t]*(?P<key>{_DOTTED})")
 _SETTING: Final = re.compile(rf"[ \t]*(?P<key>{_DOTTED})[ \t]*=[ \t]*(?P<value>(?:{_STRING}|[^#\"'])*+)")
+_ELEMENT: Final = re.compile(rf"""(?:{_STRING}|\[[^\[\]]*+\]|\{{[^{{}}]*+\}}|[^\s,"'\[\]{{}}])++""")
 _PLACE: Final = re.compile(
     r"(?P<why>.*) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)", re.DOTALL
 )
@@ -60,8 +61,10 @@ class Source:
 
     def value_place(self, path: Path) -> Place:
         """Return the place of a key's value, or of the nearest key or header above it."""
-        above = (path[:end] for end in range(len(path), 0, -1))
-        return next((self._places[known].value for known in above if known in self._places), self._on(1, 0, 1))
+        for end in range(len(path), 0, -1):
+            if named := self._places.get(path[:end]):
+                return _inside(named.value, path[end:])
+        return self._on(1, 0, 1)
 
     def key_place(self, path: Path) -> Place:
         """Return the place where a key is first named."""
@@ -154,6 +157,17 @@ class Source:
         text = self._lines[line - 1]
         first, last = min(start, len(text)), min(end, len(text))
         return Place(source=self.name, line=line, text=text, start=first, end=last, rank=self.rank)
+
+
+def _inside(value: Place, further: Path) -> Place:
+    """Return the place of an element of a list, if the line of its key has it; otherwise that of the list."""
+    if not (further and isinstance(further[0], int) and value.text.startswith("[", value.start)):
+        return value
+    elements = [each.span() for each in _ELEMENT.finditer(value.text, value.start + 1, value.end - 1)]
+    if further[0] >= len(elements):
+        return value
+    start, end = elements[further[0]]
+    return replace(value, start=start, end=end)
 
 
 def _parts(dotted: str) -> Path:

@@ -4,17 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from math import ceil, fsum, inf, isfinite, prod, sqrt
-from typing import Annotated, Any, Final, Literal, cast
-
-from pydantic import Field as About
+from typing import Any, Final, Literal, cast
 
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import limits
-from rubnoise.scenario.document import Section
-from rubnoise.scenario.fields import Choice, Field, Number, Range, Unfit, did_you_mean
-from rubnoise.scenario.keys import SECTIONS, SWEEP
+from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.fields import Choice, Number, Range, Unfit, did_you_mean
+from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Setting, gives
 from rubnoise.scenario.problems import Path, Problem
+from rubnoise.scenario.section import Section, key, keys_of
 
 FEWEST: Final = 8
 """Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""
@@ -60,35 +59,33 @@ class Precision:
 Keep = Literal["runs", "summary"]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Sweeping(Section):
     """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary."""
 
-    replicates: Annotated[
-        int,
+    replicates: int = key(
         Number(Range(1, limits.SWEEP_RUNS), whole=True),
-        About(
-            description=f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or "
-            "more."
-        ),
-    ] = 1
-    keep: Annotated[
-        str,
+        f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or more.",
+        1,
+    )
+    keep: str = key(
         Choice(("runs", "summary")),
-        About(description="runs: a result file for each run; summary: only its figures and curves, without traces."),
-    ] = "runs"
-    precision: Annotated[
-        float | None,
+        "runs: a result file for each run; summary: only its figures and curves, without traces.",
+        "runs",
+    )
+    precision: float | None = key(
         Number(Range(1e-6, 1.0)),
-        About(description="Target for the relative standard error of the quantity's mean; runs are added to meet it."),
-    ] = None
-    quantity: Annotated[
-        str, Choice(tuple(QUANTITIES)), About(description="The figure of a run that must reach this precision.")
-    ] = "real_contact_area_std"
-    most_replicates: Annotated[
-        int,
+        "Target for the relative standard error of the quantity's mean; runs are added to meet it.",
+        sample=0.005,
+    )
+    quantity: str = key(
+        Choice(tuple(QUANTITIES)), "The figure of a run that must reach this precision.", "real_contact_area_std"
+    )
+    most_replicates: int = key(
         Number(Range(FEWEST, limits.SWEEP_RUNS), whole=True),
-        About(description="Most runs of a point, even if it does not reach the precision."),
-    ] = 1000
+        "Most runs of a point, even if it does not reach the precision.",
+        1000,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,13 +109,12 @@ def read_settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Settings, l
     """Return the settings of a `[sweep]` table, with defaults in place of invalid values, and all problems."""
     values: dict[str, Any] = {}
     problems = []
-    for key, about in Sweeping.model_fields.items():
-        field = next(each for each in about.metadata if isinstance(each, Field))
-        values[key] = about.default
+    for name, about in keys_of(Sweeping).items():
+        values[name] = about.default
         try:
-            values[key] = field.read(table[key]) if key in table else about.default
+            values[name] = about.kind.read(table[name]) if name in table else about.default
         except Unfit as unfit:
-            problems.append(layers.problem((SWEEP, key), str(unfit), unfit.hint))
+            problems.append(layers.problem((SWEEP, name), str(unfit), unfit.hint))
     problems += [] if problems else list(_at_odds(layers, table, values))
     return _settings(values, counted="replicates" in table), problems
 
@@ -149,7 +145,7 @@ def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]
 
 
 GRID, ZIP = "grid", "zip"
-TOP_KEYS = (*Sweeping.model_fields, GRID, ZIP)
+TOP_KEYS = (*keys_of(Sweeping), GRID, ZIP)
 NOT_SWEPT: dict[Path, str] = {
     ("run", "seed"): "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each",
 }
@@ -231,7 +227,7 @@ def _unknown(layers: Layers, name: str) -> Problem:
 
 def known_keys() -> tuple[str, ...]:
     """Return every key that may be swept, with dots."""
-    paths = ((name, key) for name, section in SECTIONS.items() for key in section.model_fields)
+    paths = ((name, key) for name, section in SECTIONS.items() for key in keys_of(section))
     return tuple(".".join(path) for path in paths if path not in NOT_SWEPT)
 
 
@@ -242,8 +238,8 @@ def _keys(layers: Layers, name: str, table: Any) -> Iterator[Axis | Problem]:
         return
     for section, below in table.items():
         inner = below if isinstance(below, Mapping) and section in SECTIONS else {None: below}
-        for key, values in inner.items():
-            yield _axis(layers, name, (section,) if key is None else (section, key), values)
+        for swept, values in inner.items():
+            yield _axis(layers, name, (section,) if swept is None else (section, swept), values)
 
 
 def _axis(layers: Layers, name: str, path: Path, values: Any) -> Axis | Problem:
@@ -251,7 +247,7 @@ def _axis(layers: Layers, name: str, path: Path, values: Any) -> Axis | Problem:
     key = ".".join(map(str, path))
     if path in NOT_SWEPT:
         return layers.problem(place, "is not swept", NOT_SWEPT[path], place=layers.key_place(place))
-    if len(path) == 1 or path[1] not in SECTIONS[str(path[0])].model_fields:
+    if len(path) == 1 or path[1] not in keys_of(SECTIONS[str(path[0])]):
         return layers.problem(place, "unknown key", _suggestion(key), place=layers.key_place(place))
     if not isinstance(values, list):
         return layers.problem(place, "needs a list of values", f"a list in brackets: {key} = [..., ...]")

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused
 from rubnoise.figure_names import FIGURE_NAMES
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.section import keys_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import POINTS, RUNS, Arrays, Filled, Index, Stack, write_index
 from rubnoise.storage.index_file import open_index
@@ -58,7 +59,7 @@ def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
     """Return the values of a key as numbers in its working unit, or as texts if they are not numbers of one kind."""
     section, name = key.split(".")
     values = [getattr(getattr(scenario, section), name) for scenario in scenarios]
-    meaning = SECTIONS[section].model_fields[name].description or name
+    meaning = keys_of(SECTIONS[section])[name].about
     units = {(value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1") for value in values}
     if len(units) == 1 and all(isinstance(value, int | float) for value in values):
         about = Dataset(name=key, units=units.pop(), long_name=meaning, symbol="")
