@@ -491,3 +491,14 @@ def test_python_values_extend_no_file() -> None:
 def test_a_scenario_survives_pickling() -> None:
     scenario = loads(WHOLE)
     assert pickle.loads(pickle.dumps(scenario)) == scenario  # noqa: S301  (made here)
+
+
+def test_what_contradicts_a_load_is_said_beside_everything_else() -> None:
+    text = WHOLE.replace('calibration = "paper"\n', "").replace('law = "normal"\nspread = "0.2 um"\n', "")
+    text = text.replace('mean_real_contact_area = "200 um^2"', 'load = "0.2 N"\nhardness = "1 GPa"')
+    text = text.replace(
+        "[slider]", '[birth]\nlaw = "regular"\n[load]\nheight_scale = "0.5 um"\n[slider]\ncoupling = "two-way"'
+    )
+    report = refusal(text.replace('speed = "1 mm/s"', 'speed = "1 mm"').replace("[diameter]\n", ""))
+    for key in ("birth.law", "slider.coupling", "sliding.speed", "load.mass", "load.damping"):
+        assert report.count(f"error: {key}: ") == 1, report

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from rubnoise.contact.births import ScatteredBirths
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
-from rubnoise.contact.off_centre import OFF_CENTRE, pulse_of
+from rubnoise.contact.off_centre import pulse_of
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.scenario import limits
@@ -12,7 +12,7 @@ from rubnoise.scenario.document import AREAS, COUNTS, SECTIONS, Diameter, Docume
 from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, load_problems, model_of, spread_of
+from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, spread_of
 from rubnoise.scenario.section import keys_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
@@ -23,11 +23,13 @@ _LOAD: Path = ("interface", "load")
 _PATCH: Path = ("interface", "patch_area")
 _CALIBRATION: Path = ("interface", "calibration")
 _WIDTH: Path = ("birth", "cluster_width")
-_OFFSET: Path = ("pulse", "offset")
 _FEW_ASPERITIES = 0.3
 _EXCITATION: Path = ("slider", "excitation")
 _MOST_SPACINGS = 1e4
 _COUNT: Path = ("interface", "mean_junction_count")
+
+MOST_LIVE = 1000.0
+"""Junctions in contact up to which free motion is computed; with more, a single one has no effect."""
 
 COARSE = 0.3
 """Turn of the contact resonance in a tick, in rad, beyond which there is a warning."""
@@ -60,8 +62,7 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
 
 def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
     """Return the model and its tick, or None and the reason; and the problems that forbid a run of the model."""
-    wrong = [*_contact_problems(document, layers), *_offset_problems(document, layers)]
-    if problems := wrong + (list(load_problems(document, layers)) if document.load else []):
+    if problems := [*_contact_problems(document, layers), *_free_problems(document, layers)]:
         return None, None, problems
     try:
         diameter = diameter_of(document)
@@ -138,20 +139,15 @@ def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
         yield layers.problem(_WIDTH, message, f"at most {_MOST_SPACINGS:g} spacings")
 
 
-def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse lateral offsets if their effect is not known."""
-    if document.pulse.offset == "none":
+def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
+    """Refuse a free slider on so many junctions that it never leaves them."""
+    if document.load is None or document.load.motion != "free":
         return
-    if document.pulse.shape not in OFF_CENTRE:
-        known = " and the ".join(OFF_CENTRE)
-        message = f"lateral offsets are known for the {known}, not for the {document.pulse.shape}"
-        yield layers.problem(_OFFSET, message, 'shape = "lens"')
-    if document.birth.law != "poisson":
-        message = f"lateral offsets are known for Poisson births, not for {document.birth.law} ones"
-        yield layers.problem(_OFFSET, message, 'birth.law = "poisson"')
-    if document.slider is not None and document.slider.coupling == "two-way":
-        message = "lateral offsets are known with one-way coupling alone"
-        yield layers.problem(_OFFSET, message, 'slider.coupling = "one-way"')
+    _, count = area_and_count(document.interface)
+    if count > MOST_LIVE:
+        message = f"{count:.3g} junctions in contact: free motion is computed up to {MOST_LIVE:g}"
+        hint = 'load.motion = "first-order", which is right for so many'
+        yield layers.problem(_COUNT if document.interface.patch_area is None else _PATCH, message, hint)
 
 
 def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:

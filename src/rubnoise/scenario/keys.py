@@ -6,13 +6,16 @@ from typing import Any, Final
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
+from rubnoise.contact.off_centre import OFF_CENTRE
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Diameter, Document, presence
 from rubnoise.scenario.fields import Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.scenario import FREE_MOTION, completed
+from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
 from rubnoise.scenario.section import Key, Section, keys_of, right_form
+from rubnoise.units import RATIO, Quantity
 
+_CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
 SWEEP = "sweep"
 """The table of many runs, which is read apart: a scenario is one run."""
 
@@ -152,6 +155,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
         if _table_or_empty(layers, "interface").keys().isdisjoint({"load", "hardness"}):
             yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
         yield from _loss_problems(layers)
+        yield from _weighing_problems(layers)
+    yield from _offset_problems(layers)
     if isinstance(layers.data.get("interface", {}), dict):
         yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
@@ -190,6 +195,52 @@ def _loss_problems(layers: Layers) -> Iterator[Problem]:
         if key in load:
             hint = f'write motion = "free", or leave the {key} out'
             yield layers.problem(("load", key), f"first-order motion takes no {key}", hint)
+
+
+def _weighing_problems(layers: Layers) -> Iterator[Problem]:
+    """Refuse keys that contradict a load that weighs."""
+    for (table, key), needed in CONTACT.items():
+        value = _value(layers, str(table), str(key))
+        if not (_is_rayleigh(value) if key == "spread" else value in {needed, None}):
+            what = f"Rayleigh sizes ({needed})" if key == "spread" else f"{table}.{key} {needed}"
+            hint = f'{key} = "{needed}", or leave it out: it is set'
+            yield layers.problem((table, key), f"the theory of [load] is for {what}", hint)
+    if _value(layers, "load", "motion") == "free" and _value(layers, "sliding", "start") == "empty":
+        message = "free motion begins at rest on the summits that are there"
+        yield layers.problem(("sliding", "start"), message, 'start = "stationary"')
+    if _value(layers, "slider", "coupling") == "two-way":
+        message = "two-way coupling is known at constant separation alone, not with a table [load]"
+        yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
+
+
+def _is_rayleigh(spread: Any) -> bool:
+    ratio = isinstance(spread, Quantity) and spread.kind == RATIO
+    return ratio and abs(100.0 * float(spread) / RAYLEIGH - 1.0) <= _CLOSE
+
+
+def _offset_problems(layers: Layers) -> Iterator[Problem]:
+    """Refuse lateral offsets if their effect is not known."""
+    if _value(layers, "pulse", "offset") != "uniform":
+        return
+    shape, law = _value(layers, "pulse", "shape"), _value(layers, "birth", "law")
+    if shape is not None and shape not in OFF_CENTRE:
+        message = f"lateral offsets are known for the {' and the '.join(OFF_CENTRE)}, not for the {shape}"
+        yield layers.problem(("pulse", "offset"), message, 'shape = "lens"')
+    if law not in {"poisson", None}:
+        message = f"lateral offsets are known for Poisson births, not for {law} ones"
+        yield layers.problem(("pulse", "offset"), message, 'birth.law = "poisson"')
+    if _value(layers, "slider", "coupling") == "two-way":
+        message = "lateral offsets are known with one-way coupling alone"
+        yield layers.problem(("pulse", "offset"), message, 'slider.coupling = "one-way"')
+
+
+def _value(layers: Layers, table: str, key: str) -> Any:
+    """Return the value of a key, or its default; None if the value is refused where it is read."""
+    about = keys_of(SECTIONS[table])[key]
+    try:
+        return about.kind.of_python(_table_or_empty(layers, table).get(key, about.default))
+    except Unfit:
+        return None
 
 
 def _said_twice(layers: Layers, both: list[Path]) -> Problem:

@@ -1,7 +1,7 @@
 """A checked scenario: its sections in working units, and the physics that follows from its keys."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -16,10 +16,9 @@ from rubnoise.contact.off_centre import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
-from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import ratio_of
 from rubnoise.scenario.layers import Layers
-from rubnoise.scenario.problems import Path, Problem
+from rubnoise.scenario.problems import Path
 from rubnoise.scenario.section import Section, keys_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
@@ -299,11 +298,6 @@ CONTACT: Final[dict[Path, str]] = {
 FREE_MOTION: Final = ("restitution", "impact_damping")
 """Keys of a slider that leaves its contact."""
 
-MOST_LIVE: Final = 1000.0
-"""Junctions in contact up to which free motion is computed; with more, a single one has no effect."""
-
-_CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
-
 
 def completed(layers: Layers) -> Layers:
     """Return layers with the default contact for a table [load], if the file does not give it."""
@@ -315,41 +309,3 @@ def completed(layers: Layers) -> Layers:
         if isinstance(given, dict) and (key != "spread" or given.get("law") == CONTACT["diameter", "law"]):
             given.setdefault(str(key), value)
     return replace(layers, data=data)
-
-
-def load_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse keys that contradict a load that weighs."""
-    for path, needed in CONTACT.items():
-        if not _agrees(getattr(getattr(document, str(path[0])), str(path[1])), needed):
-            message = f"the theory of [load] is for {_words(path, needed)}"
-            hint = f'{path[-1]} = "{needed}", or leave it out: it is set'
-            yield layers.problem(path, message, hint)
-    if document.load is not None and document.load.motion == "free":
-        yield from _free_problems(document, layers)
-    if document.slider is not None and document.slider.coupling == "two-way":
-        message = "two-way coupling is known at constant separation alone, not with a table [load]"
-        yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
-
-
-def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
-    """Refuse starts that free motion does not have, and contacts that their slider never leaves."""
-    if document.sliding.start != "stationary":
-        message = "free motion begins at rest on the summits that are there"
-        yield layers.problem(("sliding", "start"), message, 'start = "stationary"')
-    _, count = area_and_count(document.interface)
-    if count > MOST_LIVE:
-        path = ("interface", "mean_junction_count" if document.interface.patch_area is None else "patch_area")
-        message = f"{count:.3g} junctions in contact: free motion is computed up to {MOST_LIVE:g}"
-        hint = 'load.motion = "first-order", which is right for so many'
-        yield layers.problem(path, message, hint)
-
-
-def _agrees(value: Any, needed: str) -> bool:
-    if isinstance(value, Quantity):
-        return value.kind == RATIO and abs(100.0 * float(value) / RAYLEIGH - 1.0) <= _CLOSE
-    return bool(value == needed)
-
-
-def _words(path: Path, needed: str) -> str:
-    table, key = path
-    return f"Rayleigh sizes ({needed})" if key == "spread" else f"{table}.{key} {needed}"
