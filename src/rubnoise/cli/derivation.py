@@ -106,7 +106,7 @@ COST: Final[tuple[LineWords, ...]] = (
     ("slider", "{slider_rows_at_most:grouped} rows at most"),
     ("events", "{events:about}"),
     ("file size", "{bytes:size}{before}"),
-    ("free disk", "{free_disk:size}"),
+    ("disk needed", "{disk_needed:size}"),
     ("memory", "about {peak_memory:size}, {working_memory:size} beside the program's own", "about {peak_memory:size}"),
     ("time", "{seconds:duration} on this machine, engine {engine}", "{seconds:duration}"),
 )
@@ -145,8 +145,8 @@ def words_of_model(model: Model) -> dict[str, str]:
 
 
 def format_cost(cost: dict[str, Any]) -> Iterator[str]:
-    """Yield what a run takes, as lines to print; free disk only if it needs more of it than for its file."""
-    shown = {name: value for name, value in cost.items() if name != "free_disk" or value > cost["bytes"]}
+    """Yield what a run takes, as lines to print; the disk needed only if that is more than its file."""
+    shown = {name: value for name, value in cost.items() if name != "disk_needed" or value > cost["bytes"]}
     yield from lines({"before": ""} | shown, COST)
 
 
@@ -213,7 +213,7 @@ def budget_as_json(budget: Budget) -> dict[str, float]:
         "ticks": budget.ticks,
         **({} if grown is None else {"slider_rows_at_most": grown}),
         "bytes": budget.result_bytes,
-        "free_disk": budget.disk_bytes,
+        "disk_needed": budget.disk_bytes,
         "peak_memory": int(float(f"{budget.peak_bytes:.3g}")),
         "seconds": float(f"{budget.seconds:.3g}"),
     }
