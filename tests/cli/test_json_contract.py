@@ -24,7 +24,7 @@ from rubnoise.cli import derivation, theory
 from rubnoise.cli import load as load_lines
 from rubnoise.cli.claims import claim_as_json, row_as_json
 from rubnoise.cli.layout import LineWords, json_text
-from rubnoise.cli.surface import contents
+from rubnoise.cli.surface import contents, motions
 from rubnoise.model import Model
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
@@ -281,7 +281,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     told += [("claim", claim), ("claims", {"claims": [claim]})]
     # A scan needs another library; what the command prints of two surfaces is what these are made into.
     track, slider = (Surface.synthesise(points=64, cutoff="8 um", seed=seed) for seed in (1, 2))
-    told.append(("surface", _printed(contents(track.slide(slider, cutoff="8 um", load="20 mN", hardness="1 GPa")))))
+    found = track.slide(slider, cutoff="8 um", load="90 mN", hardness="1 GPa")
+    moving = motions(found, {"speed": 1e4, "mass": 0.01, "damping_ratio": 0.1})
+    told.append(("surface", _printed(contents(found) | moving)))
     rows = [_printed(row_as_json(row)) for row in (A_ROW, replace(A_ROW, quantity=None, published=None, scenario=None))]
     return [*told, *(("row", row) for row in rows), ("ledger", {"claims": rows})]
 

@@ -25,6 +25,7 @@ from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table, life_energy, mean_life_energy
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal, strokes
+from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.transform import mean_energy
 from tests.inference.traces import contact, signal
@@ -89,6 +90,27 @@ def test_parabolas_are_read_and_told_from_lenses() -> None:
     unlike = infer_signal(lenses, zero="known", law="lognormal", assumed=Assumed(pulse=PARABOLA)).other_shape
     assert unlike is not None
     assert unlike.worse_by < -BOUND * unlike.error
+
+
+def test_both_shapes_are_fitted_and_what_is_not_decided_is_said() -> None:
+    """Parabolas of Rayleigh's sizes are what rough surfaces have; read as lenses they are more, and weaker."""
+    nobody = Assumed(shape_chosen=False)
+    wide = signal(replace(contact("weibull", RAYLEIGH / 100.0, 20.0, 450), pulse=PARABOLA), 0)
+    found = infer_signal(wide, zero="known", law="gamma", assumed=nobody)
+    other = found.other_shape
+    assert other is not None
+    assert other.pulse is PARABOLA
+    assert abs(other.estimates["junction_count"].value - 20.0) < abs(found.estimates["junction_count"].value - 20.0) / 3
+    assert abs(other.estimates["shear_strength"].value - 250.0) < abs(found.estimates["shear_strength"].value - 250.0)
+    assert any("parabola" in flag for flag in found.flags)
+    chosen = infer_signal(wide, zero="known", law="gamma", assumed=Assumed(pulse=PARABOLA))
+    assert chosen.other_shape is not None
+    assert chosen.other_shape.furthest > 0.2
+    assert chosen.flags == []
+    assert chosen.estimates["junction_count"].value == pytest.approx(other.estimates["junction_count"].value, rel=1e-6)
+    equal = infer_signal(signal(contact("fixed", 0.0, 20.0, 450), 0), zero="known", law="fixed", assumed=nobody)
+    assert equal.other_shape is not None
+    assert (equal.other_shape.told_apart, equal.other_shape.worse_by > 0.0, equal.flags) == (True, True, [])
 
 
 def test_bands_are_expected_as_an_estimate_sees_them() -> None:

@@ -3,22 +3,24 @@
 import json
 import re
 from dataclasses import replace
-from math import pi, sqrt
+from math import log10, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import ndimage
-from scipy.special import ndtri
+from scipy.special import erfc, ndtri
 
 import rubnoise
 from rubnoise.scenario import loads
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap, without_form
+from rubnoise.surface.normal_motion import filtered_variance, gap_slope
 from rubnoise.surface.reading import read_surface
 from rubnoise.surface.sliding import patches, slide
 from rubnoise.surface.synthesis import self_affine
 from rubnoise.surface.waves import Waves, band_limited
+from rubnoise.theory.load import load_motion, overlap_scale
 from tests.cli.terminal import call
 from tests.oracle.sliding_surfaces import areas_at, heights_at, patch_counts, slid
 
@@ -80,7 +82,7 @@ def test_theory_of_the_reference_spectrum(row):
 
 def test_at_level_zero_the_autocovariance_is_an_arc_sine():
     found = contact(0.8, 0.5, 128)
-    track, slider, _ = found._maps
+    track, slider, _ = found.correlations
     for shift in (0, 5, 40):
         exact = np.arcsin(np.clip(np.roll(track, -shift, 0) + slider, -1, 1)).sum() / (2 * pi) * found.nominal_area
         assert found._summed(shift) == pytest.approx(exact, rel=1e-6)
@@ -313,6 +315,61 @@ def test_remarks_name_both_numbers():
     assert any(remark.startswith("correlation length") for remark in found.remarks)
 
 
+def test_the_gap_of_two_maps_under_a_load_is_that_of_first_order():
+    """The maps slid at constant load by brute force judge the spectra, which are quieter than the scenario."""
+    track, slider = (synthetic(seed, points=1024, rolloff="128 um", cutoff="16 um") for seed in (1, 2))
+    found = track.slide(slider, cutoff="16 um", load="31 N", hardness="1 GPa")
+    gaussian = found.gaussian
+    kept = round(found.share * track.heights.size)
+
+    def gap(step):
+        heights = heights_at(track.heights, slider.heights, step)
+        return np.partition(heights, heights.size - kept, axis=None)[heights.size - kept]
+
+    steps = np.arange(0, 1024, 8)
+    before, after = (np.array([gap(step + more) for step in steps]) for more in (0, 1))
+    slope = float(np.sqrt(np.square(after - before).mean()))
+    # One pair of maps, 3 % in contact: second order takes a seventh, the maps' chance the rest.
+    assert found.gap_slope == pytest.approx(slope, rel=0.16)
+    assert gaussian.load_std == pytest.approx(before.std(), rel=0.25)
+    fall = (areas_at(track.heights, slider.heights, before[0] - 0.01, [0]) / kept - 1.0) / 0.01
+    assert gaussian.height_scale == pytest.approx(1.0 / float(fall[0]), rel=0.1)
+    assert float(loads(found.scenario_text(speed=1e4, mass=1.0, damping_ratio=0.3)).load.height_scale) == pytest.approx(
+        gaussian.height_scale, rel=1e-8
+    )
+    louder = 20.0 * log10(found.scenario_gap_slope / found.gap_slope)
+    assert louder > 2.0
+    assert any(f"{louder:+.1f} dB" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize(("share", "slope"), [(0.03, 0.0046), (0.01, 0.0073), (0.003, 0.0122)])
+def test_the_slope_of_the_gap_does_not_depend_on_the_grid(share, slope):
+    """Of a second program, with steps of a point; and the same surface on a grid twice as fine."""
+    found = gap_slope(contact(0.8, share))
+    assert found == pytest.approx(slope, rel=0.015)
+    fine = Waves(spectrum(0.8, 2 * N, 256.0, 32.0), (0.5, 0.5))
+    assert found == pytest.approx(gap_slope(GaussianContact(fine, fine, share, float(N * N), 1e9)), rel=1e-5)
+
+
+@pytest.mark.parametrize(("speed", "ratio"), [(1e3, 0.05), (3e4, 0.3), (1e6, 1.0), (3e6, 0.05), (1e6, 2.0)])
+def test_the_filter_of_the_load_is_that_of_the_theory_of_scenarios(speed, ratio):
+    found = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
+    model = loads(found.scenario_text(speed=speed, mass=0.2, damping_ratio=ratio)).model()
+    size, height = overlap_scale(model), found.gaussian.height_scale
+    lags = np.linspace(0.0, 12.0, 6001)
+    # Of parabolas with Rayleigh sizes, over the mean area: -R" = 2 (erfc(t/2) - t exp(-t^2/4)/sqrt(pi))/(N c^2).
+    falling = erfc(0.5 * lags) - lags * np.exp(-0.25 * lags**2) / sqrt(pi)
+    curve = 2.0 * falling / model.mean_junction_count / size**2
+    resonance = sqrt(2e6 / (height * 0.2)) / speed
+    assert speed * height * sqrt(filtered_variance(lags * size, curve, resonance, ratio)) == pytest.approx(
+        load_motion(model).velocity_std, rel=1e-3
+    )
+    exact, ours = found.motions(speed=speed, mass=0.2, damping_ratio=ratio)
+    assert ours.velocity_std == pytest.approx(load_motion(model).velocity_std, rel=1e-6)
+    # Patches that gather on long waves begin and end less suddenly than parabolas.
+    assert 0.5 < exact.velocity_std / ours.velocity_std < 1.0
+
+
 @pytest.mark.parametrize(
     ("asked", "word"),
     [
@@ -431,6 +488,18 @@ class TestCommand:
         assert answer["refused"] == []
         assert "data:audio/wav" in (folder / "s.html").read_text(encoding="utf-8")
         assert call("check", "s.toml").code == 0
+
+    def test_levels_of_the_surfaces_stand_beside_those_of_the_scenario(self, folder):
+        asked = ("surface", "1.nc", "2.nc", "--cutoff", "8um", "--load", "2N", "--hardness", "1GPa")
+        moving = ("--speed", "30 mm/s", "--mass", "0.2 kg", "--damping-ratio", "0.3", "-o", "s.toml")
+        answer = json.loads(call(*asked, *moving, "--json").out)
+        exact, ours = (answer["motion"][name]["velocity_level"] for name in ("gaussian", "scenario"))
+        assert ours > exact + 1.0
+        told = call(*asked, *moving, "--force").out
+        assert f"{exact:.1f} and {ours:.1f} dB" in told
+        assert f"warning: the scenario is {ours - exact:.1f} dB too loud" in told
+        theory = json.loads(call("theory", "s.toml", "--json").out)
+        assert theory["load"]["velocity_level"] == pytest.approx(ours, abs=1e-6)
 
     def test_without_a_cutoff_the_curve_is_shown(self, folder):
         found = call("surface", "1.nc", "--load", "2N", "--hardness", "1GPa")

@@ -38,12 +38,16 @@ ALLOWED: Final = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One roughness and cut-off: the contact, and the level of the normal velocity in dB re 50 nm/s."""
+    """One roughness and cut-off: the contact, and levels of the normal velocity in dB re 50 nm/s.
+
+    surfaces: by first order from both spectra; exact, found: of the scenario, by first order and in a run.
+    """
 
     roughness: float
     cutoff: float
     junction_count: float
     relative_speed: float
+    surfaces: float
     exact: float
     found: float
     error: float
@@ -73,6 +77,7 @@ def measured(roughness: float, cutoff: float, seed: int) -> Cell:
         cutoff=cutoff,
         junction_count=contact.gaussian.junction_count,
         relative_speed=motion.relative_speed,
+        surfaces=contact.motions(speed=SPEED, mass=MASS, damping_ratio=RATIO)[0].velocity_level,
         exact=motion.velocity_level,
         found=level(tally.moments["normal_velocity"].std),
         error=20.0 / log(10.0) * relative,
@@ -102,7 +107,7 @@ def tables(cells: Sequence[Cell]) -> dict[str, str]:
 
 
 def _told(each: Cell) -> str:
-    return f"{each.exact:.1f} dB, run {each.found:.1f} ± {each.error:.1f}"
+    return f"{each.surfaces:.1f} dB; scenario {each.exact:.1f}, run {each.found:.1f} ± {each.error:.1f}"
 
 
 def exponent(cells: Sequence[Cell], cutoff: float) -> float:

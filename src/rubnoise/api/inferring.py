@@ -48,7 +48,7 @@ def infer(
     zero: Literal["known", "unknown"] = "unknown",
     strength: Any = None,
     strength_spread: Any = None,
-    pulse: str = "lens",
+    pulse: str | None = None,
     offset: str = "none",
     bandwidth: Any = None,
     poles: int = 1,
@@ -69,7 +69,8 @@ def infer(
     sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
     known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" if 0 means no force.
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
-    ``pulse`` "parabola" reads the lives of rough surfaces, and says how a lens fits beside them. ``offset`` "uniform"
+    ``pulse`` is the shape of lives: "parabola" of rough surfaces, "lens" of equal asperities, taken without it.
+    The other one is fitted too, and if nobody chose and numbers depend on it, that is a flag. ``offset`` "uniform"
     reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
     of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
     walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
@@ -102,7 +103,8 @@ def infer(
     masked = _masked(left_out, velocity, measured.along, signal.tick)
     assumed = Assumed(
         strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None),
-        pulse=pulse_of(pulse, offset),
+        pulse=pulse_of(pulse or "lens", offset),
+        shape_chosen=pulse is not None,
         bandwidth=bandwidth_of(bandwidth, poles, velocity, measured.along),
         poles=poles,
     )

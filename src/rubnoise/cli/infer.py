@@ -60,7 +60,9 @@ def command(
         str | None,
         typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
     ] = None,
-    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens, parabola.", metavar="SHAPE")] = Shape.lens,
+    pulse: Annotated[
+        Shape | None, typer.Option(help="Life of a junction: lens (the default), parabola.", metavar="SHAPE")
+    ] = None,
     offset: Annotated[
         Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
     ] = Offset.none,
@@ -118,7 +120,7 @@ def command(
         zero=zero.value,
         strength=strength,
         strength_spread=strength_spread,
-        pulse=pulse.value,
+        pulse=None if pulse is None else pulse.value,
         offset=offset.value,
         bandwidth=bandwidth,
         poles=poles,
@@ -193,6 +195,8 @@ def _other(found: "InferenceResult") -> dict[str, Any]:
                 "worse_by_error": other.error,
                 "diameter": other.diameter,
                 "diameter_off": other.diameter_off,
+                "told_apart": other.told_apart,
+                "estimates": _in_order(other.estimates),
             }
     return told
 
@@ -270,7 +274,14 @@ def _granted(found: "InferenceResult") -> Iterator[str]:
 def _compared(what: str, other: "OtherPulse") -> str:
     which, size = ("worse" if other.worse_by >= 0.0 else "better"), ("more" if other.diameter_off >= 0.0 else "less")
     fit = f"{what} fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion"
-    return f"{fit}; their mean diameter is {other.diameter:.4g} um, {100.0 * abs(other.diameter_off):.2g} % {size}"
+    told = "" if other.told_apart else ", which decides nothing"
+    numbers = [
+        f"{_LABELS[name]} {each.value:.4g} {_unit(each)}".rstrip()
+        for name, each in other.estimates.items()
+        if name in {"junction_count", "shear_strength"}
+    ]
+    size = f"mean diameter {other.diameter:.4g} um ({100.0 * abs(other.diameter_off):.2g} % {size})"
+    return f"{fit}{told}; they give {', '.join([size, *numbers])}"
 
 
 def _value(estimate: "Estimate") -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import asdict
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -111,8 +112,10 @@ def command(
     contact = surfaces[0].slide(
         slider, cutoff=cutoff, load=load, hardness=hardness, longest=longest, slider_length=slider_length
     )
-    _write(contact, output, report, _wanted(speed, distance, mass, damping_ratio), force=force)
-    print(json_text(contents(contact)) if as_json else "\n".join(described(contact)))
+    wanted = _wanted(speed, distance, mass, damping_ratio)
+    _write(contact, output, report, wanted, force=force)
+    moved = motions(contact, wanted)
+    print(json_text(contents(contact) | moved) if as_json else "\n".join((*described(contact), *_moving(moved))))
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
@@ -210,8 +213,9 @@ def figures(contact: "SlidingContact") -> Iterator[tuple[str, str, str, str, flo
         ("relative_std_short", "std/mean, short run", "", gaussian.relative_std_short),
         ("frozen_share", "frozen share of variance", "", gaussian.frozen_share),
         ("correlation_length", "correlation length", "um", gaussian.correlation_length),
-        ("height_scale", "height scale sigma/u", "um", gaussian.height_scale),
+        ("height_scale", "height scale of the area", "um", gaussian.height_scale),
         ("separation_std", "std of the gap under load", "um", gaussian.load_std),
+        ("separation_slope", "its rms slope", "", contact.gap_slope),
     )
     maps = (
         ("patch_count", "patches", "", counted.patch_count),
@@ -225,9 +229,41 @@ def figures(contact: "SlidingContact") -> Iterator[tuple[str, str, str, str, flo
     ours = (
         ("relative_std", "std/mean", "", contact.scenario_relative_std),
         ("correlation_length", "correlation length", "um", contact.scenario_correlation_length),
+        ("separation_std", "std of the gap under load", "um", contact.scenario_separation_std),
+        ("separation_slope", "its rms slope", "", contact.scenario_gap_slope),
     )
     for table, rows in (("gaussian", exact), ("counted", maps), ("scenario", ours)):
         yield from ((table, *row) for row in rows)
+
+
+def motions(contact: "SlidingContact", wanted: dict[str, Any]) -> dict[str, Any]:
+    """Return the normal motion under ``motion``, on the surfaces and in the scenario; empty without a mass."""
+    asked = {name: wanted[name] for name in ("speed", "mass", "damping_ratio")}
+    if None in asked.values() or not asked["damping_ratio"]:
+        return {}
+    return {
+        "motion": {
+            name: {**asdict(each), "velocity_level": each.velocity_level}
+            for name, each in zip(("gaussian", "scenario"), contact.motions(**asked), strict=True)
+        }
+    }
+
+
+def _moving(moved: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines of the normal motion, with a warning if the scenario's level is off by more than 1 dB."""
+    from rubnoise.surface.sliding import NEAR_LEVEL
+
+    if not moved:
+        return
+    exact, ours = (moved["motion"][name] for name in ("gaussian", "scenario"))
+    yield "normal motion at this speed and mass, to first order: of the surfaces, and in the scenario"
+    yield line("std of the gap", f"{exact['separation_std']:.4g} and {ours['separation_std']:.4g} um")
+    yield line("level, dB re 50 nm/s", f"{exact['velocity_level']:.1f} and {ours['velocity_level']:.1f} dB")
+    if abs(louder := ours["velocity_level"] - exact["velocity_level"]) > NEAR_LEVEL:
+        yield remark(
+            f"warning: the scenario is {abs(louder):.1f} dB too {'loud' if louder > 0.0 else 'quiet'}: take the level"
+            " of the surfaces"
+        )
 
 
 HEADINGS: Final = {

@@ -22,11 +22,13 @@ class Assumed:
     """The assumptions of an inference.
 
     ``strength_spread`` is the standard deviation over the mean of lognormal strengths, ``pulse`` the pulse of a
-    junction's area, ``bandwidth`` the corner of each of the sensor's ``poles`` in cycles per um.
+    junction's area, ``shape_chosen`` whether somebody chose its shape, ``bandwidth`` the corner of each of the sensor's
+    ``poles`` in cycles per um.
     """
 
     strength_spread: float = 0.0
     pulse: Pulse = LENS
+    shape_chosen: bool = True
     bandwidth: float = inf
     poles: int = 1
 
@@ -91,8 +93,8 @@ def sentences(assumed: Assumed, fit: Fit, signal: Signal) -> tuple[str, ...]:
             else "junctions are taken for equally strong (strength_spread= gives another spread)"
         )
     said.append(_of_sensor(assumed, 2.0 * fit.contact.place.diameter * signal.tick))
-    if assumed.pulse.shape != "lens":
-        said.append(f"lives are taken to have the shape {assumed.pulse.shape}")
+    shape = f"lives are taken to have the shape {assumed.pulse.shape}"
+    said.append(shape if assumed.shape_chosen else f"{shape} (pulse= takes lens or parabola)")
     if assumed.pulse.offset == "none":
         said.append('passes are taken to go through both centres (offset="uniform" for passes off it)')
     else:

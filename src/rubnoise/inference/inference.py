@@ -34,6 +34,9 @@ _SHORTEST = 64
 _NOISE_BANDS = 10
 _HOPELESS = 100.0  # of the deviance: exp(-50) as likely
 _FEWEST_ALIVE, _MOST_ALIVE = 0.1, 1e5
+FURTHEST_OFF: Final = 0.1
+"""Relative difference of an estimate above which another shape of lives is said to matter."""
+_BY_SHAPE = ("junction_count", "diameter", "mean_real_contact_area", "shear_strength")
 _APART = 4.0  # of a deviance: two standard errors of one more parameter, which laws that hold each other differ by
 
 
@@ -58,7 +61,9 @@ class LawFit:
 class OtherPulse:
     """A pulse that was not assumed: the difference of its criterion, with its error, and the diameter that it gives.
 
-    ``diameter`` is in um; ``diameter_off`` is its relative difference to that of the assumed pulse.
+    ``diameter`` is in um; ``diameter_off`` is its relative difference to that of the assumed pulse. ``told_apart`` is
+    whether the deviances differ by more than 4 and by more than twice the error, either way; ``estimates`` are those
+    that this pulse gives, ``furthest`` the largest relative difference of number, diameter, area and strength.
     """
 
     pulse: Pulse
@@ -66,6 +71,9 @@ class OtherPulse:
     error: float
     diameter: float
     diameter_off: float
+    told_apart: bool
+    estimates: Mapping[str, Estimate]
+    furthest: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,10 +110,27 @@ class InferenceResult:
         """The 95 % interval of each estimate."""
         return {name: each.interval for name, each in self.estimates.items()}
 
+    shape_chosen: bool = True
+
     @property
     def flags(self) -> list[str]:
         """Findings against the model, one sentence each."""
-        return [each.words for each in self.tests if each.flagged]
+        return [each.words for each in self.tests if each.flagged] + self._doubt_of_shape()
+
+    def _doubt_of_shape(self) -> list[str]:
+        """Return that lives may have the other shape: if nobody chose one, and numbers would differ."""
+        other = self.other_shape
+        if self.shape_chosen or other is None or other.furthest <= FURTHEST_OFF:
+            return []
+        found = {name: each for name, each in self.estimates.items() if name in _BY_SHAPE and name in other.estimates}
+        numbers = ", ".join(
+            f"{name} {other.estimates[name].value:.3g} for {each.value:.3g} {each.unit.strip('1')}".rstrip()
+            for name, each in found.items()
+        )
+        shape, choose = other.pulse.shape, "pulse= says which is right"
+        if not other.told_apart:
+            return [f"the trace does not tell the shape of lives: a {shape} would give {numbers}; {choose}"]
+        return [f"lives of the shape {shape} fit better, and give {numbers}; {choose}"] if other.worse_by < 0.0 else []
 
 
 def infer_signal(
@@ -167,7 +192,9 @@ def infer_signal(
     pulse, doubtful = assumed.pulse, any(test.flagged for test in spoken if test.name == "spectrum")
 
     def tried(shape: Shape, offset: Offset, *, asked: bool) -> OtherPulse | None:
-        return _other(fitted(pulse_of(shape, offset)), best, signal) if tests and (asked or doubtful) else None
+        if not tests or not (asked or doubtful):
+            return None
+        return _other(fitted(pulse_of(shape, offset)), best, signal, scale, of_best)
 
     estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return InferenceResult(
@@ -183,7 +210,8 @@ def infer_signal(
         fit=best,
         assumptions=sentences(assumed, best, signal),
         other_offset=tried(pulse.shape, OTHER_OFFSETS[pulse.offset], asked=pulse.offset != "none"),
-        other_shape=tried(OTHER_SHAPES[pulse.shape], pulse.offset, asked=pulse.shape != "lens"),
+        other_shape=tried(OTHER_SHAPES[pulse.shape], pulse.offset, asked=True),
+        shape_chosen=assumed.shape_chosen,
         by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
     )
 
@@ -314,17 +342,25 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     return reasons
 
 
-def _other(fits: list[Fit], best: Fit, signal: Signal) -> OtherPulse:
+def _other(fits: list[Fit], best: Fit, signal: Signal, scale: float, estimates: Mapping[str, Estimate]) -> OtherPulse:
     """Return the best fit of another pulse, compared with the best fit of the assumed one."""
     other = min(fits, key=_criterion)
-    beside = _beside(other, best, {})
-    found, own = (fit.contact.place.diameter * signal.tick for fit in (other, best))
+    beside = _beside(other, best, estimates_of(other, signal, scale, compared=len(fits) > 1))
+    excess = beside.worse_by + 2.0 * (len(best.names) - len(other.names))
+    off = {
+        name: beside.estimates[name].value / estimates[name].value - 1.0
+        for name in _BY_SHAPE
+        if name in estimates and name in beside.estimates
+    }
     return OtherPulse(
         pulse=other.problem.pulse,
         worse_by=beside.worse_by,
         error=beside.error,
-        diameter=found,
-        diameter_off=found / own - 1.0,
+        diameter=beside.estimates["diameter"].value,
+        diameter_off=off["diameter"],
+        told_apart=abs(excess) > max(_APART, 2.0 * beside.error),
+        estimates=beside.estimates,
+        furthest=max(map(abs, off.values())),
     )
 
 

@@ -11,6 +11,7 @@ from math import exp, inf, pi, sqrt
 from typing import Final, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.special import ndtr, ndtri
 
@@ -51,8 +52,9 @@ class GaussianContact:
 
     @property
     def height_scale(self) -> float:
-        """sigma/u in um: the scale on which the density of summits falls above the gap."""
-        return self.roughness / self.level
+        """s_0 = -A/(dA/dD) = sigma Q(u)/phi(u) in um: how fast the area falls with the gap."""
+        density = exp(-0.5 * self.level**2) / sqrt(2.0 * pi)
+        return self.roughness * self.share / density
 
     @property
     def real_contact_area(self) -> float:
@@ -97,7 +99,7 @@ class GaussianContact:
         return self.junction_count * (0.5 * d_along / along + 0.5 * d_across / across - d_variance / variance)
 
     @cached_property
-    def _maps(self) -> tuple[Doubles, Doubles, tuple[float, float]]:
+    def correlations(self) -> tuple[Doubles, Doubles, tuple[float, float]]:
         """Both autocorrelations over sigma^2 at the lags of one grid, and its spacings: the slider's grid."""
         variance = self.roughness**2
         track = self._at_slider_lags(self.track.correlation())
@@ -125,25 +127,58 @@ class GaussianContact:
         the squares of the rest raise R. Far lags show how much, and it is the same near 0. Both maps share it if one
         surface slides on itself.
         """
-        track, slider, _ = self._maps
-        if self.track.scatter is None or self.slider.scatter is None:
-            return 0.0, 0.0, np.zeros(slider.shape[0])
-        # Which lags, wrapped round, are longer than a quarter of the sides.
-        along, across = (np.minimum(np.arange(n), n - np.arange(n)) / n for n in slider.shape)
-        beyond = np.hypot(along[:, None], across[None, :]) > 0.25
+        track, slider, _ = self.correlations
+        (shares, beyond), none = self._far, np.zeros(slider.shape[0])
+        if not any(shares):
+            return 0.0, 0.0, none
         far = [np.where(beyond, track, 0.0), np.where(beyond, slider, 0.0)]
-        scatters = (self._at_slider_lags(self.track.scatter), self.slider.scatter)
-        shares = [float(each.sum() / each[beyond].sum()) for each in scatters]
         sums = [share * float(np.square(own).sum()) for share, own in zip(shares, far, strict=True)]
-        common = np.fft.ifft((np.fft.fft(far[0], axis=0) * np.fft.fft(far[1], axis=0).conj()).sum(1)).real
-        return sums[0], sums[1], common * sqrt(shares[0] * shares[1])
+        return sums[0], sums[1], self._common(*far)
+
+    @cached_property
+    def _far(self) -> tuple[tuple[float, float], NDArray[np.bool_]]:
+        """Chance at all lags over that at far lags, of track and slider, 0 of exact spectra; and which lags are far."""
+        shape = self.slider.power.shape
+        # Which lags, wrapped round, are longer than a quarter of the sides.
+        along, across = (np.minimum(np.arange(n), n - np.arange(n)) / n for n in shape)
+        beyond = np.hypot(along[:, None], across[None, :]) > 0.25
+        if self.track.scatter is None or self.slider.scatter is None:
+            return (0.0, 0.0), beyond
+        scatters = (self._at_slider_lags(self.track.scatter), self.slider.scatter)
+        return (
+            float(scatters[0].sum() / scatters[0][beyond].sum()),
+            float(scatters[1].sum() / scatters[1][beyond].sum()),
+        ), beyond
+
+    def _common(self, track: Doubles, slider: Doubles) -> Doubles:
+        """Return by shift the sum of the product of two maps' far lags, as much as all lags have."""
+        common = np.fft.ifft((np.fft.fft(track, axis=0) * np.fft.fft(slider, axis=0).conj()).sum(1)).real
+        shares, _ = self._far
+        return np.asarray(common * sqrt(shares[0] * shares[1]))
+
+    @cached_property
+    def gradients(self) -> tuple[Doubles, Doubles]:
+        """dC/dx over sigma^2 in 1/um of both surfaces at the lags of `correlations`, by their waves."""
+        track, slider, spacing = self.correlations
+        waves = 2j * pi * np.fft.fftfreq(slider.shape[0], spacing[0])[:, None]
+        one, other = (np.fft.ifft(np.fft.fft(each, axis=0) * waves, axis=0).real for each in (track, slider))
+        return np.ascontiguousarray(one), np.ascontiguousarray(other)
+
+    @cached_property
+    def chance_of_slopes(self) -> Doubles:
+        """By shift, the chance in the sum of phi2' C_1x C_2x over all lags: phi2'(u, u; 0) times that of far lags."""
+        (shares, beyond), gradients = self._far, self.gradients
+        if not any(shares):
+            return np.zeros(beyond.shape[0])
+        second = self.level**2 * exp(-(self.level**2)) / (2.0 * pi)
+        return second * self._common(*(np.where(beyond, each, 0.0) for each in gradients))
 
     def _summed(self, shift: int, which: tuple[bool, bool] = (True, True)) -> float:
         """Return A0 int int [int_0^rho phi2 dr] dx dy at a lag of ``shift`` points, in um^4, on an endless track.
 
         ``which`` of both autocorrelations count. The part of a single map's chance is subtracted, to second order.
         """
-        track, slider, spacing = self._maps
+        track, slider, spacing = self.correlations
         maps = [own if counts else np.zeros_like(own) for own, counts in zip((track, slider), which, strict=True)]
         of_track, of_slider, of_both = self._chance
         chance = which[0] * of_track + which[1] * of_slider + 2.0 * all(which) * float(of_both[shift % of_both.size])
@@ -183,7 +218,7 @@ class GaussianContact:
     @cached_property
     def curve(self) -> tuple[Doubles, Doubles]:
         """Lags in um up to half of the slider's map, and R(lag) - J_1 - J_2 in um^4, the covariance in a short run."""
-        points, spacing = self._maps[1].shape[0] // 2, self._maps[2][0]
+        points, spacing = self.correlations[1].shape[0] // 2, self.correlations[2][0]
         far = np.geomspace(_FIRST, max(points, _FIRST + 1), _MOST_LAGS - _FIRST)
         shifts = np.unique(np.concatenate((np.arange(_FIRST), far.astype(np.int64))))
         shifts = shifts[shifts <= points]
@@ -208,10 +243,10 @@ class GaussianContact:
 
         lags, moving = self.curve
         zero = int(np.argmax(moving <= 0.0)) if (moving <= 0.0).any() else lags.size - 1
-        lag = np.arange(0.0, min(2.0 * lags[zero], lags[-1]), self._maps[2][0])
+        lag = np.arange(0.0, min(2.0 * lags[zero], lags[-1]), self.correlations[2][0])
         x = lag / lag[-1]
         window = np.where(x < 0.5, 1.0 - 6.0 * x * x * (1.0 - x), 2.0 * (1.0 - x) ** 3)
-        even = CubicSpline(lags, moving)(lag) * window * self._maps[2][0]
+        even = CubicSpline(lags, moving)(lag) * window * self.correlations[2][0]
         k = np.asarray(wavenumber, dtype=np.float64)[..., None]
         return np.asarray(2.0 * (even * np.cos(k * lag)).sum(-1) - even[0])
 
@@ -222,10 +257,8 @@ class GaussianContact:
 
     @property
     def load_std(self) -> float:
-        """Std D in um at constant load, to first order, of a short run: sqrt(R(0) - J_1 - J_2) sigma/(A0 phi(u))."""
-        density = exp(-0.5 * self.level**2) / sqrt(2.0 * pi)
-        moving = self.relative_std_short * self.real_contact_area
-        return moving * self.roughness / (self.nominal_area * density)
+        """Std D in um at constant load, to first order, of a short run: s_0 sqrt(R(0) - J_1 - J_2)/A_rm."""
+        return self.height_scale * self.relative_std_short
 
     def with_cutoff(self, cutoff: float) -> Self:
         """Return the contact without waves shorter than ``cutoff`` in um, at the same share of the area."""

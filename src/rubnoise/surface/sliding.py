@@ -16,15 +16,20 @@ from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.scenario.writing import text_of
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap
+from rubnoise.surface.normal_motion import NormalMotion, gap_slope, normal_motion
 from rubnoise.surface.waves import Waves, band_limited, check_wavelengths
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.load import load_motion, overlap_scale
 
 LIVES: Final = 1000
 """Mean lives in the scenario's distance, if none is given."""
 
 NEAR: Final = 0.1
 """How far a scenario may be off in spread and correlation length before it is said."""
+
+NEAR_LEVEL: Final = 1.0
+"""How far its level of normal motion may be off, in dB."""
 
 _STEPS: Final = 2.0**0.5
 
@@ -162,7 +167,8 @@ class SlidingContact:
         """Return a scenario with the same area and number: parabolic lives, Rayleigh sizes, Poisson births.
 
         ``speed`` in um/s, ``distance`` in um (1000 mean lives without one); with ``mass`` in kg and
-        ``damping_ratio`` the slider also rises and falls on its load, on summits whose density falls over sigma/u.
+        ``damping_ratio`` the slider also rises and falls on its load, on an area that falls with the gap
+        as that of the surfaces does, over sigma Q(u)/phi(u).
         Its text names scans, filters and hashes. Raises Refused for a mass without a speed or a damping ratio, and
         if `refused` has reasons.
         """
@@ -239,20 +245,48 @@ class SlidingContact:
         )
         return half_width(lags, autocovariance(self.scenario.model(), lags))
 
+    @cached_property
+    def gap_slope(self) -> float:
+        """Root mean square of dD/ds at constant load, D the gap, exact to first order from both spectra."""
+        return gap_slope(self.gaussian)
+
+    @property
+    def scenario_separation_std(self) -> float:
+        """The same scenario's std of the gap in um at constant load, to first order: s_0 sqrt(2/N_jm)."""
+        return self.gaussian.height_scale * self.scenario_relative_std
+
+    @property
+    def scenario_gap_slope(self) -> float:
+        """Its root mean square of dD/ds at constant load, to first order: s_0 sqrt(2/N_jm)/c, c^2 = E[d^2]."""
+        return self.scenario_separation_std / overlap_scale(self.scenario.model())
+
+    def motions(self, *, speed: float, mass: float, damping_ratio: float) -> tuple[NormalMotion, NormalMotion]:
+        """Return the normal motion to first order from both spectra, and that of the scenario, as `scenario_text`."""
+        text = text_of(self._keys(speed, None, self._weight(mass, damping_ratio)))
+        found = load_motion(loads(text, "surface").model())
+        exact = normal_motion(self.gaussian, load=self.load, speed=speed, mass=mass, ratio=damping_ratio)
+        return exact, NormalMotion(separation_std=found.separation_std, velocity_std=found.velocity_std)
+
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences with both numbers if the scenario's spread or correlation length is off by more than a tenth."""
+        """Sentences with both numbers if the scenario is off: by a tenth in spread or correlation, by 1 dB in level."""
         gaussian = self.gaussian
         pairs = (
             ("standard deviation over mean", self.scenario_relative_std, gaussian.relative_std, ""),
             ("correlation length", self.scenario_correlation_length, gaussian.correlation_length, " um"),
         )
-        return tuple(
+        said = [
             f"{name}: {ours:.4g}{unit} in the scenario, {exact:.4g}{unit} on the surfaces"
             f" ({100.0 * (ours / exact - 1.0):+.0f} %)"
             for name, ours, exact, unit in pairs
             if isfinite(exact) and exact > 0.0 and abs(ours / exact - 1.0) > NEAR
-        )
+        ]
+        if self.gap_slope > 0.0 and abs(louder := 20.0 * log10(self.scenario_gap_slope / self.gap_slope)) > NEAR_LEVEL:
+            said.append(
+                f"normal motion under a constant load: {self.scenario_gap_slope:.4g} of the speed in the scenario,"
+                f" {self.gap_slope:.4g} on the surfaces ({louder:+.1f} dB)"
+            )
+        return tuple(said)
 
 
 def slide(
