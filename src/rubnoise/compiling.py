@@ -20,6 +20,7 @@ SOURCES = (
     "simulation/free/*.py",
     "simulation/kernels/*.py",
     "simulation/slider.py",
+    "surface/*.py",
 )
 """Files that are compiled into functions of other files."""
 

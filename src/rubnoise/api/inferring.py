@@ -70,7 +70,7 @@ def infer(
     known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" if 0 means no force.
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
     ``pulse`` is the shape of lives: "parabola" of rough surfaces, "lens" of equal asperities, taken without it.
-    The other one is fitted too, and if nobody chose and numbers depend on it, that is a flag. ``offset`` "uniform"
+    The other one is fitted too, and if no option chose and numbers depend on it, that is a flag. ``offset`` "uniform"
     reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
     of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
     walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".

@@ -22,8 +22,8 @@ class Assumed:
     """The assumptions of an inference.
 
     ``strength_spread`` is the standard deviation over the mean of lognormal strengths, ``pulse`` the pulse of a
-    junction's area, ``shape_chosen`` whether somebody chose its shape, ``bandwidth`` the corner of each of the sensor's
-    ``poles`` in cycles per um.
+    junction's area, ``shape_chosen`` whether an option chose its shape, ``bandwidth`` the corner of each of the
+    sensor's ``poles`` in cycles per um.
     """
 
     strength_spread: float = 0.0

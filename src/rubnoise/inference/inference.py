@@ -118,7 +118,7 @@ class InferenceResult:
         return [each.words for each in self.tests if each.flagged] + self._doubt_of_shape()
 
     def _doubt_of_shape(self) -> list[str]:
-        """Return that lives may have the other shape: if nobody chose one, and numbers would differ."""
+        """Return that lives may have the other shape: if no option chose one, and numbers would differ."""
         other = self.other_shape
         if self.shape_chosen or other is None or other.furthest <= FURTHEST_OFF:
             return []
