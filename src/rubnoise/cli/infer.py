@@ -15,8 +15,9 @@ from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
+    from rubnoise.inference.assumed import OtherPulse
     from rubnoise.inference.estimates import Estimate
-    from rubnoise.inference.inference import InferenceResult, OtherPulse
+    from rubnoise.inference.inference import InferenceResult
 
 Shape = StrEnum("Shape", "lens parabola")
 Offset = StrEnum("Offset", "none uniform")

@@ -47,6 +47,25 @@ NOTHING: Final = Assumed()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OtherPulse:
+    """A pulse that was not assumed: the difference of its criterion, with its error, and the diameter that it gives.
+
+    ``diameter`` is in um; ``diameter_off`` is its relative difference to that of the assumed pulse. ``told_apart`` is
+    whether the deviances differ by more than 4 and by more than twice the error, either way; ``estimates`` are those
+    that this pulse gives, ``furthest`` the largest relative difference of number, diameter, area and strength.
+    """
+
+    pulse: Pulse
+    worse_by: float
+    error: float
+    diameter: float
+    diameter_off: float
+    told_apart: bool
+    estimates: Mapping[str, Estimate]
+    furthest: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class IfSpread:
     """Junction count and shear strength (MPa, if known) for another relative spread of strengths."""
 

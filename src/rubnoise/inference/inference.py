@@ -11,7 +11,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import pulse_of
 from rubnoise.contact.pulses import Offset, Pulse, Shape
 from rubnoise.errors import Refused
-from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
+from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, OtherPulse, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import FitPoint, FitProblem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
@@ -55,25 +55,6 @@ class LawFit:
     error: float
     told_apart: bool
     estimates: Mapping[str, Estimate]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OtherPulse:
-    """A pulse that was not assumed: the difference of its criterion, with its error, and the diameter that it gives.
-
-    ``diameter`` is in um; ``diameter_off`` is its relative difference to that of the assumed pulse. ``told_apart`` is
-    whether the deviances differ by more than 4 and by more than twice the error, either way; ``estimates`` are those
-    that this pulse gives, ``furthest`` the largest relative difference of number, diameter, area and strength.
-    """
-
-    pulse: Pulse
-    worse_by: float
-    error: float
-    diameter: float
-    diameter_off: float
-    told_apart: bool
-    estimates: Mapping[str, Estimate]
-    furthest: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
