@@ -94,9 +94,9 @@ def test_parabolas_are_read_and_told_from_lenses() -> None:
 
 def test_both_shapes_are_fitted_and_what_is_not_decided_is_said() -> None:
     """Parabolas of Rayleigh's sizes are what rough surfaces have; read as lenses they are more, and weaker."""
-    nobody = Assumed(shape_chosen=False)
+    unchosen = Assumed(shape_chosen=False)
     wide = signal(replace(contact("weibull", RAYLEIGH / 100.0, 20.0, 450), pulse=PARABOLA), 0)
-    found = infer_signal(wide, zero="known", law="gamma", assumed=nobody)
+    found = infer_signal(wide, zero="known", law="gamma", assumed=unchosen)
     other = found.other_shape
     assert other is not None
     assert other.pulse is PARABOLA
@@ -108,7 +108,7 @@ def test_both_shapes_are_fitted_and_what_is_not_decided_is_said() -> None:
     assert chosen.other_shape.furthest > 0.2
     assert chosen.flags == []
     assert chosen.estimates["junction_count"].value == pytest.approx(other.estimates["junction_count"].value, rel=1e-6)
-    equal = infer_signal(signal(contact("fixed", 0.0, 20.0, 450), 0), zero="known", law="fixed", assumed=nobody)
+    equal = infer_signal(signal(contact("fixed", 0.0, 20.0, 450), 0), zero="known", law="fixed", assumed=unchosen)
     assert equal.other_shape is not None
     assert (equal.other_shape.told_apart, equal.other_shape.worse_by > 0.0, equal.flags) == (True, True, [])
 
