@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rubnoise.api.scenarios import build, example, examples, load, load_sweep
     from rubnoise.api.surface import Surface
     from rubnoise.api.sweep_result import SweepResult, open_sweep
-    from rubnoise.api.sweeping import run_sweep
+    from rubnoise.api.sweeps import run_sweep, sweep
     from rubnoise.api.trace import Trace
     from rubnoise.errors import Refused, RubnoiseError
     from rubnoise.record.rows import JunctionState
@@ -72,6 +72,7 @@ __all__ = [
     "run",
     "run_sweep",
     "simulate",
+    "sweep",
 ]
 
 HOMES: Final = {
@@ -92,7 +93,7 @@ HOMES: Final = {
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
-    "rubnoise.api.sweeping": ("run_sweep",),
+    "rubnoise.api.sweeps": ("run_sweep", "sweep"),
     "rubnoise.api.trace": ("Trace",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
     "rubnoise.record.rows": ("JunctionState",),

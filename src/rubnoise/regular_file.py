@@ -30,8 +30,8 @@ def flags(*names: str) -> int:
 _READING = os.O_RDONLY | flags("O_CLOEXEC", "O_NONBLOCK", "O_NOCTTY")
 
 
-_OF_SWEEPS: Final = ("sweep.json", "index.h5")
-"""Files by which the folder of a sweep is known."""
+_OF_SWEEPS: Final = "index.h5"
+"""The file by which the folder of a sweep is known."""
 
 
 class NotRegular(OSError):  # noqa: N818  (says what the path is)
@@ -41,7 +41,7 @@ class NotRegular(OSError):  # noqa: N818  (says what the path is)
         """Name the path, and what is there if it is a sweep."""
         name, reason = os.fspath(path), "is not a regular file"
         with suppress(OSError):  # a folder that may not be looked into
-            if any(Path(name, each).is_file() for each in _OF_SWEEPS):
+            if Path(name, _OF_SWEEPS).is_file():
                 reason = "is the folder of a sweep, not a file; rubnoise info says what is in it"
         super().__init__(errno.EINVAL, reason, name)
 

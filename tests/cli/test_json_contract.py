@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.api.playing import describe
+from rubnoise.runs.making import describe
 from rubnoise.api.surface import Surface
 from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.field import FieldClaim, Known, Publication

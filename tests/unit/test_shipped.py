@@ -15,7 +15,7 @@ from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.sweep.execution import Measurement, run_points
+from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
 

@@ -16,7 +16,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.summary import summarise
 from rubnoise.api import playing
-from rubnoise.api.playing import describe, play
+from rubnoise.runs.making import describe, play
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation import draws

@@ -16,7 +16,7 @@ from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.scenario.sweep_table import FEWEST, Precision
 from rubnoise.simulation.run import simulate
-from rubnoise.sweep.execution import Measurement, measured
+from rubnoise.runs.measuring import Measurement, measured
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.models import model
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal

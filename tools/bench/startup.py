@@ -16,7 +16,7 @@ from bench.case import Case
 from bench.checks import Wrong
 from bench.clock import Task, Timing, cpu_time, interleaved
 from bench.entrants import FASTEST
-from rubnoise.api.playing import describe, play
+from rubnoise.runs.making import describe, play
 from rubnoise.scenario.writing import text_of
 from rubnoise.storage.writer import RunWriter
 

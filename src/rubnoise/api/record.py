@@ -52,7 +52,7 @@ class Record(MemoryRecord, Contents):
         ...     run.provenance["seed"]
         7
         """
-        from rubnoise.api.playing import save
+        from rubnoise.runs.making import save
 
         written = save(self, path, force=force)
         return Run(open_run(path, own=written))
@@ -65,7 +65,7 @@ class Record(MemoryRecord, Contents):
     @property
     def summary(self) -> list[Agreement]:
         """What was measured beside what is exact, as a file keeps it; raises Refused without a scenario."""
-        from rubnoise.api.playing import figures_of
+        from rubnoise.runs.making import figures_of
 
         return from_attributes(figures_of(self, self.model()))
 

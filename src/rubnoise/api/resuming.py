@@ -7,11 +7,11 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from rubnoise.api.playing import named_constants, play
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
 from rubnoise.record.sink import Extent
+from rubnoise.runs.making import named_constants, play
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.reread import as_made

@@ -8,12 +8,12 @@ from operator import index
 from pathlib import Path
 from typing import Any, cast
 
-from rubnoise.api.playing import describe, play
 from rubnoise.api.record import Record
 from rubnoise.api.result import Run
 from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.api.scenarios import load
 from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.runs.making import describe, play
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, extent

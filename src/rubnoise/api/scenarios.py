@@ -53,7 +53,7 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
 
 def _path(source: Any) -> str | os.PathLike[str]:
     if not isinstance(source, str | os.PathLike):
-        form = "rubnoise.build(...) makes a scenario of values, run_sweep(..., grid=...) a sweep of a scenario"
+        form = "rubnoise.build(...) makes a scenario of values, sweep(..., grid=...) a sweep of a scenario"
         raise Refused(f"{' '.join(shown(source).split())}: is neither a file nor a name; {form}")
     return source
 
@@ -95,7 +95,7 @@ def sizes_of(path: str, column: str | None) -> Sequence[float]:
 
 
 def examples() -> tuple[str, ...]:
-    """Return the names of the scenarios and sweeps that come with rubnoise, for `load`, `example` and `run_sweep`.
+    """Return the names of the scenarios and sweeps that come with rubnoise, for `load`, `example` and `sweep`.
 
     >>> import rubnoise
     >>> "paper/fig5" in rubnoise.examples()

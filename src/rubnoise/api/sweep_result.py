@@ -4,22 +4,25 @@ import json
 import os
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
-from rubnoise.api.result import Opened, Run
+from rubnoise.api.result import Run
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.real_numbers import number_in
-from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
+from rubnoise.runs.folder import INDEX
+from rubnoise.runs.point_file import open_named
+from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, IndexFile, open_index
 from rubnoise.storage.index_checks import check_index
-from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import KINDS, RATIO
@@ -34,7 +37,6 @@ if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
 
 _ROUNDING: Final = 1e-12
-INDEX: Final = "index.h5"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,14 +49,14 @@ class Failure:
     reason: str
 
 
-class SweepResult(Opened):
+class SweepResult:
     """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when they are needed.
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
     `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done.
 
     >>> import rubnoise
-    >>> with rubnoise.run_sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
+    >>> with rubnoise.sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
     ...     sweep.keys, sweep.count("done")
     (('interface.mean_junction_count',), 5)
     """
@@ -66,6 +68,24 @@ class SweepResult(Opened):
         """The owner of a temporary folder, which lasts as long as the result and its copies; else None."""
         self.runs = self._columns(RUNS)
         self.points = self._columns(POINTS)
+
+    def __enter__(self) -> Self:
+        """Return it."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the index."""
+        self.close()
+
+    def __copy__(self) -> Self:
+        """Return a copy that is open of its own: closing one leaves the other open."""
+        return deepcopy(self)
+
+    def close(self) -> None:
+        """Close the index; nothing can be read from it any more."""
+        self._file.close()
 
     @property
     def path(self) -> Path:
@@ -275,7 +295,7 @@ def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
     """Open the folder of a sweep, finished or not; raises RunFileRefused if it has no index of ours.
 
     >>> import rubnoise
-    >>> rubnoise.run_sweep("paper/fig9", "fig9", jobs=1).close()
+    >>> rubnoise.sweep("paper/fig9", "fig9", jobs=1).close()
     >>> with rubnoise.open_sweep("fig9") as sweep:
     ...     sweep.count("done"), sweep.failures
     (5, [])

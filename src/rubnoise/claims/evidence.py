@@ -9,10 +9,10 @@ from rubnoise.analysis.replicates import PooledEstimate, estimate, ratio
 from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
+from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.execution import Measurement, run_points
 
 Read = Callable[[Model, MemoryRecord], dict[str, float]]
 """Finds named numbers in the record of one run."""

@@ -13,8 +13,8 @@ from rubnoise.cli.layout import cut
 from rubnoise.errors import RunStopped
 
 if TYPE_CHECKING:
+    from rubnoise.runs.sweep import SweepProgress
     from rubnoise.storage.reader import RunFile
-    from rubnoise.sweep.conduct import SweepProgress
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1

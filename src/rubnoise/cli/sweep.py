@@ -12,8 +12,8 @@ from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
 
 if TYPE_CHECKING:
+    from rubnoise.runs.sweep import SweepOutcome
     from rubnoise.scenario.sweep import Sweep
-    from rubnoise.sweep.conduct import SweepOutcome
 
 
 @interrupted_at_once
@@ -33,16 +33,6 @@ def command(
     cluster: Annotated[
         str | None, typer.Option(help="A Dask scheduler: its address or its scheduler file.", metavar="ADDRESS")
     ] = None,
-    authority: Annotated[
-        Path | None,
-        typer.Option("--tls-ca-file", help="Use TLS with the cluster: certificate of its authority.", metavar="PEM"),
-    ] = None,
-    certificate: Annotated[
-        Path | None, typer.Option("--tls-cert", help="The certificate for the cluster.", metavar="PEM")
-    ] = None,
-    key: Annotated[
-        Path | None, typer.Option("--tls-key", help="Its key, if it is not in the same file.", metavar="PEM")
-    ] = None,
     shard: Annotated[
         str | None,
         typer.Option(help="Make only one of several parts, e.g. 2/8 for a task of a batch queue.", metavar="I/N"),
@@ -52,9 +42,8 @@ def command(
         typer.Option("--set", help="Change a key, e.g. --set sweep.replicates=40.", metavar="KEY=VALUE"),
     ] = None,
     engine: EngineName = None,
-    merge: Annotated[
-        bool,
-        typer.Option("--merge", help="At the end, or that of the last shard, write all into one file, merged.h5."),
+    force: Annotated[
+        bool, typer.Option("--force", help="Leave the runs of other scenarios that are in the folder.")
     ] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -66,10 +55,9 @@ def command(
 
     Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
     """
-    from rubnoise.api.sweeping import carry_out
+    from rubnoise.api.sweeps import carry_out
     from rubnoise.cli.loading import overrides, sweep_of
 
-    security = _security(authority, certificate, key, cluster)
     sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
     shown = on_terminal() and not quiet and not as_json
@@ -82,43 +70,17 @@ def command(
             jobs=jobs,
             cluster=cluster,
             shard=shard,
-            security=security,
+            force=force,
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
-    # Of shards that end one after another the last one merges, when no run is left for the others.
-    merged = _merged(place) if merge and (shard is None or not ending.known.count("planned")) else None
-    _print_outcome(sweep, place, ending, merged=merged, as_json=as_json, quiet=quiet)
-    if merge and merged is None and not quiet and not as_json:
-        print(remark("not merged yet: the shard that ends last does that"))
-    if ending.known.count("failed"):
+    _print_outcome(sweep, place, ending, as_json=as_json, quiet=quiet)
+    if ending.failures:
         raise typer.Exit(1)
 
 
-def _security(authority: Path | None, certificate: Path | None, key: Path | None, cluster: str | None) -> Any:
-    """Return the TLS settings for a cluster, None if no option gives them."""
-    if authority is None and certificate is None and key is None:
-        return None
-    if cluster is None:
-        raise typer.BadParameter("--tls-ca-file, --tls-cert and --tls-key are for --cluster")
-    if authority is None or certificate is None:
-        raise typer.BadParameter("--tls-ca-file and --tls-cert go together")
-    from rubnoise.sweep.cluster import security_of
-
-    return security_of(authority, certificate, key)
-
-
-def _merged(folder: Path) -> Path:
-    from rubnoise.sweep.folder import SweepFolder
-    from rubnoise.sweep.index import merge
-
-    return merge(SweepFolder(folder))
-
-
-def _print_outcome(
-    sweep: "Sweep", folder: Path, ending: "SweepOutcome", *, merged: Path | None, as_json: bool, quiet: bool
-) -> None:
-    answer = outcome_as_json(sweep, folder, ending, merged)
+def _print_outcome(sweep: "Sweep", folder: Path, ending: "SweepOutcome", *, as_json: bool, quiet: bool) -> None:
+    answer = outcome_as_json(sweep, folder, ending)
     if as_json:
         print(json_text(answer))
     elif not quiet:
@@ -127,28 +89,18 @@ def _print_outcome(
         print("\n".join(format_failures(answer["failures"])), file=sys.stderr)
 
 
-def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged: Path | None) -> dict[str, Any]:
+def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome") -> dict[str, Any]:
     """Return the outcome of a sweep, by name."""
-    known = ending.known
     failed = [
-        {
-            "run_id": point.run_id,
-            "values": dict(point.values),
-            "replicate": point.replicate,
-            "reason": known.reasons[known.places[point.run_id]],
-        }
-        for point in ending.points
-        if known.states[known.places[point.run_id]] == "failed"
+        {"run_id": point.run_id, "values": dict(point.values), "replicate": point.replicate, "reason": reason}
+        for point, reason in ending.failures
     ]
     return {
         "folder": str(folder),
         "index": str(folder / "index.h5"),
-        "merged": None if merged is None else str(merged),
         "points": len(sweep.cases),
         "runs": len(ending.points),
-        "done": known.count("done"),
-        "failed": known.count("failed"),
-        "planned": known.count("planned"),
+        **{state: ending.states.count(state) for state in ("done", "failed", "planned")},
         "failures": failed,
         "imprecise": [
             {"values": dict(unmet.values), "replicates": unmet.replicates, "reached": unmet.reached}
@@ -162,8 +114,6 @@ def format_outcome(answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print; failed runs have a table of their own."""
     points, runs = grouped(answer["points"]), grouped(answer["runs"])
     lines = [f"{answer['folder']}: {points} points, {runs} runs: {states_in_words(answer)}"]
-    if answer["merged"]:
-        lines.append(remark(f"everything in one file: {answer['merged']}"))
     for short in answer["imprecise"]:
         reached = f"{values_in_words(short['values'])}: relative standard error {short['reached']:.2g}"
         lines.append(remark(f"precision not reached: {reached} with {grouped(short['replicates'])} replicates"))

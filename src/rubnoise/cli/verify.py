@@ -61,7 +61,7 @@ def command(
         raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number; it is 1 or more")
     blocks, shown = regenerate or 0, on_terminal() and not as_json
     if is_folder(file):
-        from rubnoise.api.verify_sweep import verify_sweep
+        from rubnoise.runs.verify import verify_sweep
 
         with StatusLine(shown=shown) as line:
             found = verify_sweep(file, blocks, lambda done, runs: line.show(f"{done:,} of {runs:,} runs verified"))
@@ -90,7 +90,7 @@ def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
 def format_verification(found: "Verification", file: Path) -> Iterator[str]:
     """Yield a table of the checks, the first wrong place of each failed check, and the verdict."""
     of_file = "its hashes and its run, played again"
-    parts = "its description, its journals and its runs" if is_folder(file) else of_file
+    parts = "its runs, made again, and the index of these" if is_folder(file) else of_file
     yield f"{printable(str(file))}: compared with {parts}"
     yield f"\n{'check':<24}{'values':>16}{'different':>14}"
     for check in found.checks:

@@ -8,11 +8,11 @@ from typing import Final, TypeVar
 from rubnoise.api.running import simulate
 from rubnoise.figures.stretch import Stretch
 from rubnoise.record.sink import Sink
+from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.execution import Measurement, run_points
 
 FOLDER: Final = "paper"
 

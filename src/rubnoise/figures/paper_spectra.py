@@ -12,7 +12,7 @@ from rubnoise.figures.paper_sources import Sources
 from rubnoise.figures.style import BLUE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.sweep.execution import Measurement
+from rubnoise.runs.measuring import Measurement
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.spectrum import spectral_density

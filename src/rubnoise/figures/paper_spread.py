@@ -15,8 +15,8 @@ from rubnoise.figures.style import INK, SERIES, VERMILION, logarithmic, new_figu
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.record.tally import Tally
+from rubnoise.runs.measuring import Measurement
 from rubnoise.scenario.points import Point
-from rubnoise.sweep.execution import Measurement
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 

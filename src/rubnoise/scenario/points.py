@@ -58,7 +58,7 @@ def _points(case: Case, replicates: range) -> Iterator[Point]:
         yield Point(
             values=case.values,
             replicate=replicate,
-            run_id=_name(resolved, seed),
+            run_id=name_of(resolved, seed),
             seed=seed,
             scenario=replace(scenario, run=run),
         )
@@ -86,10 +86,11 @@ def run_id(scenario: Scenario) -> str:
 
     It does not depend on the title, nor on the engine, since both engines give the same bits.
     """
-    return _name(scenario.resolved(), scenario.run.seed)
+    return name_of(scenario.resolved(), scenario.run.seed)
 
 
-def _name(resolved: Mapping[str, Any], seed: int) -> str:
+def name_of(resolved: Mapping[str, Any], seed: int) -> str:
+    """Return the name of the run of a resolved scenario with a seed; raises LookupError, TypeError if it is none."""
     run = resolved["run"] | {"seed": seed, "engine": keys_of(SECTIONS["run"])["engine"].default}
     return sha256(canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.index import POINTS, RUNS
-from rubnoise.storage.index_file import IndexFile
+from rubnoise.storage.index import POINTS, RUNS, IndexFile
 
 GROUPS: Final = (POINTS, RUNS)
 TEXTS: Final = ("run_id", "file", "state", "reason")

@@ -10,10 +10,8 @@ from typing import Any, Final
 import h5py
 import numpy as np
 import xxhash
-from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
 from rubnoise.storage.layout import Name, RunDescription
 from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.read_structure import ATTRIBUTE_BYTES, structure_read_by
@@ -53,14 +51,6 @@ def expected_inventory(
         if ending is not None:
             complete(file, Words.of(description), *ending)
         return inventory_of(file)
-
-
-def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, NDArray[Any]]]:
-    """Return what the file of an index must hold, and the values of its columns by paths such as /runs/seed."""
-    with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
-        compose_index(file, index)
-        owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
-        return inventory_of(file), {dataset.name: dataset[()] for owner in owners for dataset in owner.values()}
 
 
 def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:

@@ -79,14 +79,6 @@ Rule = Callable[[str], str | None]
 Rules = Mapping[tuple[str, str], Rule]
 """Rules by the path of an object and the name of its attribute; other attributes are as they are expected."""
 
-INDEX_RULES: Final[Rules] = {
-    ("/", "source"): source_form,
-    ("/", "written"): moment_form,
-    ("/", "command"): command_form,
-    ("/", HASH): digits_form,
-}
-"""What sweep.json and the journals of a sweep do not fix to the last character in its index."""
-
 LONGEST: Final = 160
 """Characters of a value that are shown."""
 

@@ -1,15 +1,15 @@
-"""Describe a run, and write it into its file, from its start or from the point where it stopped."""
+"""Make one run: describe it, and write it into its file, from its start or from the point where it stopped."""
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import Protocol, cast
 
 from rubnoise.analysis.summary import summarise
 from rubnoise.arrays import slices
 from rubnoise.model import Model
-from rubnoise.record.sink import Sink, Tee
+from rubnoise.record.sink import Columns, Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
@@ -24,8 +24,27 @@ from rubnoise.storage.provenance import gather
 from rubnoise.storage.structure import Written
 from rubnoise.storage.writer import RunWriter
 
-if TYPE_CHECKING:
-    from rubnoise.api.record import Record
+
+class Kept(Protocol):
+    """A run in memory that says what was run."""
+
+    @property
+    def groups(self) -> Mapping[str, Columns]:
+        """The columns of each group."""
+        ...
+
+    @property
+    def intervention(self) -> str:
+        """The function that may have ended lives."""
+        ...
+
+    def known_scenario(self) -> Scenario:
+        """Return the scenario; raises Refused if it is not known."""
+        ...
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        ...
 
 
 def describe(
@@ -69,8 +88,8 @@ def play(
     watch: Watch | None = None,
     observe: Observer | None = None,
     intervene: Intervention | None = None,
-) -> None:
-    """Play a scenario into an entered writer, from the writer's state, and publish the file.
+) -> dict[str, float | int | str]:
+    """Play a scenario into an entered writer, from the writer's state, publish the file, and return its figures.
 
     ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
     ``intervene`` are those of `rubnoise.run`.
@@ -97,9 +116,10 @@ def play(
     figures = _figures(model, tally)
     between()  # theory may take seconds, in which someone may have asked to stop
     writer.publish(figures, between=between)
+    return figures
 
 
-def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
+def save(record: Kept, path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
     """Write a run from memory into a result file, and return that file (see Record.save)."""
     scenario = record.known_scenario()
     check_locks(path)
@@ -112,14 +132,14 @@ def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False)
     return writer.written
 
 
-def figures_of(record: "Record", model: Model) -> dict[str, float | int | str]:
+def figures_of(record: Kept, model: Model) -> dict[str, float | int | str]:
     """Return the figures for /summary of a run in memory."""
     tally = Tally.of(model)
     _play_again(record, tally)
     return _figures(model, tally)
 
 
-def _play_again(record: "Record", sink: Sink) -> None:
+def _play_again(record: Kept, sink: Sink) -> None:
     """Write all rows of a run in memory to a sink, some at a time."""
     for group, columns in record.groups.items():
         for part in slices(0, record.rows(group)):

@@ -1,0 +1,215 @@
+"""Sweeps: all runs of a file with a table [sweep], or of a scenario with a grid, into one folder."""
+
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from shlex import join
+from shutil import rmtree
+from tempfile import mkdtemp
+from typing import Any, ClassVar, Self
+from weakref import finalize
+
+from rubnoise.api import keywords
+from rubnoise.api.scenarios import load, load_sweep, sizes_of
+from rubnoise.api.sweep_result import SweepResult, open_sweep
+from rubnoise.errors import Refused
+from rubnoise.runs import executors
+from rubnoise.runs.folder import Shard, check_folder, check_room
+from rubnoise.runs.sweep import Means, SweepOutcome, SweepProgress
+from rubnoise.runs.sweep import carry_out as carry_out_in
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.layers import plain
+from rubnoise.scenario.reading import place_of
+from rubnoise.scenario.sweep import Sweep, loads_sweep
+from rubnoise.scenario.writing import text_of
+from rubnoise.storage.output import check_locks
+
+ProgressWatch = Callable[[SweepProgress], None]
+Source = str | os.PathLike[str] | Sweep | Scenario
+
+
+def sweep(
+    scenario: Source,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    grid: Mapping[str, Sequence[Any]] | None = None,
+    replicates: int | None = None,
+    jobs: int | None = None,
+    executor: Any = None,
+    shard: str | None = None,
+    force: bool = False,
+    **over: Any,
+) -> SweepResult:
+    """Make every run of a sweep that is not done, and open its folder: ``sweep("paper/fig9", "fig9")``.
+
+    The sweep is a Sweep, a file, or the name of one that comes with rubnoise. With ``grid``, such as
+    ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
+    (1 by default) make many runs of; a key of only one table needs no dots. Further keywords change keys of that
+    scenario, as in `Scenario.replace`. Without a folder its runs lie in a temporary one, which goes with the last copy
+    of the result, or with this process if it was pickled. ``jobs`` processes share the work, by default one for each
+    processor. Or an ``executor`` makes the runs: the client of a Dask cluster, or anything with ``submit(function,
+    *arguments)`` that returns a Future, which gets ``jobs`` calls at a time. ``shard`` "2/8" makes the second eighth.
+    After a failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder
+    of something else, or that holds the runs of another scenario, which ``force`` leaves there, or that has no room on
+    its disk. Raises Refused if memory is too small for so many runs at once.
+
+    >>> import rubnoise
+    >>> with rubnoise.sweep("paper/fig9", "fig9", jobs=1) as sweep:
+    ...     sweep.keys, len(sweep.points)
+    (('interface.mean_junction_count',), 5)
+    """
+    made = _sweep_of(scenario, grid, replicates, over)
+    return _into(made, folder, jobs=jobs, executor=executor, shard=shard, force=force)
+
+
+def run_sweep(
+    file: Source, folder: str | os.PathLike[str] | None = None, *, cluster: str | None = None, **options: Any
+) -> SweepResult:
+    """Do what `sweep` does, under its old name for one version; ``cluster`` is the address of a Dask scheduler.
+
+    >>> import rubnoise
+    >>> rubnoise.run_sweep("paper/fig9", "fig9", jobs=1).count("done")
+    5
+    """
+    if cluster is None:
+        return sweep(file, folder, **options)
+    made = _sweep_of(file, options.pop("grid", None), options.pop("replicates", None), {})
+    return _into(made, folder, cluster=cluster, **options)
+
+
+def _into(sweep: Sweep, folder: str | os.PathLike[str] | None, **options: Any) -> SweepResult:
+    place = Path(mkdtemp(prefix="rubnoise-sweep-")) if folder is None else Path(folder)
+    try:
+        carry_out(sweep, place, **options)
+        result = open_sweep(place)
+    except BaseException:
+        if folder is None:
+            rmtree(place, ignore_errors=True)
+        raise
+    if folder is None:
+        result.temporary = TemporaryFolder(place)
+    return result
+
+
+class TemporaryFolder:
+    """Removes a folder when the last reference to it is gone, at the latest when the process ends."""
+
+    PICKLED: ClassVar[list["TemporaryFolder"]] = []
+    """Those of pickles, which may be read as long as the process runs."""
+
+    def __init__(self, path: Path) -> None:
+        """Take over a folder."""
+        self.path = path
+        finalize(self, _removed, path, os.getpid())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        self.PICKLED.append(self)
+        return Path, (self.path,)
+
+
+def _removed(path: Path, process: int) -> None:
+    if os.getpid() == process:  # and no copy of it, which ends earlier
+        rmtree(path, ignore_errors=True)
+
+
+def _sweep_of(
+    source: Source, grid: Mapping[str, Sequence[Any]] | None, replicates: int | None, over: Mapping[str, Any]
+) -> Sweep:
+    """Return the sweep; raises ScenarioRefused for a single scenario without a grid."""
+    as_it_is = grid is None and replicates is None and not over
+    if isinstance(source, Sweep):
+        if not as_it_is:
+            raise Refused("grid=: a Sweep has its own grid and replicates; give a Scenario")
+        return source
+    if as_it_is and not isinstance(source, Scenario):
+        return load_sweep(source)
+    scenario = load(source)
+    if over:
+        scenario = scenario.replace(**over)
+    if not grid and replicates is None:
+        raise Refused('grid= is needed for one scenario, such as grid={"sliding.speed": ["0.5 mm/s", "1 mm/s"]}')
+    keys = scenario.resolved()
+    if "tick" not in scenario.given.get("output", {}):
+        keys["output"].pop("tick")  # its default follows the size of the junctions of each point
+    axes = _axes(scenario, grid or {})
+    if {"diameter.file", "diameter.column"} & axes.keys():
+        keys["diameter"] = {key: value for key, value in keys["diameter"].items() if key not in ("values", "hash")}
+    table: dict[str, Any] = {"grid": axes}
+    if replicates is not None:
+        table["replicates"] = plain(replicates)
+    return loads_sweep(text_of({**keys, "sweep": table}), "grid", read=sizes_of)
+
+
+def _axes(scenario: Scenario, grid: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Return a grid by full keys, each with its values; raises Refused for an unknown or repeated key."""
+    axes: dict[str, list[Any]] = {}
+    for name, values in grid.items():
+        if not isinstance(name, str):
+            raise Refused(f"grid=: {name!r:.40} is no name of a key")
+        key = ".".join(part for part in place_of(name, scenario.given, "grid=") if part)
+        if key in axes:
+            raise Refused(f"grid=: {name}: {key} is there already; name it once")
+        axes[key] = _values(key, values)
+    return axes
+
+
+def _values(key: str, values: Any) -> list[Any]:
+    """Return the values of a key in the form of a file: numbers of Python, and texts for quantities of pint."""
+    try:
+        several = None if isinstance(values, str | Mapping) else list(values)
+    except TypeError:
+        several = None
+    if several is None:
+        one = keywords.shown(values)
+        raise Refused(f'grid=: {key}: {one}: a list of values is needed; right form: grid={{"{key}": [{one}]}}')
+    return [keywords.unit_text(plain(each)) for each in several]
+
+
+def carry_out(
+    sweep: Sweep,
+    folder: str | os.PathLike[str],
+    *,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    executor: Any = None,
+    shard: str | None = None,
+    force: bool = False,
+    command: Sequence[str] | None = None,
+    watch: ProgressWatch = lambda _standing: None,
+) -> SweepOutcome:
+    """Carry out a sweep, and return its outcome; see `sweep`.
+
+    ``command`` is the command line in its results, ``watch`` is called with the progress, and may raise RunStopped.
+    """
+    check_locks(folder)
+    root = Path(folder).absolute()
+    part = None if shard is None else Shard.of(shard)
+    workers = _workers(jobs, cluster, executor)
+    check_folder(root)
+    here = 0 if cluster is not None or executor is not None else jobs or executors.processors()
+    command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+    means = Means(
+        workers=workers,
+        affordable=partial(check_room, sweep, root, here),
+        watch=watch,
+        command=command,
+        shown_command=join(command),
+        force=force,
+    )
+    return carry_out_in(sweep, root, means, part)
+
+
+def _workers(jobs: int | None, cluster: str | None, executor: Any) -> Callable[[int | None], Any]:
+    """Return a function that gives workers for a number of runs; raises Refused before anything is begun."""
+    if cluster is not None and (jobs is not None or executor is not None):
+        raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")
+
+    executors.local(jobs)
+    if cluster is not None:
+        return lambda _runs: executors.cluster(cluster)
+    return lambda runs: executors.local(jobs, runs) if executor is None else executors.given(executor, jobs)

@@ -1,0 +1,276 @@
+"""Who makes runs: this process, processes of loky on this machine, a Dask cluster, or an executor of the caller's.
+
+An executor is what has `submit(function, *arguments)` and returns a Future, as those of concurrent.futures do.
+"""
+
+import json
+import os
+import signal
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, Future
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from functools import partial
+from importlib import import_module
+from operator import index
+from pathlib import Path
+from threading import Thread
+from types import TracebackType
+from typing import Any, Final, Protocol, Self
+
+from rubnoise.errors import Refused, RubnoiseError, needing
+from rubnoise.storage.provenance import package_version
+from rubnoise.storage.schema import FORMAT_VERSION
+from rubnoise.streams import STREAM_VERSION
+
+
+class Submits(Protocol):
+    """What runs are given to."""
+
+    def submit(self, function: Callable[..., Any], /, *given: Any) -> "Future[Any]":
+        """Call a function of a module, here or elsewhere; an error means that its worker is lost."""
+        ...
+
+
+class Workers:
+    """An executor, opened when it is first needed and again after it broke, and how many calls it makes at a time.
+
+    A context manager, which closes it. ``here``: calls are made in this process when they are submitted.
+    ``elsewhere``: files may be on other machines' disks when a call returns.
+    """
+
+    def __init__(
+        self,
+        start: Callable[[], AbstractContextManager[Submits]],
+        lanes: Callable[[], int],
+        *,
+        here: bool = False,
+        elsewhere: bool = False,
+    ) -> None:
+        """Start nothing yet."""
+        self.lanes, self.here, self.elsewhere = lanes, here, elsewhere
+        self._start = start
+        self._opened = ExitStack()
+        self._executor: Submits | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._opened.__exit__(kind, problem, trace)
+
+    @property
+    def executor(self) -> Submits:
+        """The executor that takes calls now."""
+        if self._executor is None:
+            self._executor = self._opened.enter_context(self._start())
+        return self._executor
+
+    def renew(self) -> None:
+        """Take another executor from now on, since this one is broken."""
+        self._opened.close()
+        self._executor = None
+
+
+class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
+    """The scheduler of the work has ended, or its workers cannot be used."""
+
+
+# Versions, which are the same in all processes that make runs of one sweep.
+Versions = Mapping[str, object]
+LIBRARIES: Final = ("rubnoise", "numpy", "scipy", "numba")
+
+
+def versions() -> Versions:
+    """Return the versions that must be equal in all processes that make runs of one sweep."""
+    return {name: package_version(name) for name in LIBRARIES} | {"stream": STREAM_VERSION, "format": FORMAT_VERSION}
+
+
+def in_words(found: object) -> str:
+    """Return versions as a text, also for a worker that sends none."""
+    if not isinstance(found, Mapping):
+        return "no version that it says"
+    return ", ".join(f"{name} {each}" for name, each in found.items())
+
+
+# This process and others on this machine.
+MOST_JOBS: Final = 1024
+LIBRARY_THREADS: Final = ("OMP", "OPENBLAS", "MKL", "NUMBA", "VECLIB_MAXIMUM")
+ONE_THREAD: Final = {f"{library}_NUM_THREADS": "1" for library in LIBRARY_THREADS}
+"""One thread for each worker, since there are as many workers as processors."""
+
+_LOOKS_FOR_PARENT_EVERY: Final = 0.5
+
+
+def processors() -> int:
+    """Return the number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def local(jobs: int | None, runs: int | None = None) -> Workers:
+    """Return workers of this machine: by default one for each processor, no more than runs, and one is this process."""
+    if jobs is not None and not 1 <= index(jobs) <= MOST_JOBS:
+        raise Refused(f"jobs=: {jobs} is no number of processes from 1 to {MOST_JOBS}")
+    count = processors() if jobs is None else index(jobs)
+    count = count if runs is None else min(count, max(runs, 1))
+    if count == 1:
+        return Workers(Here, lambda: 1, here=True)
+    return Workers(partial(_processes, count), lambda: count)
+
+
+class Here(Executor):
+    """This process: a call is made when it is submitted, and what it raises is raised there."""
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
+        """Call a function now."""
+        done: Future[Any] = Future()
+        done.set_result(function(*given, **named))
+        return done
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Submits]:
+    """Start processes of loky, which are fresh interpreters and import no main program; after an error kill them."""
+    from loky import ProcessPoolExecutor
+
+    executor = ProcessPoolExecutor(count, initializer=_begin_worker, initargs=(os.getpid(),), env=ONE_THREAD)
+    finished = False
+    try:
+        yield executor
+        finished = True
+    finally:
+        executor.shutdown(kill_workers=not finished)
+
+
+def _begin_worker(parent: int) -> None:
+    """Leave the keyboard's signal to the parent, since the keyboard sends it to all, and end when the parent ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.filterwarnings("ignore", "compiled code cannot be kept")  # which each worker would say
+    Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_LOOKS_FOR_PARENT_EVERY)
+    os._exit(1)  # what it was making stays as a part, which the next one overwrites
+
+
+# Executors of others.
+PATIENCE: Final = 30.0
+"""Seconds for a scheduler to answer."""
+
+_ASKED: Final = 5
+_BETWEEN: Final = 0.5
+"""How often workers are asked for their versions if one dies meanwhile, and seconds between."""
+
+_COUNTED_EVERY: Final = 1.0
+_LAST_PORT: Final = 65_535
+
+
+def given(executor: Any, jobs: int | None) -> Workers:
+    """Return an executor of the caller's as workers, or the client of a Dask cluster; raises Refused for neither.
+
+    It gets work for so many calls at a time, by default one for each processor here.
+    """
+    if hasattr(executor, "get_executor"):
+        return of_client(executor)
+    if not hasattr(executor, "submit"):
+        form = "an executor has submit(function, *arguments), which returns a Future"
+        raise Refused(f"executor=: {type(executor).__name__} is none; {form}")
+    return Workers(lambda: nullcontext(executor), lambda: jobs or processors(), elsewhere=True)
+
+
+@contextmanager
+def cluster(scheduler: str) -> Iterator[Workers]:
+    """Find the workers of a Dask scheduler by its address or by the file with it.
+
+    Dask's own configuration decides about TLS. Raises ExtraMissing without the library, and Refused if none answers or
+    workers do not suit.
+    """
+    with needing("cluster", "--cluster"):
+        dask = import_module("distributed")
+    where = _address(scheduler)
+    try:
+        client = dask.Client(where, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError, RuntimeError) as problem:
+        raise Refused(f"{scheduler}: no scheduler answers there: {problem}") from problem
+    try:
+        with of_client(client) as workers:
+            yield workers
+    finally:
+        client.close()
+
+
+def of_client(client: Any) -> Workers:
+    """Return the workers of a Dask client, which may join and leave; raises Refused if versions differ.
+
+    One thread for each worker process suits the work.
+    """
+    _check_versions(client)
+    counted, lanes = -_COUNTED_EVERY, 1
+
+    def count() -> int:
+        nonlocal counted, lanes
+        if time.monotonic() - counted >= _COUNTED_EVERY:
+            try:
+                counted, lanes = time.monotonic(), max(1, sum(client.nthreads().values()))
+            except OSError as problem:
+                raise WorkLost(SCHEDULER_GONE) from problem
+        return lanes
+
+    return Workers(partial(_of_client, client), count, elsewhere=True)
+
+
+SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
+
+
+@contextmanager
+def _of_client(client: Any) -> Iterator[Submits]:
+    executor = client.get_executor(pure=False)
+    try:
+        yield executor
+    finally:
+        executor.shutdown(wait=False)
+
+
+def _check_versions(client: Any) -> None:
+    """Raise Refused if a worker has other versions than this process; one that dies meanwhile is asked again."""
+    ours = versions()
+    for _ in range(_ASKED):
+        try:
+            answers = client.run(versions, on_error="return")
+        except Exception as problem:  # noqa: BLE001  (whatever it says, a worker has not answered)
+            answers = {"a worker": problem}
+        if not any(isinstance(each, Exception) and not isinstance(each, ImportError) for each in answers.values()):
+            break
+        time.sleep(_BETWEEN)
+    for worker, theirs in answers.items():
+        if theirs != ours:
+            raise Refused(
+                f"{worker}: this worker has {in_words(theirs)}, and this process {in_words(ours)}; all runs of a sweep"
+                " are made by one version"
+            )
+
+
+def _address(scheduler: str) -> str:
+    """Return the address of a scheduler, from the address itself or from the scheduler's file.
+
+    Raises Refused for an address of another form, with which Dask's client would never end.
+    """
+    address = scheduler
+    if Path(scheduler).is_file():
+        try:
+            address = str(json.loads(Path(scheduler).read_bytes())["address"])
+        except (OSError, ValueError, KeyError, TypeError) as problem:
+            raise Refused(f"{scheduler}: is no file of a scheduler") from problem
+    known = import_module("distributed.comm.addressing")
+    try:
+        _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
+    except ValueError:
+        port = 0
+    if not 1 <= port <= _LAST_PORT:
+        raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")
+    return address

@@ -1,0 +1,153 @@
+"""The folder of a sweep: whose runs are in it, which part of them is a shard's, and whether there is room."""
+
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final, Self
+
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.runs.point_file import SUFFIXES, read_summary, resolved_in, run_in
+from rubnoise.scenario.points import Case, Point, points_of, run_id
+from rubnoise.scenario.scenario import flattened
+from rubnoise.scenario.sweep import Sweep, in_words
+from rubnoise.storage.forecast import check_sweep_space, expected, together
+from rubnoise.storage.reader import open_run
+
+INDEX: Final = "index.h5"
+RUNS: Final = "runs"
+
+_SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
+_RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
+_AT_ONCE: Final = 64
+_FREE: Final = ("title", "run.engine", "run.seed")
+"""Keys that the names of points do not depend on."""
+
+
+def check_folder(root: Path) -> None:
+    """Raise OutputRefused if a path is no folder for a sweep: it cannot be written, or holds other files."""
+    # A path that may not be looked at counts as missing here: it is the folder above that is closed.
+    above = next(place for place in (root, *root.absolute().parents) if os.path.lexists(place))
+    if not above.is_dir():
+        raise OutputRefused(f"{above}: is no folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise OutputRefused(f"{above}: the folder is not writable")
+    if above != root:
+        return
+    if not os.access(root, os.R_OK):
+        raise OutputRefused(f"{root}: the folder is not readable")
+    if not (root / RUNS).is_dir() and any(not entry.name.startswith(".") for entry in root.iterdir()):
+        raise OutputRefused(f"{root}: is not a sweep folder, and not empty; name another folder")
+
+
+def run_files(root: Path) -> Iterator[Path]:
+    """Yield the files of runs in the folder of a sweep, in the order of their names."""
+    folder = root / RUNS
+    if folder.is_dir():
+        yield from sorted(path for path in folder.iterdir() if _RUN.fullmatch(path.name))
+
+
+def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
+    """Raise OutputRefused if a folder holds the run of a scenario that is none of the sweep's; ``known`` are its runs.
+
+    Further replicates of its points are no strangers.
+    """
+    cases = {run_id(case.scenario): case for case in sweep.cases}
+    seed = sweep.cases[0].scenario.run.seed
+    more: dict[str, set[str]] = {}
+    others = [path for path in run_files(root) if path.stem not in known]
+    for path in others:
+        with suppress(RunFileRefused):  # a damaged one is of no sweep
+            resolved = _scenario_in(path)
+            if (name := run_in(resolved, path, seed)) not in cases:
+                raise _Stranger.of(path, _difference(resolved, sweep))
+            more.setdefault(name, set()).add(path.stem)
+    for name, strangers in more.items():
+        if left := _not_of(cases[name], strangers, len(others) + len(known)):
+            raise _Stranger.of(root / RUNS / min(left), "its seed is of another run.seed")
+
+
+class _Stranger(OutputRefused):
+    """The run of another scenario is in the folder of a sweep."""
+
+    @classmethod
+    def of(cls, path: Path, reason: str) -> Self:
+        where = f"{path.parent.parent}: holds the runs of another scenario"
+        return cls(f"{where}; {path.stem}: {reason}; force=True leaves them beside the runs of this one")
+
+
+def _not_of(case: Case, names: set[str], most: int) -> set[str]:
+    """Return the names that none of so many replicates of a point has."""
+    for first in range(0, most, _AT_ONCE):
+        names = names - {point.run_id for point in points_of([case], first + _AT_ONCE, first)}
+        if not names:
+            break
+    return names
+
+
+def _scenario_in(path: Path) -> Mapping[str, Any]:
+    if path.suffix == SUFFIXES["summary"]:
+        return read_summary(path)[0]
+    with open_run(path) as file:
+        return resolved_in(file)
+
+
+def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
+    """Return in what a run differs from the most similar point of a sweep."""
+    there = flattened(resolved)
+    found: dict[str, str] = {}
+    for number, case in enumerate(sweep.cases):
+        here = flattened(json.loads(json.dumps(case.scenario.resolved())))
+        # The tick comes last, since without one in the file it follows from the others.
+        keys = sorted((here.keys() | there.keys()) - {*_FREE}, key=lambda key: (key == "output.tick", key))
+        differs = {key: _pair(there.get(key), here.get(key)) for key in keys if there.get(key) != here.get(key)}
+        if not number or len(differs) < len(found):
+            found = differs
+    if found.keys() <= {*sweep.keys, "output.tick"}:
+        values = {key: there.get(key) for key in sweep.keys}
+        return f"it is of a point that this sweep lacks: {in_words(values)}"
+    return next(f"{key} is {pair}" for key, pair in found.items() if key not in sweep.keys)
+
+
+def _pair(there: Any, here: Any) -> str:
+    one, other = ("not given" if each is None else str(each) for each in (there, here))
+    return f"{one} there, and {other} here"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shard:
+    """One of several parts of a sweep, numbered from 1, for processes that do not communicate."""
+
+    number: int
+    count: int
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """Return the shard that a text such as `2/8` names; raises Refused."""
+        found = _SHARD.fullmatch(text)
+        if found is None or int(found[1]) > int(found[2]):
+            raise Refused(f'shard=: "{text[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
+        return cls(number=int(found[1]), count=int(found[2]))
+
+    def names(self, whole: Iterable[str]) -> set[str]:
+        """Return the names in this shard, whatever their order."""
+        return set(sorted(whole)[self.number - 1 :: self.count])
+
+    def of_sweep(self, sweep: Sweep) -> Sweep:
+        """Return the part of a sweep with a precision: whole points, since the shard decides on them."""
+        mine = self.names(run_id(case.scenario) for case in sweep.cases)
+        return replace(sweep, cases=tuple(case for case in sweep.cases if run_id(case.scenario) in mine))
+
+
+def check_room(sweep: Sweep, root: Path, jobs: int, points: Sequence[Point]) -> None:
+    """Refuse a sweep if its results do not fit on the disk, or the runs at one time not into memory."""
+    counts = Counter(point.scenario.model() for point in points)
+    one_of_each = {point.scenario.model(): point.scenario for point in points}
+    budget = together((expected(one_of_each[model]), count) for model, count in counts.items())
+    if sweep.keep == "summary":
+        budget = replace(budget, result_bytes=0, disk_bytes=0)
+    check_sweep_space(budget, root, jobs=min(jobs, len(points)))
