@@ -43,12 +43,9 @@ def plain_shell() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def warm_workers() -> Iterator[None]:
-    """Fork the processes of sweeps from one that has loaded the program, and compile each kernel once."""
+def one_compiles() -> None:
+    """Compile each kernel once."""
     warm.take_turns()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rubnoise.sweep.pool.subprocess", warm.warm_workers())
-        yield
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock, RLock
-from types import SimpleNamespace
 from typing import Any
 
 PARENT = Path(__file__).with_name("warm_parent.py")
@@ -68,15 +67,6 @@ class Warm(subprocess.Popen):
                 if pid:
                     self._handle_exitstatus(status)
         return self.returncode
-
-
-def warm_workers() -> SimpleNamespace:
-    """Return what the pool of a sweep may have in place of subprocess, so that its workers are warm."""
-    return SimpleNamespace(
-        Popen=lambda words, **options: Warm(words[1:], **options),
-        DEVNULL=subprocess.DEVNULL,
-        TimeoutExpired=subprocess.TimeoutExpired,
-    )
 
 
 ASKING = Lock()

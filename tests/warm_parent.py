@@ -33,10 +33,8 @@ def load() -> None:
     """Load every module of the program, and the machine code that a run needs."""
     import rubnoise
     from rubnoise.lesson.page import readings
-    from rubnoise.sweep import pool
 
     warm.take_turns()
-    pool.subprocess = warm.warm_workers()
     for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise."):
         if not module.name.endswith("__main__"):
             import_module(module.name)

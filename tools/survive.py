@@ -21,7 +21,7 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
 from survival.full import full  # noqa: E402
 from survival.kills import kills, signals  # noqa: E402
-from survival.moments import flips, power, sweeps, writes  # noqa: E402
+from survival.moments import flips, power, writes  # noqa: E402
 from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, of_kind  # noqa: E402
 
 KINDS = ("two-way", "off-centre", "family", "under-load", "free", "growing")
@@ -29,7 +29,6 @@ TRIALS: Mapping[str, tuple[Callable[..., Outcome], int, tuple[Story, ...]]] = {
     "kills": (kills, 1000, LONG),
     "writes": (writes, 1, SMALL),
     "power": (power, 1000, SMALL),
-    "sweeps": (sweeps, 1000, SMALL),
     "full": (full, 100, SMALL),
     "flips": (flips, 1200, SMALL),
     "signals": (signals, 200, SHORT),

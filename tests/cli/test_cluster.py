@@ -15,10 +15,10 @@ from pathlib import Path
 from shlex import split
 
 import pytest
+from rubnoise.sweep import cluster
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.sweep import cluster
 from tests.architecture.sources import ROOT
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, Answer, call, spawn
@@ -143,7 +143,6 @@ class Client:
 
 def test_a_worker_without_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     import distributed
-
     from rubnoise.sweep.cluster import Cluster
 
     monkeypatch.setattr(distributed, "Client", Client)
@@ -333,7 +332,7 @@ def test_a_sweep_over_tls_gives_the_same_bits_and_lets_nobody_else_in(
     security = Security(
         require_encryption=True, tls_ca_file="cert.pem", tls_client_cert="cert.pem", tls_client_key="key.pem"
     )
-    with rubnoise.run_sweep("s.toml", "python", cluster=address, security=security) as sweep:
+    with rubnoise.sweep("s.toml", "python", cluster=address, security=security) as sweep:
         assert sweep.count("done") == 6
     assert runs_of(Path("python")) == runs_of(Path("near"))
 
@@ -400,5 +399,5 @@ def test_what_cannot_be_spoken_over_tls_is_refused_before_anything_is_sent(
 def test_security_without_a_cluster_is_refused(here: Path) -> None:
     (here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
     with pytest.raises(rubnoise.Refused, match="security=: is for a cluster"):
-        rubnoise.run_sweep("s.toml", "no", security=object())
+        rubnoise.sweep("s.toml", "no", security=object())
     assert not Path("no").exists()

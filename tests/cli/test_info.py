@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.api import playing
+from rubnoise.runs import making
 from rubnoise.storage import resume
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import make_part
@@ -102,7 +102,7 @@ def test_a_part_that_is_being_written_is_told_of(here: Path) -> None:
 
 
 def test_a_part_in_free_motion_is_told_of_and_not_viewed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with make_part(OutputPaths.of("b.h5"), playing.describe(rubnoise.example("load/bouncing"), "b.h5", ["x"])):
+    with make_part(OutputPaths.of("b.h5"), making.describe(rubnoise.example("load/bouncing"), "b.h5", ["x"])):
         pass
     told = call("info", "b.h5.part")
     assert (told.code, told.err) == (0, "")

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.runs.making import describe
 from rubnoise.api.surface import Surface
 from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.field import FieldClaim, Known, Publication
@@ -26,6 +25,7 @@ from rubnoise.cli.claims import claim_as_json, row_as_json
 from rubnoise.cli.layout import LineWords, json_text
 from rubnoise.cli.surface import contents, motions
 from rubnoise.model import Model
+from rubnoise.runs.making import describe
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import make_part

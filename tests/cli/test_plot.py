@@ -116,7 +116,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a sweep of six points, six runs of each."""
     folder = tmp_path_factory.mktemp("swept")
     (folder / "s.toml").write_text(HEAD + SWEPT, encoding="utf-8")
-    rubnoise.run_sweep(folder / "s.toml", folder / "study", jobs=1).close()
+    rubnoise.sweep(folder / "s.toml", folder / "study", jobs=1).close()
     return folder / "study"
 
 

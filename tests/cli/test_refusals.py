@@ -26,7 +26,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / f"{name}.toml").write_text(text, encoding="utf-8")
     for name in ("contact", "slider"):
         rubnoise.run(rubnoise.load(folder / f"{name}.toml"), folder / f"{name}.h5").close()
-    rubnoise.run_sweep(folder / "sweep.toml", folder / "swept", jobs=1).close()
+    rubnoise.sweep(folder / "sweep.toml", folder / "swept", jobs=1).close()
     return folder
 
 

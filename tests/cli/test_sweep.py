@@ -14,9 +14,10 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from rubnoise.api.sweeping import keep_run
+from rubnoise.sweep.conduct import SweepProgress
 
 import rubnoise
-from rubnoise.api.sweeping import keep_run
 from rubnoise.cli import progress
 from rubnoise.cli.progress import SIGNALS, watching_sweep
 from rubnoise.errors import RunStopped
@@ -24,7 +25,6 @@ from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.storage import merged_sweep
 from rubnoise.storage.lock import is_held
 from rubnoise.storage.output import OutputPaths, sole_writer
-from rubnoise.sweep.conduct import SweepProgress
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, command, spawn, start
 
@@ -194,7 +194,7 @@ def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, t
 
 
 def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> None:
-    with rubnoise.run_sweep(file, "d", jobs=1) as sweep:
+    with rubnoise.sweep(file, "d", jobs=1) as sweep:
         labelled = sweep.to_xarray()
         assert labelled["real_contact_area_std"].dims == ("interface.mean_junction_count", "replicate")
         picked = labelled["run_id"].sel({"interface.mean_junction_count": 40.0}).values
@@ -213,7 +213,7 @@ def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> Non
 def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
     table = '[sweep.zip]\ninterface.mean_junction_count = [10, 40]\ndiameter.law = ["fixed", "exponential"]\n'
     (here / "z.toml").write_text(CONTACT + table, encoding="utf-8")
-    with rubnoise.run_sweep("z.toml", "d", jobs=1) as sweep:
+    with rubnoise.sweep("z.toml", "d", jobs=1) as sweep:
         labelled = sweep.to_xarray()
     assert labelled["real_contact_area_mean"].dims == ("side_by_side", "replicate")
     assert labelled["diameter.law"].values.tolist() == ["fixed", "exponential"]

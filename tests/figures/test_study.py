@@ -353,7 +353,7 @@ SPEEDS = ("1 mm/s", "4 mm/s")
 
 def test_spectra_of_a_sweep_are_those_of_its_runs_a_decade_apart(tmp_path: Path) -> None:
     scenario = rubnoise.load("paper/fig5")
-    with rubnoise.run_sweep(scenario, tmp_path / "s", grid={SPEED: SPEEDS}, jobs=1) as sweep:
+    with rubnoise.sweep(scenario, tmp_path / "s", grid={SPEED: SPEEDS}, jobs=1) as sweep:
         lines = sweep.plot("psd", of="velocity").axes[0].lines
         assert [text.get_text() for text in sweep.plot("psd").axes[0].texts] == list(SPEEDS)
         for row, speed in enumerate(SPEEDS):
@@ -374,7 +374,7 @@ def test_spectra_need_the_files_of_the_runs(tmp_path: Path) -> None:
     text = rubnoise.load("paper/fig5").to_toml()
     (tmp_path / "s.toml").write_text(f'{text}\n[sweep]\nkeep = "summary"\n[sweep.grid]\n{SPEED} = {list(SPEEDS)}\n')
     with (
-        rubnoise.run_sweep(tmp_path / "s.toml", tmp_path / "s", jobs=1) as sweep,
+        rubnoise.sweep(tmp_path / "s.toml", tmp_path / "s", jobs=1) as sweep,
         pytest.raises(Refused, match="has no file"),
     ):
         sweep.plot("psd")

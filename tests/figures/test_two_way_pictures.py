@@ -454,7 +454,7 @@ def swept(folder: Path) -> Iterator[rubnoise.SweepResult]:
         'slider.coupling = ["one-way", "two-way"]\nsliding.speed = ["1 mm/s", "10 mm/s"]\n',
         encoding="utf-8",
     )
-    with rubnoise.run_sweep(folder / "s.toml", folder / "s", jobs=1) as found:
+    with rubnoise.sweep(folder / "s.toml", folder / "s", jobs=1) as found:
         yield found
 
 

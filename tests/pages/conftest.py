@@ -54,6 +54,6 @@ def sweep_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "[sweep.grid]\ninterface.mean_junction_count = [5, 10, 20]\n",
         encoding="utf-8",
     )
-    with rubnoise.run_sweep(scenario, folder / "few", jobs=1):
+    with rubnoise.sweep(scenario, folder / "few", jobs=1):
         pass
     return folder / "few"

@@ -14,7 +14,6 @@ from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import Part
 from rubnoise.storage.writer import RunWriter
-from rubnoise.sweep import run_status
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
 BARE, COMPRESSED = SMALL[2], SMALL[3]
@@ -79,25 +78,6 @@ def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
 
     monkeypatch.setattr(moments, "recorded", forgetting)
     assert any(said in finding for finding in moments.power(30, seed=3, stories=(BARE,)).findings)
-
-
-def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> None:
-    outcome = moments.sweeps(16, seed=3, stories=(BARE, COMPRESSED))
-    assert outcome.findings == []
-    assert outcome.counts["runs made from the start"] > 0 < outcome.counts["runs found intact"]
-    assert outcome.counts["runs found truncated"] > 0 < outcome.counts["runs resumed"]
-
-
-def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(moments, "sync_many", lambda _: {})
-    assert any("unreadable" in finding for finding in moments.sweeps(9, seed=3, stories=(BARE,)).findings)
-
-
-def test_truncated_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run_status, "clear_unsynced", lambda *_: None)
-    findings = moments.sweeps(30, seed=3, stories=(BARE,)).findings
-    assert any("is not the result of this run" in finding for finding in findings)
-    assert any(".h5.part: " in finding for finding in findings)
 
 
 def test_bits_that_turn_get_no_final_name() -> None:

@@ -1,13 +1,11 @@
-"""Functions that worker processes are sent: some of them end badly."""
+"""Functions that workers are sent: some of them end badly."""
 
 import os
 import signal
-import time
 from pathlib import Path
 
 from rubnoise.errors import Refused
 from rubnoise.scenario.points import Point
-from rubnoise.sweep.pool import CANCELLATION
 
 
 def name_and_process(point: Point) -> tuple[str, int]:
@@ -34,9 +32,9 @@ def be_awkward(point: Point) -> str:
 
 
 def die_once(point: Point, folder: Path) -> str:
-    """Die by SIGKILL at the replicate 3, the first time that it is tried."""
+    """Die by SIGKILL at the replicates 3 and 20, the first time that each is tried."""
     mark = folder / point.run_id
-    if point.replicate == 3 and not mark.exists():
+    if point.replicate in {3, 20} and not mark.exists():
         mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return point.run_id
@@ -49,36 +47,6 @@ def die(point: Point, folder: Path) -> str:
             tries.write("x")
         os.kill(os.getpid(), signal.SIGSEGV)
     return point.run_id
-
-
-def leave(point: Point) -> str:
-    """End the process in an orderly way in the middle of the work."""
-    os._exit(7)
-
-
-def leave_a_result_and_die(point: Point, folder: Path) -> str:
-    """Do the work, write it down, and die before the caller gets an answer."""
-    with (folder / point.run_id).open("a", encoding="utf-8") as done:
-        done.write("x")
-    if point.replicate == 3:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return point.run_id
-
-
-def sleep(point: Point, folder: Path) -> str:
-    """Write that the work began, take long, and write that it ended."""
-    (folder / point.run_id).touch()
-    time.sleep(60.0)
-    (folder / f"{point.run_id} awake").touch()
-    return point.run_id
-
-
-def run_until_stopped(folder: Path) -> None:
-    """Write that the work began, and go on until the signal to stop, as a run does."""
-    (folder / "begun").touch()
-    while True:
-        CANCELLATION.check(0.0, 0, 0)
-        time.sleep(0.005)
 
 
 def threads(_point: Point) -> dict[str, str | None]:

@@ -15,10 +15,10 @@ import rubnoise
 from rubnoise import Junction
 from rubnoise.analysis.agreement import from_attributes
 from rubnoise.analysis.run_summary import CURVES
-from rubnoise.api.sweeping import keep_summary, summary_theory
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import OutputRefused, RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
+from rubnoise.runs.point_file import summarised, theory_of_curves
 from rubnoise.scenario import build
 from rubnoise.scenario.sweep import expand
 from tests.cli.terminal import CONTACT, WITH_SLIDER, names
@@ -344,29 +344,27 @@ def test_pandas_gets_only_what_is_named(run: rubnoise.Run) -> None:
 # What a sweep keeps of a run without keeping the run.
 def test_a_summary_is_that_of_the_run_with_a_file(tmp_path: Path) -> None:
     for point in expand(sweep_of(tmp_path, GRID))[:2]:
-        row = keep_summary(point)
+        row = summarised(point.scenario, first=True)
         with rubnoise.run(point.scenario, tmp_path / f"{point.run_id}.h5") as run:
-            assert from_attributes(row.figures) == run.summary
-            assert row.arrays["histogram"].sum() > 0.0
-            lag_0 = row.arrays["autocovariance"][0]
+            assert from_attributes(dict(zip(row.names, row.values.tolist(), strict=True))) == run.summary
+            assert row.curves["histogram"].sum() > 0.0
+            lag_0 = row.curves["autocovariance"][0]
             assert lag_0 == pytest.approx(run.trace["real_contact_area"][:].var(), rel=1e-10)
-        assert row.run_id == point.run_id
-        assert row.file == ""
 
 
 def test_it_fits_in_a_few_kilobytes_and_goes_through_a_pipe(tmp_path: Path) -> None:
-    row = keep_summary(expand(sweep_of(tmp_path, GRID))[0])
-    assert sum(values.nbytes for values in row.arrays.values()) <= 4096
-    assert {name: values.size for name, values in row.arrays.items()} == CURVES
+    row = summarised(expand(sweep_of(tmp_path, GRID))[0].scenario, first=True)
+    assert sum(values.nbytes for values in row.curves.values()) <= 4096
+    assert {name: values.size for name, values in row.curves.items()} == CURVES
     again = pickle.loads(pickle.dumps(row))  # noqa: S301  (what was pickled the moment before)
-    assert again.figures == row.figures
+    assert again.values.tobytes() == row.values.tobytes()
 
 
 def test_what_is_expected_comes_once_a_point(tmp_path: Path) -> None:
-    first, second = (keep_summary(point) for point in expand(sweep_of(tmp_path, GRID))[:2])
+    first, second = (summarised(p.scenario, first=not p.replicate) for p in expand(sweep_of(tmp_path, GRID))[:2])
     assert second.of_point == {}
-    assert not set(first.of_point) & set(first.arrays)
-    theory = summary_theory(expand(sweep_of(tmp_path, GRID))[0].scenario.model())
+    assert not set(first.of_point) & set(first.curves)
+    theory = theory_of_curves(expand(sweep_of(tmp_path, GRID))[0].scenario.model())
     assert {name: values.tobytes() for name, values in first.of_point.items()} == {
         name: values.tobytes() for name, values in theory.items()
     }
@@ -377,12 +375,12 @@ def test_a_run_can_be_stopped_on_its_way(tmp_path: Path) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        keep_summary(expand(sweep_of(tmp_path, GRID))[0], watch=stop)
+        summarised(expand(sweep_of(tmp_path, GRID))[0].scenario, first=True, watch=stop)
 
 
 def test_what_is_expected_lies_where_the_curves_do(tmp_path: Path) -> None:
     point = expand(sweep_of(tmp_path, GRID))[0]
-    row, told = keep_summary(point), summary_theory(point.scenario.model())
+    row, told = summarised(point.scenario, first=True), theory_of_curves(point.scenario.model())
     assert set(told) == {
         "histogram_place",
         "histogram_expected",
@@ -390,6 +388,6 @@ def test_what_is_expected_lies_where_the_curves_do(tmp_path: Path) -> None:
           for part in ("place", "expected", "standard_error")),
     }  # fmt: skip
     for name in ("spectrum", "autocovariance"):
-        assert np.array_equal(np.isnan(row.arrays[name]), np.isnan(told[f"{name}_expected"]))
-        score = (row.arrays[name] - told[f"{name}_expected"]) / told[f"{name}_standard_error"]
+        assert np.array_equal(np.isnan(row.curves[name]), np.isnan(told[f"{name}_expected"]))
+        score = (row.curves[name] - told[f"{name}_expected"]) / told[f"{name}_standard_error"]
         assert 0.1 < float(np.nanstd(score)) < 2.5

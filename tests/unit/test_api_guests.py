@@ -14,14 +14,13 @@ from rubnoise.analysis.verification import verify
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.record.rows import JunctionState
+from rubnoise.runs.point_file import file_of, found
 from rubnoise.scenario import Scenario, build
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.simulation import draws
 from rubnoise.simulation.intervention import Intervening
 from rubnoise.storage import writer
 from rubnoise.storage.reader import open_run
-from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.run_status import found_run
 from tests.cli.terminal import call, names
 from tests.unit.tampering import tell
 
@@ -356,12 +355,12 @@ def test_a_run_with_an_intervention_is_no_run_of_a_sweep(tmp_path: Path) -> None
         encoding="utf-8",
     )
     (point,) = expand(load_sweep(file, ["run.engine=events"]))
-    folder = SweepFolder(tmp_path / "swept")
-    path = folder.run(point.run_id)
-    path.parent.mkdir(parents=True)
+    path = file_of(tmp_path, point.run_id, "runs")
+    path.parent.mkdir()
     rubnoise.run(point.scenario, path, intervene=largest_goes).close()
-    assert found_run(point, root=folder.root) is None
+    with pytest.raises(OutputRefused, match="is not the result of this run"):
+        found(point, path)
     with pytest.raises(OutputRefused, match="exists already"):
         rubnoise.run(point.scenario, path)
     rubnoise.run(point.scenario, path, force=True).close()
-    assert found_run(point, root=folder.root) is not None
+    assert found(point, path) is not None

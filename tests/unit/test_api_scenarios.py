@@ -14,7 +14,7 @@ from scipy import signal
 
 import rubnoise
 from rubnoise.api.sweep_result import short_names
-from rubnoise.api.sweeping import TemporaryFolder
+from rubnoise.api.sweeps import TemporaryFolder
 from rubnoise.errors import Refused, ScenarioRefused, how_to_install, in_shell
 from tests.cli.terminal import call
 
@@ -129,7 +129,7 @@ def test_short_names_are_those_that_mean_one_key() -> None:
 
 
 def test_a_sweep_goes_by_its_name_and_its_keys_without_dots(tmp_path: Path) -> None:
-    with rubnoise.run_sweep("paper/fig9", tmp_path / "s", jobs=1) as sweep:
+    with rubnoise.sweep("paper/fig9", tmp_path / "s", jobs=1) as sweep:
         data = sweep.to_xarray()
         dotted = data["real_contact_area_std"].sel({"interface.mean_junction_count": 20.0})
         np.testing.assert_array_equal(data["real_contact_area_std"].sel(mean_junction_count=20.0), dotted)
@@ -174,13 +174,13 @@ def test_what_is_no_scenario_is_refused(asked: Any) -> None:
 def test_a_grid_takes_what_numpy_and_pint_have() -> None:
     small = BASE.replace(distance="20 um")
     grid = {"interface.mean_junction_count": np.array([10, 20]), "sliding.speed": [UNIT.Quantity(1, "mm/s")]}
-    with rubnoise.run_sweep(small, grid=grid, replicates=np.int64(2), jobs=1) as sweep:  # type: ignore[arg-type]
+    with rubnoise.sweep(small, grid=grid, replicates=np.int64(2), jobs=1) as sweep:  # type: ignore[arg-type]
         assert [point["interface.mean_junction_count"] for point in sweep.values] == [10, 20]
         assert [point["sliding.speed"] for point in sweep.values] == ["1 mm/s"] * 2
         assert len(sweep.runs["seed"]) == 4
     for wrong in (20, "1 mm/s", 1 * UNIT.mm / UNIT.s):
         with pytest.raises(rubnoise.Refused, match=r"grid=: sliding\.speed: .* a list of values is needed"):
-            rubnoise.run_sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
+            rubnoise.sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
 
 
 def test_what_is_none_of_it_is_refused(tmp_path: Path) -> None:
@@ -197,7 +197,7 @@ def test_what_is_none_of_it_is_refused(tmp_path: Path) -> None:
 
 def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
     scenario = rubnoise.load("paper/fig4").replace({"sliding.distance": "100 um"})
-    sweep = rubnoise.run_sweep(scenario, replicates=1, jobs=1)
+    sweep = rubnoise.sweep(scenario, replicates=1, jobs=1)
     folder, name = sweep.path, str(sweep.runs["run_id"][0])
     with pytest.raises(Refused, match="state: holds texts; figures are real_contact_area_mean"):
         sweep.estimates("state")
@@ -221,7 +221,7 @@ def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
 def test_keys_of_a_sweep_go_by_their_last_words() -> None:
     small = BASE.replace(distance="20 um")
     grid = {"speed": ["500 um/s", "1 mm/s"], "mean_junction_count": [10, 20]}
-    with rubnoise.run_sweep(small, grid=grid, jobs=1) as sweep:
+    with rubnoise.sweep(small, grid=grid, jobs=1) as sweep:
         assert sweep.keys == ("sliding.speed", "interface.mean_junction_count")
         asked: list[tuple[str, Any]] = [
             ("sliding.speed", "1 mm/s"),
@@ -254,11 +254,11 @@ def test_keys_of_a_sweep_go_by_their_last_words() -> None:
 )
 def test_a_key_of_a_grid_that_there_is_not_is_refused(grid: Any, told: str) -> None:
     with pytest.raises(rubnoise.Refused, match=f"grid=: .*{told}"):
-        rubnoise.run_sweep(BASE, grid=grid, jobs=1)
+        rubnoise.sweep(BASE, grid=grid, jobs=1)
 
 
 def test_a_choice_of_a_sweep_is_found_by_its_word() -> None:
-    with rubnoise.run_sweep(
+    with rubnoise.sweep(
         BASE.replace(distance="20 um", calibration="exact"), grid={"pulse.shape": ["lens", "triangle"]}, jobs=1
     ) as sweep:
         assert sweep.ratios("real_contact_area_mean", "shape", "lens")[0].value == 1.0

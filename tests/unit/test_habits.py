@@ -54,8 +54,8 @@ sc.save("changed.toml")
 rubnoise.load("changed.toml")
 sc.replace({"sliding.speed": "2 mm/s"}, seed=3)
 sc.replace(speed="2 mm/s")
-rubnoise.run_sweep(sc, grid={"sliding.speed": ["0.5 mm/s", "1 mm/s"]}, replicates=2, jobs=1)
-rubnoise.run_sweep("grid.toml", "folder", jobs=1)
+rubnoise.sweep(sc, grid={"sliding.speed": ["0.5 mm/s", "1 mm/s"]}, replicates=2, jobs=1)
+rubnoise.sweep("grid.toml", "folder", jobs=1)
 sweep.to_xarray()["displacement_std"].mean("replicate")
 sweep.to_pandas().head()
 sweep.plot("displacement_std")
@@ -97,7 +97,7 @@ run.plot("spectrum") -> "psd"
 run.trace["velocity"] -> run.slider
 run.plot("psd", figsize=(3.3, 2.5)) -> size="84 mm x 60 mm"
 run.plot("psd", size="tiny") -> size="single"
-rubnoise.run_sweep("paper/fig5", "elsewhere") -> grid=
+rubnoise.sweep("paper/fig5", "elsewhere") -> grid=
 run.save("twice.h5") -> force
 run.psd("forse") -> 'force'
 """.strip().splitlines()
@@ -137,7 +137,7 @@ def _laid(sc, run, force, f):
         "run": run,
         "trace": trace,
         "fit": rubnoise.infer(f, rate="5 kHz", unit="N", speed="1 mm/s", zero="known", law="normal"),
-        "sweep": rubnoise.run_sweep("grid.toml", "swept", jobs=1),
+        "sweep": rubnoise.sweep("grid.toml", "swept", jobs=1),
     }
 
 
@@ -181,7 +181,7 @@ def test_a_fit_shows_what_it_holds(desk):
 
 
 def test_a_sweep_without_a_folder_leaves_nothing(desk):
-    swept = rubnoise.run_sweep(desk["sc"], grid={"interface.mean_junction_count": [10, 20]}, jobs=1)
+    swept = rubnoise.sweep(desk["sc"], grid={"interface.mean_junction_count": [10, 20]}, jobs=1)
     place = swept.path
     assert place.exists()
     assert swept.count("done") == 2

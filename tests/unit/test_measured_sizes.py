@@ -89,7 +89,7 @@ def test_a_sweep_goes_over_files(folder: Path) -> None:
     )
     (folder / "sweep.toml").write_text(HEAD + TABLE.replace('file = "sizes.csv"\n', "") + RUN + table, encoding="utf-8")
     place = folder / "swept"
-    with rubnoise.run_sweep(folder / "sweep.toml", place, jobs=1) as swept:
+    with rubnoise.sweep(folder / "sweep.toml", place, jobs=1) as swept:
         sizes = [
             point.scenario.diameter.values for point in rubnoise.expand(rubnoise.load_sweep(folder / "sweep.toml"))
         ]
@@ -97,7 +97,7 @@ def test_a_sweep_goes_over_files(folder: Path) -> None:
         assert sizes[0] == sizes[1] == pytest.approx(SIZES)
         assert sizes[2] == sizes[3] == (3.0, 9.0)
     asked = rubnoise.load(folder / "contact.toml")
-    with rubnoise.run_sweep(
+    with rubnoise.sweep(
         asked, grid={"diameter.file": [f"{folder}/sizes.csv", f"{folder}/other.csv"]}, jobs=1
     ) as of_python:
         assert len(of_python.points) == 2

@@ -11,11 +11,11 @@ from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
 from rubnoise.analysis.summary import expected_figure
 from rubnoise.errors import Refused
 from rubnoise.record.tally import Tally
+from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
 

@@ -22,7 +22,6 @@ from rubnoise.storage.disk import write_all
 from rubnoise.storage.output import OutputAppearedError, whole_file
 from rubnoise.storage.pages import PAGE, PagedFile, Unfailing
 from rubnoise.storage.reader import open_run
-from rubnoise.sweep.journal import JournalEntry, SweepJournal, entries
 from tests.format.runs import Compression, attempt, describe, names, random_rows, write_run
 
 
@@ -315,14 +314,6 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_bits(
             assert [group[each][:].tobytes() for each in group] == [
                 other.groups()[name][each][:].tobytes() for each in group
             ]
-
-
-def test_the_journal_of_a_sweep_has_whole_lines(tmp_path: Path, short: Shorten) -> None:
-    told = [JournalEntry(run_id=f"{n:016x}", state="failed", reason="no room " * n) for n in range(20)]
-    for some in (told[:7], told[7:]):
-        with SweepJournal(tmp_path / "j") as journal:
-            journal.add(*some)
-    assert list(entries(tmp_path / "j")) == told
 
 
 def test_a_system_that_writes_nothing_is_not_asked_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,6 @@ from rubnoise.storage.layout import ByteRange, RunDescription
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.resume import look, publish_complete
-from rubnoise.storage.sync_many import clear_unsynced
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import Compression, Rows, describe, names, random_rows
 from tests.verification.scores import seed_of
@@ -336,13 +335,6 @@ def test_force_starts_over_and_removes_the_rows_of_before(tmp_path: Path) -> Non
             file.write(group, 0, columns)
         file.publish({})
     assert names(tmp_path) == ["x.h5"]
-
-
-def test_what_nothing_can_be_made_of_is_cleared_with_its_rows(tmp_path: Path) -> None:
-    stopped_after(tmp_path / "x.h5", 2)
-    (tmp_path / "x.h5.part").unlink()
-    clear_unsynced(tmp_path / "x.h5", None)
-    assert names(tmp_path) == []
 
 
 def test_rows_are_no_link_to_elsewhere(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """Files that describe: an index of a sweep, and the attributes of a part."""
 
-import errno
 import json
 import re
 import shutil
@@ -17,16 +16,15 @@ import rubnoise
 from rubnoise.api import resuming
 from rubnoise.api.sweep_result import open_sweep
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.runs.index import figure, text, whole
 from rubnoise.simulation import draws
-from rubnoise.storage import disk, writer
-from rubnoise.storage.index import Filled, Index, Stack, write_index
-from rubnoise.storage.index_file import open_index
+from rubnoise.storage import writer
+from rubnoise.storage.index import Filled, Index, index_bytes, open_index
 from rubnoise.storage.journal import Journal, frames
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.reader import TooNew, open_run
+from rubnoise.storage.reader import open_run
 from rubnoise.storage.resume import look
-from rubnoise.storage.schema import Dataset, Feature
-from rubnoise.sweep.index import figure, text, whole
+from rubnoise.storage.schema import Dataset
 from tests.format.runs import names
 from tests.unit.test_storage_resuming import WHOLE, scenario, stop_after
 
@@ -50,29 +48,15 @@ def _index(*more: Filled) -> Index:
             figure("real_contact_area_std", np.array([1.5, np.nan, 0.1, 0.2, 0.3])),
             *more,
         ],
-        stacks=[
-            Stack(
-                rows=[0, 2],
-                files=["runs/a.h5", "runs/b.h5"],
-                features=frozenset({"speed", "strength"}),
-                ticks=3,
-                slider=0,
-            )
-        ],
-        arrays_of_runs=[(2, {"spectrum": np.arange(4.0)}), (0, {"spectrum": -np.arange(4.0)})],
-        arrays_of_points=[(0, {"spectrum_place": np.arange(4.0)})],
+        arrays_of_runs={"spectrum": np.arange(4.0 * COUNT).reshape(COUNT, 4)},
+        arrays_of_points={"spectrum_place": np.arange(4.0)[None]},
     )
-
-
-def _written(path: Path, index: Index) -> Path:
-    path.touch()
-    write_index(path, index)
-    return path
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    return _written(tmp_path / "index.h5", _index())
+    (path := tmp_path / "index.h5").write_bytes(index_bytes(_index()))
+    return path
 
 
 def test_what_was_written_is_read(path: Path) -> None:
@@ -89,51 +73,28 @@ def test_what_was_written_is_read(path: Path) -> None:
         assert std == Dataset(
             name="real_contact_area_std", units="um^2", long_name="real contact area std", symbol="", dtype="<f8"
         )
-        spectrum = index.read("summaries", "spectrum")
-        assert spectrum.shape == (COUNT, 4)
-        assert spectrum[2].tolist() == [0.0, 1.0, 2.0, 3.0]
-        assert np.isnan(spectrum[1]).all()
+        assert index.read("summaries", "spectrum")[1].tolist() == [4.0, 5.0, 6.0, 7.0]
         assert index.read("summaries", "spectrum_place").shape == (1, 4)
+        assert index.is_as_written()
     with pytest.raises(ValueError, match="closed"):
         index.read("runs", "run")
 
 
-@pytest.mark.parametrize("room", [0, 5_000, 12_000])
-def test_a_disk_that_fills_up_is_raised_and_hdf5_ends_nothing(
-    tmp_path: Path, room: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    whole = disk.write_all
-
-    def write_all(descriptor: int, data: memoryview, offset: int) -> None:
-        if offset + len(data) > room:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        whole(descriptor, data, offset)
-
-    monkeypatch.setattr(disk, "write_all", write_all)
-    with pytest.raises(OSError, match="No space left"):
-        _written(tmp_path / "index.h5", _index())
+def test_an_index_that_was_replaced_gives_no_rows_of_the_other_one(path: Path) -> None:
+    with open_index(path) as index:
+        path.write_bytes(index_bytes(replace(_index(), title="another")))
+        assert index.read("runs", "run").size == COUNT
+        with pytest.raises(RunFileRefused, match="was replaced since it was opened"):
+            index.read("summaries", "spectrum")
 
 
-def test_traces_refer_to_files_beside_the_index(path: Path) -> None:
-    with h5py.File(path) as file:
-        force = file["traces/0/trace/friction_force"]
-        assert (force.shape, force.is_virtual) == ((2, 3), True)
-        assert [source.file_name for source in force.virtual_sources()] == ["runs/a.h5", "runs/b.h5"]
-        assert [source.dset_name for source in force.virtual_sources()] == ["/trace/friction_force"] * 2
-        assert "slider" not in file["traces/0"]
-        assert file["traces/0/trace/run"][:].tolist() == [0, 2]
-
-
-@pytest.mark.parametrize(("rows", "shape"), [(5, (2, 5)), (None, None)])
-def test_a_slider_is_stacked_by_rows_of_its_own(
-    tmp_path: Path, rows: int | None, shape: tuple[int, int] | None
-) -> None:
-    features: frozenset[Feature] = frozenset({"speed", "strength", "slider"})
-    stack = Stack(rows=[0, 2], files=["runs/a.h5", "runs/b.h5"], features=features, ticks=3, slider=rows)
-    with h5py.File(_written(tmp_path / "index.h5", replace(_index(), stacks=[stack]))) as file:
-        assert file["traces/0/trace/real_contact_area"].shape == (2, 3)
-        there = file["traces/0"].get("slider")
-        assert (None if there is None else there["velocity"].shape) == shape
+@pytest.mark.parametrize("name", ["runs/point", "points/values", "summaries/spectrum"])
+def test_a_value_that_changed_is_noticed(path: Path, name: str) -> None:
+    with h5py.File(path, "r+") as file:
+        file[name][0] = file[name][0] + 1 if name != "points/values" else b"{}"
+    with open_index(path) as index:
+        assert index.damaged() == (f"/{name}",)
+        assert not index.is_as_written()
 
 
 def test_an_index_is_no_run_and_a_run_no_index(path: Path, tmp_path: Path) -> None:
@@ -202,7 +163,7 @@ def test_what_an_index_is_not_is_refused(path: Path, spoil: Callable[[h5py.File]
 def test_one_of_a_later_format_is_told_from_a_damaged_one(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         _newer(file)
-    with pytest.raises(TooNew, match="has format version 2"):
+    with pytest.raises(RunFileRefused, match="has format version 2"):
         open_index(path)
 
 

@@ -16,7 +16,6 @@ from rubnoise.storage import disk
 from rubnoise.storage.lock import Held, holding, is_held, remove_stale
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.sync_many import clear_unsynced
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import attempt, describe, names, random_rows
 
@@ -324,15 +323,6 @@ def test_what_a_kill_left_beside_a_result_goes_when_the_result_is_in_the_way(tmp
         with pytest.raises(OutputRefused, match="exists already"):
             attempt(paths.final)
         assert is_held(paths.lock)
-
-
-def test_what_a_kill_left_of_a_run_of_a_sweep_goes_when_it_is_found_whole(tmp_path: Path) -> None:
-    paths = OutputPaths.of(tmp_path / "run.h5")
-    attempt(paths.final)
-    paths.lock.touch()
-    paths.making.touch()
-    clear_unsynced(paths.final, "intact")
-    assert names(tmp_path) == ["run.h5"]
 
 
 def test_only_the_file_of_a_lock_is_removed_and_only_where_nobody_holds_it(tmp_path: Path) -> None:

@@ -15,9 +15,9 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.summary import summarise
-from rubnoise.api import playing
-from rubnoise.runs.making import describe, play
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
+from rubnoise.runs import making
+from rubnoise.runs.making import describe, play
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
@@ -171,7 +171,7 @@ def test_a_run_that_was_to_stop_during_its_theory_is_not_published_and_goes_on(
 
     path = tmp_path / "x.h5"
     with monkeypatch.context() as patched:
-        patched.setattr(playing, "summarise", slow)
+        patched.setattr(making, "summarise", slow)
         with pytest.raises(RunStopped, match="continues it"):
             rubnoise.run(WHOLE, path, watch=watch)
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]

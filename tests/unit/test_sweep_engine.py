@@ -1,14 +1,14 @@
 """Every point is run once, in this process and in others, also if workers die."""
 
 import os
-import sys
 import time
-from collections.abc import Iterator
-from concurrent.futures import CancelledError, Future
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from math import sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pytest
@@ -18,23 +18,12 @@ from rubnoise.errors import Refused, RubnoiseError, RunStopped
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
+from rubnoise.runs import executors
+from rubnoise.runs.attempts import LONGEST, SECONDS, Attempt, Attempts, MessageSize, Outcome
+from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
+from rubnoise.runs.measuring import Measurement, measured, run_points
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import expand
-from rubnoise.sweep import pool as pool_module
-from rubnoise.sweep.execution import (
-    LONGEST,
-    SECONDS,
-    Attempt,
-    Execution,
-    Here,
-    Measurement,
-    MessageSize,
-    Outcome,
-    WorkLost,
-    measured,
-    run_points,
-)
-from rubnoise.sweep.pool import Pool, Worker, WorkerDied
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
@@ -51,35 +40,46 @@ def points(tmp_path: Path) -> tuple[Point, ...]:
     return _points(tmp_path, 8)
 
 
-@pytest.fixture(scope="module")
-def pool() -> Iterator[Pool]:
-    with Pool(2) as workers:
-        yield workers
+def _outcomes(
+    points: tuple[Point, ...],
+    work: Callable[[Point], Any],
+    workers: Workers | None = None,
+    watch: Callable[[], None] = lambda: None,
+) -> list[Outcome[Any]]:
+    """Return all outcomes; no point may come twice."""
+    with workers or local(1) as by:
+        found = list(Attempts(points, work, by, watch).outcomes())
+    assert sorted(outcome.point.run_id for outcome in found) == sorted(point.run_id for point in points)
+    return found
 
 
-def _results(outcomes: Iterator[Outcome[Any]]) -> dict[str, Any]:
-    """Return results by name; no point may come twice."""
-    found = [(outcome.point.run_id, outcome.result) for outcome in outcomes]
-    assert len(dict(found)) == len(found)
-    return dict(found)
-
-
-def test_every_point_is_carried_out_once_in_other_processes(pool: Pool, tmp_path: Path) -> None:
+def test_every_point_is_carried_out_once_in_other_processes(tmp_path: Path) -> None:
     points = _points(tmp_path, 60)
-    found = _results(Execution(points, errands.name_and_process, pool).outcomes())
-    assert found.keys() == {point.run_id for point in points}
-    assert all(name == own for name, (own, _) in found.items())
-    assert os.getpid() not in {process for _, process in found.values()}
-    assert {process for _, process in found.values()} <= set(pool.processes)
+    found = [outcome.result for outcome in _outcomes(points, errands.name_and_process, local(2))]
+    assert {name for name, _ in found} == {point.run_id for point in points}
+    assert os.getpid() not in {process for _, process in found}
+    assert len({process for _, process in found}) <= 2
 
 
-@pytest.mark.parametrize("here", [True, False], ids=["here", "in a pool"])
-def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(
-    pool: Pool, points: tuple[Point, ...], *, here: bool
-) -> None:
-    outcomes = list(Execution(points, errands.fail_some, Here() if here else pool).outcomes())
-    assert len(outcomes) == len(points)
-    for outcome in outcomes:
+def test_two_workers_that_are_killed_cost_no_run(tmp_path: Path) -> None:
+    points = _points(tmp_path, 40)
+    outcomes = _outcomes(points, partial(errands.die_once, folder=tmp_path), local(2))
+    assert {outcome.result for outcome in outcomes} == {point.run_id for point in points}
+    assert sum((tmp_path / point.run_id).exists() for point in points) == 2
+
+
+def test_a_run_that_always_kills_its_worker_fails_alone(tmp_path: Path) -> None:
+    points = _points(tmp_path, 40)
+    outcomes = {o.point.replicate: o for o in _outcomes(points, partial(errands.die, folder=tmp_path), local(2))}
+    died = outcomes.pop(3)
+    assert str(died.problem).startswith("3 workers died of it: ")
+    assert "SIGSEGV" in str(died.problem)
+    assert (tmp_path / "tries").read_text(encoding="utf-8") == "xxx"
+    assert [outcome.problem for outcome in outcomes.values()] == [None] * 39
+
+
+def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(points: tuple[Point, ...]) -> None:
+    for outcome in _outcomes(points, errands.fail_some):
         if outcome.point.replicate % 2:
             assert isinstance(outcome.problem, Refused)
             assert str(outcome.problem) == f"replicate {outcome.point.replicate} is odd"
@@ -87,17 +87,61 @@ def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(
             assert (outcome.problem, outcome.result) == (None, outcome.point.run_id)
 
 
-def test_a_problem_that_cannot_travel_is_told_in_words(pool: Pool, points: tuple[Point, ...]) -> None:
-    told = {
-        outcome.point.replicate: outcome.problem for outcome in Execution(points, errands.be_awkward, pool).outcomes()
-    }
+def test_a_problem_that_cannot_travel_is_told_in_words(points: tuple[Point, ...]) -> None:
+    told = {outcome.point.replicate: outcome.problem for outcome in _outcomes(points, errands.be_awkward)}
     assert {type(problem) for problem in told.values()} == {RubnoiseError}
     assert str(told[2]) == "Awkward: replicate 2"
-    [here, *_] = Execution(points, errands.be_awkward, Here()).outcomes()
-    assert isinstance(here.problem, errands.Awkward)
 
 
-OTHER = {"rubnoise": "0.0.1", "stream": 99, "format": 1}
+def test_workers_are_told_to_use_one_thread(points: tuple[Point, ...]) -> None:
+    [outcome] = _outcomes(points[:1], errands.threads, local(2))
+    assert outcome.result == {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+
+
+def test_an_executor_of_the_caller_makes_them_too(points: tuple[Point, ...]) -> None:
+    with ThreadPoolExecutor(3) as threads:
+        assert all(outcome.result for outcome in _outcomes(points, errands.name_and_process, given(threads, 3)))
+    for outcome in _outcomes(points, errands.name_and_process, given(threads, 3)):
+        assert str(outcome.problem) == "3 workers died of it: cannot schedule new futures after shutdown"
+    with pytest.raises(Refused, match="executor=: int is none; an executor has submit"):
+        given(3, None)
+
+
+class Fragile:
+    """An executor that loses everything it has at some calls, as one does when a worker dies."""
+
+    def __init__(self, *loses_at: int, refuses: bool = False) -> None:
+        self.loses_at, self.refuses = set(loses_at), refuses
+        self.calls = self.opened = 0
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
+        self.calls += 1
+        done: Future[Any] = Future()
+        if self.calls in self.loses_at and self.refuses:
+            raise BrokenProcessPool("a worker has gone")
+        if self.calls in self.loses_at:
+            done.set_exception(BrokenProcessPool("a worker has gone"))
+        else:
+            done.set_result(function(*arguments))
+        return done
+
+    def __enter__(self) -> Self:
+        self.opened += 1
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+
+@pytest.mark.parametrize("refuses", [False, True], ids=["loses its calls", "takes none"])
+def test_an_executor_that_breaks_is_opened_again(points: tuple[Point, ...], *, refuses: bool) -> None:
+    executor = Fragile(2, 6, refuses=refuses)
+    outcomes = _outcomes(points, errands.name_and_process, Workers(lambda: executor, lambda: 2))
+    assert [outcome.problem for outcome in outcomes] == [None] * 8
+    assert executor.opened == 3
+
+
+OTHER = {"rubnoise": "0.0.1", "stream": 99}
 
 
 class Elsewhere(Here):
@@ -110,7 +154,7 @@ class Elsewhere(Here):
     def submit(self, function: Any, /, work: Any, points: Any, asked: Any) -> "Future[Any]":
         done: Future[Any] = Future()
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("rubnoise.sweep.execution.versions", lambda: OTHER)
+            patch.setattr("rubnoise.runs.attempts.versions", lambda: OTHER)
             if self.knows:
                 done.set_result(function(lambda point: self.worked.append(point.run_id), points, asked))
             else:
@@ -122,111 +166,65 @@ class Elsewhere(Here):
 def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(
     points: tuple[Point, ...], *, knows: bool
 ) -> None:
-    workers = Elsewhere(knows=knows)
-    said = "rubnoise 0.0.1, stream 99, format 1" if knows else "no version that it says"
+    worker = Elsewhere(knows=knows)
+    said = "rubnoise 0.0.1, stream 99" if knows else "no version that it says"
     with pytest.raises(WorkLost, match=f"a worker has {said}, and this process rubnoise .*, stream 1, format 1"):
-        list(Execution(points, errands.fail_some, workers).outcomes())
-    assert workers.worked == []
+        _outcomes(points, errands.fail_some, Workers(lambda: worker, lambda: 1))
+    assert worker.worked == []
 
 
-def test_a_point_whose_worker_is_killed_is_tried_once_more(
-    pool: Pool, points: tuple[Point, ...], tmp_path: Path
-) -> None:
-    before = pool.processes
-    outcomes = list(Execution(points, partial(errands.die_once, folder=tmp_path), pool).outcomes())
-    assert {outcome.point.run_id: outcome.result for outcome in outcomes} == {p.run_id: p.run_id for p in points}
-    assert len(outcomes) == len(points)
-    assert len(set(before) & set(pool.processes)) == 1
+class Client:
+    """A client of a Dask scheduler one of whose workers answers as it is told, one time after another."""
+
+    def __init__(self, *answers: Any) -> None:
+        self.answers = iter(answers)
+
+    def run(self, function: Callable[[], Any], *, on_error: str) -> dict[str, Any]:
+        assert on_error == "return"
+        answer = next(self.answers)
+        if isinstance(answer, BaseException) and not isinstance(answer, ImportError):
+            raise answer
+        return {"tcp://10.0.0.2:1": function(), "tcp://10.0.0.3:1": answer}
+
+    def get_executor(self, *, pure: bool) -> None:
+        raise AssertionError
 
 
-def test_a_point_that_kills_its_worker_twice_has_failed_and_the_others_have_not(
-    pool: Pool, points: tuple[Point, ...], tmp_path: Path
-) -> None:
-    outcomes = {o.point.replicate: o for o in Execution(points, partial(errands.die, folder=tmp_path), pool).outcomes()}
-    died = outcomes.pop(3)
-    assert isinstance(died.problem, WorkerDied)
-    assert str(died.problem) == "its process was killed by SIGSEGV"
-    assert (tmp_path / "tries").read_text(encoding="utf-8") == "xx"
-    assert [outcome.problem for outcome in outcomes.values()] == [None] * 7
+def test_a_worker_of_a_cluster_that_dies_when_it_is_asked_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(executors, "_BETWEEN", 0.0)
+    assert given(Client(OSError("closed"), KeyError("tcp"), executors.versions()), None).elsewhere
 
 
-def test_what_was_done_before_the_worker_died_is_not_done_again(pool: Pool, tmp_path: Path) -> None:
-    points = _points(tmp_path, 40)
-    done = tmp_path / "done"
-    done.mkdir()
-
-    def recover(point: Point) -> str | None:
-        return f"found {point.run_id}" if (done / point.run_id).exists() else None
-
-    found = _results(
-        Execution(points, partial(errands.leave_a_result_and_die, folder=done), pool, recover=recover).outcomes()
-    )
-    assert found.keys() == {point.run_id for point in points}
-    assert found[points[3].run_id] == f"found {points[3].run_id}"
-    assert {mark.read_text(encoding="utf-8") for mark in done.iterdir()} == {"x"}
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ({**executors.versions(), "numba": "0.1"}, "this worker has rubnoise .*, numba 0.1, "),
+        (ModuleNotFoundError("No module named 'rubnoise'"), "this worker has no version that it says, and this"),
+    ],
+)
+def test_a_worker_of_a_cluster_with_other_libraries_gets_no_work(answer: Any, said: str) -> None:
+    with pytest.raises(Refused, match=rf"tcp://10\.0\.0\.3:1: {said}"):
+        given(Client(answer), None)
 
 
-def test_a_process_that_just_ends_is_told_by_its_exit_code(pool: Pool, points: tuple[Point, ...]) -> None:
-    [outcome] = Execution(points[:1], errands.leave, pool).outcomes()
-    assert str(outcome.problem) == "its process ended with exit code 7"
-    assert str(WorkerDied(-250)) == "its process was killed by signal 250"
-
-
-@pytest.mark.parametrize("answers", [0, 1], ids=["before it has answered", "before its answer is read"])
-def test_a_worker_ends_without_a_word_where_its_parent_is_gone(answers: int, capfd: pytest.CaptureFixture[str]) -> None:
-    worker = Worker.begin()
-    worker.line.send((len, ("four",)))
-    if answers:
-        assert worker.line.poll(60.0)
-    worker.line.close()
-    assert worker.process.wait(60.0) == 0
-    assert capfd.readouterr().err == ""
-
-
-def test_a_function_that_cannot_be_sent_fails_each_point(pool: Pool, points: tuple[Point, ...]) -> None:
-    outcomes = list(Execution(points[:2], lambda point: point, pool).outcomes())
-    assert all("pickle" in str(outcome.problem).lower() for outcome in outcomes)
-    assert len(outcomes) == 2
-
-
-def test_workers_are_told_to_use_one_thread(pool: Pool, points: tuple[Point, ...]) -> None:
-    [outcome] = Execution(points[:1], errands.threads, pool).outcomes()
-    assert outcome.result == {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
-
-
-def test_who_watches_may_stop_it_and_no_process_stays(
-    points: tuple[Point, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pool_module, "GRACE", 0.2)
+def test_who_watches_may_stop_it_and_no_process_stays(tmp_path: Path) -> None:
     processes: list[int] = []
 
     def stop_once_begun() -> None:
-        if any((tmp_path / point.run_id).exists() for point in points):
+        if processes:
             raise RunStopped(2)
 
-    with pytest.raises(RunStopped), Pool(2) as workers:  # noqa: PT012  (leaving the pool is what is tested)
-        processes += workers.processes
-        list(Execution(points, partial(errands.sleep, folder=tmp_path), workers, watch=stop_once_begun).outcomes())
-    assert not list(tmp_path.glob("* awake"))
+    points = _points(tmp_path, 500)
+    with pytest.raises(RunStopped), local(2) as workers:  # noqa: PT012  (leaving is what is tested)
+        for outcome in Attempts(points, errands.name_and_process, workers, stop_once_begun).outcomes():
+            processes.append(outcome.result[1])  # noqa: PERF401  (the watch looks at it meanwhile)
     for process in processes:
+        for _ in range(500):
+            if not Path(f"/proc/{process}").exists():
+                break
+            time.sleep(0.01)
         with pytest.raises(ProcessLookupError):
             os.kill(process, 0)
-
-
-def test_a_worker_that_is_stopped_in_its_first_call_leaves_by_itself(tmp_path: Path) -> None:
-    worker = Worker.begin()
-    worker.line.send((errands.run_until_stopped, (tmp_path,)))
-    while not (tmp_path / "begun").exists():
-        assert worker.process.poll() is None
-        time.sleep(0.01)
-    worker.process.terminate()
-    for _ in range(1500):
-        if worker.process.poll() is not None:
-            break
-        time.sleep(0.01)
-    code = worker.process.poll()
-    worker.end(seconds=0.0)
-    assert code == 0
 
 
 class Deserted(Here):
@@ -240,7 +238,7 @@ class Deserted(Here):
 
 def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...]) -> None:
     with pytest.raises(WorkLost, match="the same command resumes the sweep"):
-        list(Execution(points, errands.fail_some, Deserted()).outcomes())
+        _outcomes(points, errands.fail_some, Workers(Deserted, lambda: 1))
 
 
 def test_messages_bring_a_second_of_work_and_shares_get_smaller_towards_the_end() -> None:
@@ -255,12 +253,6 @@ def test_messages_bring_a_second_of_work_and_shares_get_smaller_towards_the_end(
     pace = MessageSize()
     pace.took(1, 0.0)
     assert pace.size(100_000, 2) == LONGEST
-
-
-def test_messages_to_this_process_hold_one_point() -> None:
-    assert (Here.lanes, Here.ahead, Here.most) == (1, 0, 1)
-    assert Attempt([1], 0.5) == Attempt([1], 0.5)
-    assert Pool.most == sys.maxsize
 
 
 # Points run in memory are the runs that their scenarios say.

@@ -1,199 +1,337 @@
-"""The folder of a sweep: one owner, and runs written down as done when the disk has them."""
+"""The folder of a sweep: a run is done if its file is there, and what is not of the sweep is refused or left."""
 
-import json
 import os
-import signal
-import threading
-from collections.abc import Iterator
+from collections.abc import Callable
 from errno import EIO
 from pathlib import Path
+from shutil import copytree, rmtree
 from types import SimpleNamespace
+from typing import Any
 
+import h5py
+import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.api.sweeping import keep_run
-from rubnoise.errors import OutputRefused, Refused
-from rubnoise.scenario.points import Point, run_id
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.runs import point_file, sweep
+from rubnoise.runs.folder import Shard, check_folder
+from rubnoise.runs.point_file import file_of, found, read_summary
+from rubnoise.runs.verify import verify_sweep
+from rubnoise.scenario.points import run_id
 from rubnoise.scenario.sweep import Sweep, expand
-from rubnoise.storage import disk, writer
-from rubnoise.storage import read_structure as structure_module
 from rubnoise.storage.output import OutputPaths, sole_writer
-from rubnoise.sweep import index
-from rubnoise.sweep.folder import Shard, SweepFolder
-from rubnoise.sweep.journal import RunRow, SweepJournal, entries
-from rubnoise.sweep.run_status import RunStatus, StatusLog, found_run
-from rubnoise.sweep.stopping_rule import AdaptiveReplicates
+from rubnoise.storage.writer import RunWriter
 from tests.unit.scenarios import GRID, sweep_of
 
+SMALL = """\
+[output]
+tick = "5 um"
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_junction_count = [10, 20]
+"""
+HEAD = """\
+format = 1
+title = "swept"
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 20
+[sliding]
+distance = "100 um"
+"""
 
-# A folder belongs to one sweep, and to one writer at a time.
+
+def small(folder: Path, *changes: str, table: str = SMALL) -> Sweep:
+    return sweep_of(folder, table, *changes, head=HEAD)
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a sweep of four runs."""
+    folder = tmp_path_factory.mktemp("swept")
+    rubnoise.sweep(small(folder), folder / "d", jobs=1).close()
+    return folder / "d"
+
+
 @pytest.fixture
-def sweep(tmp_path: Path) -> Sweep:
-    return sweep_of(tmp_path, GRID)
+def folder(original: Path, tmp_path: Path) -> Path:
+    return Path(copytree(original, tmp_path / "d"))
 
 
-@pytest.fixture
-def folder(tmp_path: Path, sweep: Sweep) -> SweepFolder:
-    """Return a folder that is that of the sweep."""
-    found = SweepFolder(tmp_path / "dir")
-    found.check()
-    with found.writing(None):
-        found.claim(sweep)
-    return found
+def times(folder: Path) -> dict[str, int]:
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
 
 
+def columns_of(path: Path) -> dict[str, bytes]:
+    with rubnoise.open(path) as run:
+        return {name: column[:].tobytes() for name, column in run.trace.items()}
+
+
+def made(call: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> int:
+    """Return how many runs a call makes."""
+    count: list[object] = []
+    whole = point_file.play
+    with monkeypatch.context() as patch:
+        patch.setattr(point_file, "play", lambda *given, **named: (count.append(given), whole(*given, **named))[1])
+        call()
+    return len(count)
+
+
+# What belongs to a folder.
 @pytest.mark.parametrize(
     ("table", "changes"),
     [
-        (GRID, ()),
-        (GRID, ("title=another",)),
-        (GRID, ("run.engine=events",)),
-        (GRID, ("sweep.replicates=7",)),
-        (GRID, ("sweep.replicates=1",)),
-        (GRID.replace("[10, 20, 30]", "[40, 30, 20, 10]"), ()),
-        (GRID.replace("100 um^2", "0.0001 mm^2"), ()),
+        (SMALL, ()),
+        (SMALL, ("title=another",)),
+        (SMALL, ("run.engine=events",)),
+        (SMALL, ("sweep.replicates=3",)),
+        (SMALL, ("sweep.replicates=1",)),
+        (SMALL.replace("[10, 20]", "[40, 20, 10]"), ()),
+        (SMALL.replace("5 um", "0.005 mm"), ()),
     ],
     ids=["the same", "titled anew", "by the other engine", "more replicates", "fewer", "more points", "other units"],
 )
 def test_a_sweep_that_has_the_same_points_and_others_goes_on(
-    tmp_path: Path, folder: SweepFolder, table: str, changes: tuple[str, ...]
+    tmp_path: Path, folder: Path, table: str, changes: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder.claim(sweep_of(tmp_path, table, *changes))
+    before, same = times(folder), small(tmp_path, *changes, table=table)
+    count = made(lambda: rubnoise.sweep(same, folder, jobs=1).close(), monkeypatch)
+    assert count == max(0, len(expand(same)) - 4)
+    assert before.items() <= times(folder).items()
 
 
 @pytest.mark.parametrize(
     ("table", "changes", "said"),
     [
-        (GRID, ("sliding.distance=3 mm",), "sliding.distance is 2000 um there, and 3000 um here"),
-        (GRID, ("run.seed=2",), "run.seed is 1 there, and 2 here"),
-        (GRID, ("interface.calibration=paper",), "interface.calibration is matched there, and paper here"),
-        (GRID, ("strength.mean=1 MPa",), "strength.law is not given there, and constant here"),
+        (SMALL, ("sliding.distance=300 um",), "sliding.distance is 100 um there, and 300 um here"),
+        (SMALL, ("run.seed=2",), "its seed is of another run.seed"),
+        (SMALL, ("interface.calibration=paper",), "interface.calibration is matched there, and paper here"),
+        (SMALL, ("strength.mean=1 MPa",), "strength.law is not given there, and constant here"),
         (
-            GRID.replace("[10, 20, 30]", "[10, 20]"), (),
-            ("it has a point that this one lacks: interface.mean_real_contact_area = 100 um^2, "
-            "interface.mean_junction_count = 30, and 1 more"),
+            SMALL.replace("[10, 20]", "[10, 30]"),
+            (),
+            "it is of a point that this sweep lacks: interface.mean_junction_count = 20",
         ),
-        (GRID, ('sweep.keep="summary"',), 'sweep.keep is "runs" there, and "summary" here'),
-    ],
-)  # fmt: skip
-def test_another_sweep_is_refused_with_the_difference(
-    tmp_path: Path, folder: SweepFolder, table: str, changes: tuple[str, ...], said: str
-) -> None:
-    with pytest.raises(OutputRefused, match="is the folder of another sweep") as refused:
-        folder.claim(sweep_of(tmp_path, table, *changes))
-    assert str(refused.value).endswith(f": {said}")
-
-
-UNEQUAL = ('diameter.spread="50 %"', "diameter.law=lognormal")
-
-
-def test_a_folder_of_the_first_calibration_goes_on_with_a_file_that_names_none(tmp_path: Path) -> None:
-    first = sweep_of(tmp_path, GRID, *UNEQUAL, "interface.calibration=exact")
-    folder = SweepFolder(tmp_path / "dir")
-    with folder.writing(None):
-        folder.claim(first)
-        today = sweep_of(tmp_path, GRID, *UNEQUAL)
-        assert [run_id(case.scenario) for case in today.cases] != [run_id(case.scenario) for case in first.cases]
-        again = folder.claim(today)
-        assert [run_id(case.scenario) for case in again.cases] == [run_id(case.scenario) for case in first.cases]
-        assert [case.scenario.text for case in again.cases] == [case.scenario.text for case in today.cases]
-        with pytest.raises(OutputRefused, match="calibration is exact there, and matched here"):
-            folder.claim(sweep_of(tmp_path, GRID, *UNEQUAL, "interface.calibration=matched"))
-
-
-def test_another_version_of_the_streams_is_refused(sweep: Sweep, folder: SweepFolder) -> None:
-    told = json.loads((folder.root / "sweep.json").read_text(encoding="utf-8"))
-    (folder.root / "sweep.json").write_text(json.dumps(told | {"stream_version": 0}), encoding="utf-8")
-    with pytest.raises(OutputRefused, match="its random streams are of version 0, and those of today of 1"):
-        folder.claim(sweep)
-
-
-KEPT = '{"format": "rubnoise-sweep", "format_version": 1'
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "[]",
-        "{}",
-        "[" * 100_000,
-        '{"format": "rubnoise-sweep", "format_version": 2}',
-        KEPT + "}",
-        KEPT + ', "stream_version": 1, "keep": "runs", "points": 7}',
-        KEPT + ', "stream_version": 1, "keep": "runs", "points": [[]]}',
-        KEPT + ', "stream_version": 1, "keep": "runs", "points": [{"name": "x"}]}',
-        KEPT + ', "stream_version": 1, "keep": "runs", "points": [{"name": "x", "values": {}}], "first": []}',
     ],
 )
-def test_a_description_that_is_none_is_refused(sweep: Sweep, folder: SweepFolder, text: str) -> None:
-    (folder.root / "sweep.json").write_text(text, encoding="utf-8")
-    with pytest.raises(OutputRefused, match=r"sweep\.json: "):
-        folder.claim(sweep)
-
-
-def test_pipes_in_a_folder_are_refused_and_not_waited_for(sweep: Sweep, folder: SweepFolder) -> None:
-    journal = folder.journal(None)
-    os.mkfifo(journal)
-    with pytest.raises(OutputRefused, match=r"runs\.jsonl: is not a regular file"):
-        list(folder.entries())
-    with pytest.raises(OutputRefused, match=r"runs\.jsonl: exists and is not a regular file"):
-        SweepJournal(journal)
-    (folder.root / "sweep.json").unlink()
-    os.mkfifo(folder.root / "sweep.json")
-    with pytest.raises(OutputRefused, match=r"sweep\.json: cannot be read: is not a regular file"):
-        folder.claim(sweep)
+def test_runs_of_another_scenario_are_refused_with_the_difference_or_left(
+    tmp_path: Path, folder: Path, table: str, changes: tuple[str, ...], said: str
+) -> None:
+    other, before = small(tmp_path, *changes, table=table), times(folder)
+    with pytest.raises(OutputRefused, match="holds the runs of another scenario") as refused:
+        rubnoise.sweep(other, folder, jobs=1)
+    assert said in str(refused.value)
+    assert str(refused.value).endswith("; force=True leaves them beside the runs of this one")
+    assert times(folder) == before
+    with rubnoise.sweep(other, folder, jobs=1, force=True) as swept:
+        assert (swept.count("done"), len(swept.runs)) == (4, 4)
+    assert before.items() <= times(folder).items()
+    assert verify_sweep(folder).passed
 
 
 def test_a_folder_of_other_things_is_refused_and_one_that_was_only_begun_is_not(tmp_path: Path) -> None:
     (root := tmp_path / "dir").mkdir()
-    SweepFolder(root).check()
-    with SweepFolder(root).writing(None):
-        pass
-    (root / "journal").mkdir()
-    SweepFolder(root).check()
+    check_folder(root)
     (root / "thesis.tex").touch()
     with pytest.raises(OutputRefused, match="is not a sweep folder, and not empty; name another folder"):
-        SweepFolder(root).check()
+        check_folder(root)
     with pytest.raises(OutputRefused, match=r"thesis.tex: is no folder"):
-        SweepFolder(root / "thesis.tex" / "deep").check()
+        check_folder(root / "thesis.tex" / "deep")
+    (root / "runs").mkdir()
+    check_folder(root)
 
 
-def test_one_writer_or_several_shards(folder: SweepFolder) -> None:
-    first, second = Shard.of("1/2"), Shard.of("2/2")
-    with folder.writing(first), folder.writing(second):
-        for other in (None, second):
-            with pytest.raises(OutputRefused, match="another process is running this sweep"):
-                folder.writing(other).__enter__()
-    with folder.writing(None), pytest.raises(OutputRefused, match="another process"):
-        folder.writing(first).__enter__()
+def test_a_sweep_without_room_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda _path: SimpleNamespace(free=1000))
+    with pytest.raises(OutputRefused, match="there is room for 1,000"):
+        rubnoise.sweep("paper/fig9", tmp_path / "deep" / "fig9", jobs=1)
+    assert not list(tmp_path.iterdir())
 
 
-def test_no_lock_outlives_its_holder(folder: SweepFolder) -> None:
-    with folder.writing(Shard.of("1/2")):
-        with folder.writing(Shard.of("2/2")), folder.alone_at("index"):
-            assert _locks(folder) == [".index.lock", ".shard-1-of-2.lock", ".shard-2-of-2.lock", ".sweep.lock"]
-        assert _locks(folder) == [".shard-1-of-2.lock", ".sweep.lock"]
-    with folder.writing(None):
-        assert _locks(folder) == [".sweep.lock"]
-    assert _locks(folder) == []
+# A run is done if its file is there.
+def test_only_what_is_missing_is_made(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first, *others = sorted((folder / "runs").iterdir())
+    whole, before = columns_of(first), times(folder)
+    first.unlink()
+    assert made(lambda: rubnoise.sweep(small(tmp_path), folder, jobs=1).close(), monkeypatch) == 1
+    assert columns_of(first) == whole
+    assert {path.name: before[path.name] for path in others}.items() <= times(folder).items()
 
 
-def _locks(folder: SweepFolder) -> list[str]:
-    return sorted(path.name for path in folder.root.rglob("*.lock"))
+@pytest.mark.parametrize("spoilt", ["gone", "cut short", "a bit turned", "older"])
+def test_an_index_that_is_lost_or_stale_is_made_again_from_the_files(
+    folder: Path, tmp_path: Path, spoilt: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    index = folder / "index.h5"
+    with rubnoise.open_sweep(folder) as swept:
+        right = {name: swept.runs[name][:].tolist() for name in swept.runs.names}
+    if spoilt == "older":
+        os.utime(index, (1e9, 1e9))
+    elif spoilt == "gone":
+        index.unlink()
+    else:
+        content = bytearray(index.read_bytes())
+        at = content.index(np.array([right["real_contact_area_mean"][1]]).tobytes())
+        content[at] ^= 1
+        index.write_bytes(content if spoilt == "a bit turned" else content[:-3000])
+    looked_at: list[Path] = []
+    whole = sweep.found
+    monkeypatch.setattr(sweep, "found", lambda point, path: (looked_at.append(path), whole(point, path))[1])
+    assert made(lambda: rubnoise.sweep(small(tmp_path), folder, jobs=1).close(), monkeypatch) == 0
+    assert len(looked_at) == 4
+    with rubnoise.open_sweep(folder) as swept:
+        assert {name: swept.runs[name][:].tolist() for name in swept.runs.names} == right
+    rubnoise.sweep(small(tmp_path), folder, jobs=1).close()
+    assert len(looked_at) == 4  # the index knows them now
 
 
-def test_shards_are_parts_of_the_whole_whatever_the_order(sweep: Sweep) -> None:
-    points = expand(sweep)
-    parts = [Shard(number=n, count=5).of_points(points, points) for n in range(1, 6)]
-    assert sorted(point.run_id for part in parts for point in part) == sorted(point.run_id for point in points)
+def test_a_result_that_a_power_cut_spoilt_is_made_again(folder: Path, tmp_path: Path) -> None:
+    with rubnoise.open_sweep(folder) as swept:
+        names = swept.runs["run_id"][:].tolist()
+    cut, turned = (folder / "runs" / f"{name}.h5" for name in names[:2])
+    with rubnoise.open(turned) as run:
+        at = turned.read_bytes().index(run.trace["real_contact_area"][3:15].tobytes())
+    cut.write_bytes(cut.read_bytes()[: cut.stat().st_size // 2])
+    data = bytearray(turned.read_bytes())
+    data[at] ^= 1
+    turned.write_bytes(data)
+    assert not verify_sweep(folder).passed
+    with rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
+        assert swept.failures == []
+    assert verify_sweep(folder).passed
+
+
+def test_the_result_of_another_run_stays_and_its_run_has_failed(folder: Path, tmp_path: Path) -> None:
+    one, other, *_ = sorted((folder / "runs").iterdir())
+    one.replace(other)
+    with rubnoise.open_sweep(folder) as swept, pytest.raises(RunFileRefused, match="is the result of another run"):
+        swept.run(other.stem)
+    with rubnoise.sweep(small(tmp_path), folder, jobs=1) as again:
+        (failure,) = again.failures
+        assert (again.count("done"), failure.run_id) == (3, other.stem)
+        assert "is not the result of this run; move it away" in failure.reason
+    other.unlink()
+    with rubnoise.sweep(small(tmp_path), folder, jobs=1) as again:
+        assert (again.count("done"), again.failures) == (4, [])
+
+
+def test_a_run_that_another_process_is_making_is_left_to_it(folder: Path, tmp_path: Path) -> None:
+    path = min((folder / "runs").iterdir())
+    path.unlink()
+    with sole_writer(OutputPaths.of(path)), rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
+        assert (swept.count("done"), swept.count("planned"), swept.failures) == (3, 1, [])
+    with rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
+        assert swept.count("done") == 4
+
+
+def test_what_another_process_has_made_meanwhile_is_in_the_index(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = min((folder / "runs").iterdir())
+    kept = path.read_bytes()
+    path.unlink()
+    enter = RunWriter.__enter__
+
+    def held(writer: RunWriter) -> Any:
+        with sole_writer(OutputPaths.of(path)):
+            try:
+                return enter(writer)
+            finally:
+                path.write_bytes(kept)
+
+    monkeypatch.setattr(RunWriter, "__enter__", held)
+    with rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
+        assert swept.count("done") == 4
+
+
+def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bad = file_of(tmp_path / "d", expand(small(tmp_path))[1].run_id, "runs")
+    flush = sweep._flush
+
+    def failing(path: Path) -> None:
+        if path == bad:
+            raise OSError(EIO, "Input/output error")
+        flush(path)
+
+    monkeypatch.setattr(sweep, "_flush", failing)
+    with rubnoise.sweep(small(tmp_path), tmp_path / "d", jobs=1) as swept:
+        (failure,) = swept.failures
+        assert (swept.count("done"), failure.run_id) == (3, bad.stem)
+    assert failure.reason == f"{bad}: writing failed: Input/output error"
+    assert not bad.exists()
+
+
+def test_the_index_is_written_on_the_way_and_after_a_stop(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rmtree(folder / "runs")
+    (folder / "index.h5").unlink()
+    monkeypatch.setattr(sweep, "EVERY", 0.0)
+    monkeypatch.setattr(sweep, "SHARE", 1e9)
+    seen: list[list[str]] = []
+
+    def watch(progress: sweep.SweepProgress) -> None:
+        if progress.done == 3:
+            raise rubnoise.errors.RunStopped(2)
+        if (folder / "index.h5").exists():
+            with rubnoise.open_sweep(folder) as swept:
+                seen.append(swept.runs["state"][:].tolist())
+
+    with pytest.raises(sweep.SweepStopped, match="finished runs are kept"):
+        rubnoise.api.sweeps.carry_out(small(tmp_path), folder, jobs=1, watch=watch)
+    assert ["done", "planned", "planned", "planned"] in seen
+    with rubnoise.open_sweep(folder) as swept:
+        assert swept.runs["state"][:].tolist() == ["done", "done", "done", "planned"]
+
+
+# A run that keeps its summary alone.
+def test_a_summary_lies_in_a_file_and_is_verified_by_being_made_again(tmp_path: Path) -> None:
+    summed = small(tmp_path, "sweep.keep=summary")
+    with rubnoise.sweep(summed, tmp_path / "d", jobs=1) as swept:
+        assert swept.count("done") == 4
+        spectrum = swept.summary("spectrum")
+    paths = sorted((tmp_path / "d" / "runs").iterdir())
+    assert [path.suffix for path in paths] == [".npz"] * 4
+    assert verify_sweep(tmp_path / "d").passed
+    point = expand(summed)[1]
+    _, kept = read_summary(file_of(tmp_path / "d", point.run_id, "summary"))
+    assert np.array_equal(kept.curves["spectrum"], spectrum[1], equal_nan=True)
+    (tmp_path / "d" / "index.h5").unlink()
+    with rubnoise.sweep(summed, tmp_path / "d", jobs=1) as again:
+        assert np.array_equal(again.summary("spectrum"), spectrum, equal_nan=True)
+    content = bytearray(paths[0].read_bytes())
+    content[len(content) // 2] ^= 1
+    paths[0].write_bytes(content)
+    assert verify_sweep(tmp_path / "d").failing == ("index", "runs")
+    assert found(next(p for p in expand(summed) if p.run_id == paths[0].stem), paths[0]) is None
+
+
+# A part of a sweep.
+def test_shards_are_parts_of_the_whole_whatever_the_order(tmp_path: Path) -> None:
+    whole = sweep_of(tmp_path, GRID)
+    names = [point.run_id for point in expand(whole)]
+    parts = [Shard(number=n, count=5).names(names) for n in range(1, 6)]
+    assert sorted(name for part in parts for name in part) == sorted(names)
     assert {len(part) for part in parts} <= {2, 3}
-    assert [Shard(number=n, count=5).of_points(points[:4], points[::-1]) for n in range(1, 6)] == [
-        tuple(point for point in part if point in points[:4]) for part in parts
-    ]
-    cases = [Shard(number=n, count=4).of_cases(sweep.cases) for n in range(1, 5)]
-    assert sum(map(len, cases)) == len(sweep.cases)
+    assert [Shard(number=n, count=5).names(names[::-1]) for n in range(1, 6)] == parts
+    cases = [Shard(number=n, count=4).of_sweep(whole).cases for n in range(1, 5)]
+    assert sorted(run_id(case.scenario) for part in cases for case in part) == sorted(
+        run_id(case.scenario) for case in whole.cases
+    )
+
+
+def test_shards_make_their_own_runs_and_the_last_index_has_all(tmp_path: Path, original: Path) -> None:
+    for number, done in ((2, 2), (1, 4)):
+        with rubnoise.sweep(small(tmp_path), tmp_path / "d", jobs=1, shard=f"{number}/2") as swept:
+            assert (swept.count("done"), len(swept.runs)) == (done, 4)
+    with h5py.File(tmp_path / "d" / "index.h5") as one, h5py.File(original / "index.h5") as other:
+        assert {name: one["runs"][name][:].tobytes() for name in one["runs"]} == {
+            name: other["runs"][name][:].tobytes() for name in other["runs"]
+        }
 
 
 @pytest.mark.parametrize("text", ["", "1", "0/4", "5/4", "1/0", "a/b", "1/4/2", "-1/4", "1/99999999"])
@@ -202,205 +340,17 @@ def test_what_is_no_shard_is_refused(text: str) -> None:
         Shard.of(text)
 
 
-def test_every_file_has_its_place(folder: SweepFolder) -> None:
-    assert folder.run("ab").relative_to(folder.root).as_posix() == folder.relative("ab") == "runs/ab.h5"
-    assert folder.journal(Shard.of("2/8")) != folder.journal(None)
+# The door of Python.
+def test_keys_are_changed_for_all_points(tmp_path: Path) -> None:
+    scenario = small(tmp_path).cases[0].scenario
+    with rubnoise.sweep(scenario, grid={"mean_junction_count": [10, 20]}, jobs=1, distance="50 um") as swept:
+        assert swept.scenario(1).sliding.distance == 50.0
+    with pytest.raises(Refused, match="a Sweep has its own grid"):
+        rubnoise.sweep(small(tmp_path), distance="50 um")
 
 
-# A run is written down as done when the disk has its file, and what a power cut leaves of one makes no trouble.
-SHORT = "[sweep]\nreplicates = 3\n"
-
-
-@pytest.fixture
-def points(tmp_path: Path) -> tuple[Point, ...]:
-    return rubnoise.expand(sweep_of(tmp_path, SHORT))
-
-
-@pytest.fixture
-def claimed(tmp_path: Path) -> SweepFolder:
-    found = SweepFolder(tmp_path / "d")
-    found.run("x").parent.mkdir(parents=True)
-    found.journal(None).parent.mkdir()
-    return found
-
-
-@pytest.fixture
-def ledger(claimed: SweepFolder) -> Iterator[StatusLog]:
-    with SweepJournal(claimed.journal(None)) as journal:
-        yield StatusLog(claimed, journal, RunStatus.of(claimed, None))
-
-
-def _made(point: Point, folder: SweepFolder, ledger: StatusLog) -> Path:
-    ledger.done(keep_run(point, root=folder.root, command=("x",), durable=False), synced=False)
-    return folder.run(point.run_id)
-
-
-def _left(point: Point, folder: SweepFolder) -> Path:
-    """Make a run that no journal lists, as if its sweep were killed in the same moment."""
-    return folder.root / keep_run(point, root=folder.root, command=("x",), durable=False).file
-
-
-def _recovered(point: Point, folder: SweepFolder, ledger: StatusLog) -> RunRow | None:
-    return found_run(point, root=folder.root, begun=point.run_id in ledger.status.begun)
-
-
-def _told(folder: SweepFolder) -> list[tuple[str, str]]:
-    return [(entry.run_id, entry.state) for entry in entries(folder.journal(None))]
-
-
-def test_runs_wait_for_the_disk_together_and_are_written_down_then(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls: list[str] = []
-    monkeypatch.setattr(writer, "COMMIT_SECONDS", 1e9)  # a run that others keep from the processor would wait itself
-    for name in ("sync", "sync_rows", "sync_folder"):
-        monkeypatch.setattr(disk, name, lambda _, name=name: calls.append(f"{name} {len(_told(claimed))}"))
-    ledger.begin(points[:2])
-    begun = [(point.run_id, "begun") for point in points[:2]]
-    assert _told(claimed) == begun
-    for point in points[:2]:
-        _made(point, claimed, ledger)
-    assert calls == []
-    assert _told(claimed) == begun
-    assert not ledger.sync()
-    assert calls == ["sync 2", "sync 2", "sync_folder 2"]
-    assert _told(claimed) == begun + [(point.run_id, "done") for point in points[:2]]
-    assert not ledger.sync()
-    assert len(calls) == 3
-
-
-def test_a_run_alone_waits_for_the_disk(
-    points: tuple[Point, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls: list[str] = []
-    monkeypatch.setattr(disk, "sync", lambda _: calls.append("sync"))
-    rubnoise.run(points[0].scenario, tmp_path / "x.h5").close()
-    assert len(calls) >= 3
-
-
-def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ledger.begin(points[:2])
-    good, bad = (_made(point, claimed, ledger) for point in points[:2])
-    reopen = disk.reopen
-
-    def failing(path: Path) -> int:
-        if path == bad:
-            raise OSError(EIO, "Input/output error")
-        return reopen(path)
-
-    monkeypatch.setattr(disk, "reopen", failing)
-    assert ledger.sync()
-    assert _told(claimed)[2:] == [(good.stem, "done"), (bad.stem, "failed")]
-    assert (set(ledger.status.done), set(ledger.status.failed)) == ({good.stem}, {bad.stem})
-    *_, last = entries(claimed.journal(None))
-    assert (good.exists(), bad.exists()) == (True, False)
-    assert last.reason == f"{bad}: writing failed: Input/output error"
-
-
-def test_only_what_had_no_file_is_begun_and_once(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
-) -> None:
-    claimed.run(points[0].run_id).write_bytes(b"mine")
-    ledger.begin(points)
-    ledger.begin(points)
-    assert _told(claimed) == [(point.run_id, "begun") for point in points[1:]]
-    assert RunStatus.of(claimed, None).begun == {point.run_id for point in points[1:]}
-
-
-def test_truncated_results_of_runs_that_were_begun_go_and_others_stay(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
-) -> None:
-    stranger, truncated, intact = (claimed.run(point.run_id) for point in points)
-    stranger.write_bytes(b"mine")
-    ledger.begin(points)
-    for point in points[1:]:
-        _left(point, claimed)
-    with truncated.open("r+b") as file:
-        file.truncate(truncated.stat().st_size // 2)
-    for point in points:
-        _recovered(point, claimed, ledger)
-    assert stranger.read_bytes() == b"mine"
-    assert not truncated.exists()
-    assert found_run(points[2], root=claimed.root) is not None
-    assert intact.exists()
-
-
-def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
-) -> None:
-    path = _left(points[0], claimed)
-    with rubnoise.open(path) as run:
-        at = path.read_bytes().index(run.trace["real_contact_area"][100:200].tobytes())
-    data = bytearray(path.read_bytes())
-    data[at] ^= 1
-    path.write_bytes(data)
-    assert found_run(points[0], root=claimed.root) is None
-    ledger.begin(points)
-    _recovered(points[0], claimed, ledger)
-    assert path.exists()  # it was there before, and may be anybody's
-    ledger.status.begun.add(points[0].run_id)
-    _recovered(points[0], claimed, ledger)
-    assert not path.exists()
-
-
-def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
-) -> None:
-    ledger.begin(points)
-    path = _left(points[0], claimed)
-    paths, truncated = OutputPaths.of(path), OutputPaths.of(claimed.run(points[1].run_id))
-    paths.part.hardlink_to(path)
-    (alone := OutputPaths.of(claimed.run(points[2].run_id)).journal).write_bytes(b"of a part that is gone")
-    truncated.part.write_bytes(bytes(5000))
-    with sole_writer(truncated):
-        _recovered(points[1], claimed, ledger)
-        assert truncated.part.exists()
-    for point in points:
-        _recovered(point, claimed, ledger)
-    assert path.exists()
-    assert not paths.part.exists()
-    assert not alone.exists()
-    assert not truncated.part.exists()
-
-
-def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ledger.begin(points)
-    path = _left(points[0], claimed)
-    with monkeypatch.context() as patches:
-        # If an earlier test has left threads behind, another process looks, which knows nothing of this patch.
-        patches.setattr(threading, "active_count", lambda: 1)
-        patches.setattr(structure_module, "read_structure", lambda _: os.kill(os.getpid(), signal.SIGKILL))
-        assert _recovered(points[0], claimed, ledger) is None
-    assert path.exists()
-    assert _recovered(points[0], claimed, ledger) is not None
-
-
-def test_a_sweep_without_room_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("shutil.disk_usage", lambda _path: SimpleNamespace(free=1000))
-    with pytest.raises(OutputRefused, match="there is room for 1,000"):
-        rubnoise.run_sweep("paper/fig9", tmp_path / "deep" / "fig9", jobs=1)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_whole_result_of_another_run_stays(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
-) -> None:
-    ledger.begin(points)
-    path = _left(points[1], claimed).rename(claimed.run(points[0].run_id))
-    assert _recovered(points[0], claimed, ledger) is None
-    assert path.exists()
-
-
-@pytest.mark.parametrize(("alone", "every", "count"), [(True, 0.0, 1), (True, 1e9, 0), (False, 0.0, 0)])
-def test_only_a_whole_sweep_renews_its_index_on_the_way(
-    claimed: SweepFolder, sweep: Sweep, monkeypatch: pytest.MonkeyPatch, *, alone: bool, every: float, count: int
-) -> None:
-    monkeypatch.setattr(index, "EVERY", every)
-    refresh, renewed = index.IndexRefresh(claimed, sweep, AdaptiveReplicates(sweep), "", alone=alone), []
-    monkeypatch.setattr(refresh, "now", lambda: renewed.append("index.h5"))
-    refresh.if_due()
-    assert renewed == ["index.h5"] * count
+def test_the_old_name_does_the_same(tmp_path: Path) -> None:
+    with rubnoise.run_sweep(small(tmp_path), tmp_path / "d", jobs=1) as swept:
+        assert swept.count("done") == 4
+    with pytest.raises(Refused, match="jobs=: the workers of a cluster are its own"):
+        rubnoise.run_sweep(small(tmp_path), tmp_path / "d", jobs=1, cluster="127.0.0.1:9")

@@ -11,13 +11,13 @@ import pytest
 from rubnoise.analysis.run_summary import SummarySink
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.record.tally import Tally
+from rubnoise.runs.measuring import Measurement, measured
+from rubnoise.runs.stopping_rule import AdaptiveReplicates
 from rubnoise.scenario import limits
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.scenario.sweep_table import FEWEST, Precision
 from rubnoise.simulation.run import simulate
-from rubnoise.runs.measuring import Measurement, measured
-from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.models import model
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
 from tests.verification.scores import seed_of

@@ -7,11 +7,11 @@ from shutil import copy, copytree
 import h5py
 import numpy as np
 import pytest
+from rubnoise.api.sweeping import run_sweep
+from rubnoise.api.verify_sweep import verify_sweep
 
 import rubnoise
 from rubnoise.analysis.verification import verify
-from rubnoise.api.sweeping import run_sweep
-from rubnoise.api.verify_sweep import verify_sweep
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH

@@ -115,7 +115,7 @@ def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterato
     sweeps = {keep: _sweep_file(folder, short[0], swept, keep) for keep in KEPT}
 
     def sweep(keep: str) -> None:
-        with rubnoise.run_sweep(sweeps[keep], jobs=1) as made:
+        with rubnoise.sweep(sweeps[keep], jobs=1) as made:
             if made.count("done") != swept:
                 raise Wrong(f"a sweep: only {made.count('done')} of {swept} runs were made")
 

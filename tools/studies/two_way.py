@@ -169,7 +169,7 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, str]:
     tell("chaos")
     parts["chaos"] = chaos()
     tell("the sweep")
-    with rubnoise.run_sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
+    with rubnoise.sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
         (PICTURES / "speeds.png").write_bytes(small(study_picture(study_of_sweep(found, "displacement_std"), "png")))
     parts["reference"] = reference()
     return parts

@@ -1,22 +1,17 @@
 """What a run leaves of its files at any moment, and how it resumes: after a kill, a power cut, or with a bit turned."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import Final
 
 import h5py
 
 import rubnoise
-from rubnoise.api.sweeping import keep_run
-from rubnoise.scenario.points import Point
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.sync_many import sync_many
-from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.run_status import found_run
 from survival.child import called, command
 from survival.recording import Recording
 from survival.stories import (
@@ -26,8 +21,6 @@ from survival.stories import (
     Outcome,
     Story,
     chance,
-    committing,
-    contents,
     continued,
     telling,
     words,
@@ -37,8 +30,6 @@ from survival.stories import (
 PART: Final = OutputPaths.of(NAME).part.name
 VERIFY = ("verify", NAME)
 OTHER = "published, verified, and yet other than it was"
-TOGETHER: Final = (1, 2, 1)
-"""How many runs of a sweep there are between two looks at the disk."""
 
 
 def recorded(story: Story, halfway: int | None = None, seconds: float = 0.0) -> Recording:
@@ -104,84 +95,6 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
             committed = recording.noted("committed", moment)
             outcome.find(where, continued(outcome, story, folder, committed, again=random.random() < 0.5))
     return outcome
-
-
-def sweeps(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
-    """Cut the power of sweeps so many times, and resume them."""
-    outcome = Outcome()
-    sweeping = [
-        (story, points_of(story), recorded_sweep(story, seconds)) for story in stories for seconds in (1e9, 0.0, 1e9)
-    ]
-    for turn in range(count):
-        story, points, recording = sweeping[turn % len(sweeping)]
-        random = chance(seed, turn)
-        moment = random.choice(recording.moments)
-        where = f"{turn}: {story.name}, call {moment} of {len(recording.calls)}"
-        outcome.count("power cuts in sweeps")
-        with outcome.trial(where) as root:
-            (folder := SweepFolder(root)).run("x").parent.mkdir()
-            recording.after_power_cut(folder.run("x").parent, moment, random)
-            done = max(recording.noted("done", moment), 0)
-            outcome.find(where, _wrong_runs(story, folder, points[:done]))
-            for point in points[done:]:
-                outcome.count(f"runs {_make_missing(point, folder)}")
-            outcome.find(f"{where}, resumed", _wrong_runs(story, folder, points))
-            own = {f"{point.run_id}.h5" for point in points}
-            own |= {f".{name}.{left}" for name in own for left in ("lock", "making")}
-            left = sorted({path.name for path in folder.run("x").parent.iterdir()} - own)
-            outcome.find(where, (f"{name} is left over" for name in left))
-    return outcome
-
-
-def points_of(story: Story) -> Sequence[Point]:
-    """Return the runs of a sweep of a story."""
-    with TemporaryDirectory(prefix="rubnoise-") as folder:
-        (path := Path(folder) / "s.toml").write_text(f"{story.text}[sweep]\nreplicates = {sum(TOGETHER)}\n", "utf-8")
-        return rubnoise.expand(rubnoise.load_sweep(path))
-
-
-def recorded_sweep(story: Story, seconds: float) -> Recording:
-    """Record the runs of a sweep, some of them flushed to disk at a time; they commit after so many seconds."""
-    points = iter(points_of(story))
-    with TemporaryDirectory(prefix="rubnoise-") as name:
-        (folder := SweepFolder(Path(name))).run("x").parent.mkdir()
-        recording = Recording(folder.run("x").parent)
-        with recording.recording(), committing(seconds):
-            done = 0
-            for number in TOGETHER:
-                sync_many([_made(next(points), folder) for _ in range(number)])
-                recording.note("done", done := done + number)
-        return recording
-
-
-def _made(point: Point, folder: SweepFolder) -> Path:
-    return folder.root / keep_run(point, root=folder.root, command=("rubnoise",), durable=False).file
-
-
-def _make_missing(point: Point, folder: SweepFolder) -> str:
-    """Make a run that no journal lists as done, as a resumed sweep does; return how it was found."""
-    there = folder.run(point.run_id).exists()
-    found = found_run(point, root=folder.root, begun=True)
-    part = OutputPaths.of(folder.run(point.run_id)).part.exists()
-    if found is not None:
-        return "found intact"
-    _made(point, folder)
-    return "found truncated" if there else "resumed" if part else "made from the start"
-
-
-def _wrong_runs(story: Story, folder: SweepFolder, points: Sequence[Point]) -> Iterator[str]:
-    for point, expected in zip(points, _expected(story), strict=False):
-        if wrong := wrong_in(folder.run(point.run_id), expected):
-            yield f"{point.run_id}: {wrong}"
-
-
-@cache
-def _expected(story: Story) -> list[Mapping[str, Any]]:
-    """Return what is in the results where nothing happens."""
-    with TemporaryDirectory(prefix="rubnoise-") as name:
-        folder = SweepFolder(Path(name))
-        folder.run("x").parent.mkdir()
-        return [contents(_made(point, folder)) for point in points_of(story)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -172,8 +172,10 @@ class Attempts(Generic[Result]):
     def _returned(self, points: Sequence[Point], future: "Future[Attempt[Result]]") -> Iterator[Outcome[Result]]:
         try:
             problem = future.exception()
-        except CancelledError as gone:
-            raise WorkLost(SCHEDULER_GONE) from gone
+        except CancelledError as cancelled:
+            problem = cancelled
+        if isinstance(problem, CancelledError):
+            raise WorkLost(SCHEDULER_GONE) from problem
         if problem is None:
             yield from self._outcomes_of(points, future.result())
         elif isinstance(problem, Exception):

@@ -157,12 +157,13 @@ class IndexFile:
 
     called = "index"
 
-    def __init__(self, path: str | os.PathLike[str], source: Any = None) -> None:
-        """Read an index from its path, or from another ``source`` of its bytes; raises RunFileRefused."""
+    def __init__(self, path: str | os.PathLike[str], content: bytes | None = None) -> None:
+        """Read an index from its path, or from the ``content`` that would be there; raises RunFileRefused."""
         self.path = Path(path)
         self.closed = False
         self._place = self.path.absolute()
-        with _refusing(self.path), self._open(source) as file:
+        self._content = content
+        with _refusing(self.path), self._open() as file:
             _check_format(file)
             self.attributes: Mapping[str, str] = {name: _text(file, name) for name in TEXTS}
             self.seal: str | None = _text(file, HASH) if HASH in file.attrs else None
@@ -235,8 +236,9 @@ class IndexFile:
             return None
 
     @contextmanager
-    def _open(self, source: Any = None) -> Iterator[h5py.File]:
-        with source or open_stream(self._place) as stream, h5py.File(stream, "r") as file:
+    def _open(self) -> Iterator[h5py.File]:
+        source = open_stream(self._place) if self._content is None else io.BytesIO(self._content)
+        with source as stream, h5py.File(stream, "r") as file:
             yield file
 
 
@@ -251,7 +253,7 @@ def open_index(path: str | os.PathLike[str]) -> IndexFile:
 
 def index_of_bytes(content: bytes, path: Path) -> IndexFile:
     """Return an index that was never written, as it would be read from its path."""
-    return IndexFile(path, io.BytesIO(content))
+    return IndexFile(path, content)
 
 
 @contextmanager
