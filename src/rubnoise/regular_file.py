@@ -30,10 +30,6 @@ def flags(*names: str) -> int:
 _READING = os.O_RDONLY | flags("O_CLOEXEC", "O_NONBLOCK", "O_NOCTTY")
 
 
-_OF_SWEEPS: Final = "index.h5"
-"""The file by which the folder of a sweep is known."""
-
-
 class NotRegular(OSError):  # noqa: N818  (says what the path is)
     """A path that exists and is not a regular file: a folder, pipe, device, socket or endless file."""
 
@@ -41,7 +37,7 @@ class NotRegular(OSError):  # noqa: N818  (says what the path is)
         """Name the path, and what is there if it is a sweep."""
         name, reason = os.fspath(path), "is not a regular file"
         with suppress(OSError):  # a folder that may not be looked into
-            if Path(name, _OF_SWEEPS).is_file():
+            if Path(name, "index.h5").is_file():
                 reason = "is the folder of a sweep, not a file; rubnoise info says what is in it"
         super().__init__(errno.EINVAL, reason, name)
 

@@ -5,7 +5,6 @@ import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -15,13 +14,12 @@ from pathlib import Path
 from shlex import split
 
 import pytest
-from rubnoise.sweep import cluster
 
 import rubnoise
-from rubnoise.errors import Refused
+from rubnoise.runs import executors
 from tests.architecture.sources import ROOT
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
-from tests.cli.terminal import CONTACT, Answer, call, spawn
+from tests.cli.terminal import CONTACT, call, spawn
 
 # A real scheduler with two worker processes on this machine gives the bits that a pool gives.
 pytest.importorskip("distributed", reason="the extra cluster is not installed")
@@ -126,50 +124,20 @@ def test_what_is_no_address_is_refused_at_once(file: Path, address: str) -> None
     assert (answer.code, answer.out, answer.err) == (2, "", said)
 
 
-class Client:
-    """A client of a scheduler one of whose workers is of another version."""
-
-    closed = False
-
-    def __init__(self, *_where: object, **_how: object) -> None:
-        Client.closed = False
-
-    def run(self, function: Callable[[], object], **_how: object) -> dict[str, object]:
-        return {"tcp://10.0.0.2:1": function(), "tcp://10.0.0.3:1": ModuleNotFoundError("No module named 'rubnoise'")}
-
-    def close(self) -> None:
-        Client.closed = True
-
-
-def test_a_worker_without_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    import distributed
-    from rubnoise.sweep.cluster import Cluster
-
-    monkeypatch.setattr(distributed, "Client", Client)
-    with pytest.raises(
-        Refused, match=r"tcp://10\.0\.0\.3:1: this worker has no version that it says, and this process"
-    ):
-        Cluster("tcp://10.0.0.1:8786")
-    assert Client.closed
-
-
 def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rubnoise.sweep import cluster
-
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    monkeypatch.setattr(executors, "PATIENCE", 0.5)
     answer = call("sweep", file, "-o", "afar", "--cluster", "tcp://127.0.0.1:9")
     assert answer.code == 2
     assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
 
 
-# What docs/sweeps.md says of trust: where Dask listens after its commands, and that TLS keeps others out.
+# What docs/sweeps.md says of trust: where Dask listens after its commands, and that its own settings of TLS are used.
 pytest.importorskip("distributed", reason="the extra cluster is not installed")
 
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```text\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 LINES = [line for block in BLOCKS for line in block.splitlines()]
 PROC = Path("/proc/self/net/tcp")
-OPTIONS = ("--tls-ca-file", "cert.pem", "--tls-cert", "cert.pem", "--tls-key", "key.pem")
 
 
 def _command(beginning: str, *, tls: bool) -> list[str]:
@@ -302,102 +270,34 @@ def _swept(words: list[str], address: str = "") -> list[str]:
     return [names.get(word, address if word.startswith("tls://") else word) for word in words[1:]]
 
 
-def _certificate(name: str) -> None:
-    line = next(line for line in LINES if line.startswith("openssl"))
-    words = split(line.replace("key.pem", f"{name}key.pem").replace("cert.pem", f"{name}cert.pem"))
-    subprocess.run(words, check=True, capture_output=True)
-
-
 needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the keys, is missing")
 
 
 @needs_openssl
-def test_a_sweep_over_tls_gives_the_same_bits_and_lets_nobody_else_in(
-    started: Dask, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _certificate("")
-    _certificate("other_")
-    assert Path("key.pem").stat().st_mode & 0o077 == 0
-    address, processes = started.cluster(tls=True)
+def test_a_sweep_over_tls_gives_the_same_bits(started: Dask, monkeypatch: pytest.MonkeyPatch) -> None:
+    line = next(line for line in LINES if line.startswith("openssl"))
+    subprocess.run(split(line), check=True, capture_output=True)
+    for name, value in (line.removeprefix("export ").split("=") for line in LINES if line.startswith("export DASK")):
+        monkeypatch.setenv(name, value)
+    address, _ = started.cluster(tls=True)
     assert address.startswith("tls://127.0.0.1:")
     answer = spawn(*_swept(_command("rubnoise sweep", tls=True), address))
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
     assert call("sweep", "s.toml", "-o", "near", "--jobs", "1", "-q").code == 0
     assert runs_of(Path("afar")) == runs_of(Path("near"))
-    if PROC.exists():
-        assert _listening(processes) == {LOOPBACK}
+    from distributed import Client, Security
 
-    from distributed import Security
-
-    security = Security(
-        require_encryption=True, tls_ca_file="cert.pem", tls_client_cert="cert.pem", tls_client_key="key.pem"
-    )
-    with rubnoise.sweep("s.toml", "python", cluster=address, security=security) as sweep:
+    files = {"tls_ca_file": "cert.pem", "tls_client_cert": "cert.pem", "tls_client_key": "key.pem"}
+    with (
+        Client(address, security=Security(require_encryption=True, **files), set_as_default=False) as client,
+        rubnoise.sweep("s.toml", "python", executor=client) as sweep,
+    ):
         assert sweep.count("done") == 6
     assert runs_of(Path("python")) == runs_of(Path("near"))
 
-    monkeypatch.setattr(cluster, "PATIENCE", 3.0)
-    strangers = [word.replace("cert.pem", "other_cert.pem").replace("key.pem", "other_key.pem") for word in OPTIONS]
-    for words, said in (
-        ((), "uses TLS; --tls-ca-file, --tls-cert and --tls-key name the files for it"),
-        (strangers, "TLS certificate does not match"),
-    ):
-        _is_refused(call("sweep", "s.toml", "-o", "no", "--cluster", address, *words), said)
-    plain = address.replace("tls:", "tcp:")
-    _is_refused(call("sweep", "s.toml", "-o", "no", "--cluster", plain), "no scheduler answers")
-    _hangs_up(address)
 
-
-def _is_refused(answer: Answer, said: str) -> None:
+def test_a_scheduler_with_tls_is_refused_where_dask_has_no_settings_for_it(started: Dask) -> None:
+    answer = call("sweep", "s.toml", "-o", "no", "--cluster", "tls://127.0.0.1:9")
     assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert not Path("no").exists() or not runs_of(Path("no"))
-
-
-def _hangs_up(address: str) -> None:
-    """Assert that a connection which speaks no TLS is not answered."""
-    host, _, port = address.removeprefix("tls://").partition(":")
-    with socket.create_connection((host, int(port)), timeout=60.0) as line:
-        try:
-            line.sendall(bytes(1000))
-            answered = line.recv(1000)
-        except ConnectionError:
-            answered = b""
-    assert len(answered) <= 16  # an alert of TLS at most
-
-
-@needs_openssl
-def test_what_cannot_be_spoken_over_tls_is_refused_before_anything_is_sent(
-    started: Dask, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    _certificate("")
-    _certificate("other_")
-    Path("plain.json").write_text('{"address": "tcp://127.0.0.1:9"}', encoding="utf-8")
-    Path("odd.json").write_text("[]", encoding="utf-8")
-    mixed = (*OPTIONS[:-1], "other_key.pem")
-    for words, said in (
-        (("--cluster", "tcp://127.0.0.1:9", *OPTIONS), "does not use TLS: its address is tcp://127.0.0.1:9"),
-        (("--cluster", "plain.json", *OPTIONS), "plain.json: does not use TLS: its address is tcp://127.0.0.1:9"),
-        (("--cluster", "127.0.0.1:9", *OPTIONS), "127.0.0.1:9: no scheduler answers there"),
-        (("--cluster", "odd.json"), "odd.json: is no file of a scheduler"),
-        (("--cluster", "tls://127.0.0.1:9"), "uses TLS; --tls-ca-file, --tls-cert and --tls-key name the files"),
-        (OPTIONS, "--tls-ca-file, --tls-cert and --tls-key are for --cluster"),
-        (("--cluster", "tls://127.0.0.1:9", *OPTIONS[:2]), "--tls-ca-file and --tls-cert go together"),
-        (("--cluster", "tls://127.0.0.1:9", *mixed), "of no use together: key values mismatch"),
-        (
-            ("--cluster", "tls://127.0.0.1:9", *OPTIONS[:-1], "none.pem"),
-            "--tls-key: none.pem: no such file or directory",
-        ),
-    ):
-        answer = call("sweep", "s.toml", "-o", "no", *words)
-        assert (answer.code, answer.out) == (2, ""), words
-        assert said in " ".join(re.sub("[│\\s]+", " ", answer.err).split()), words
-        assert not Path("no", "runs").exists() or not runs_of(Path("no"))
-
-
-def test_security_without_a_cluster_is_refused(here: Path) -> None:
-    (here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
-    with pytest.raises(rubnoise.Refused, match="security=: is for a cluster"):
-        rubnoise.sweep("s.toml", "no", security=object())
+    assert "tls://127.0.0.1:9: no scheduler answers there" in answer.err
     assert not Path("no").exists()

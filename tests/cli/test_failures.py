@@ -302,7 +302,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "info --figures": ("info", "d", "--figures", "real_contact_area_std", "--over", "interface.mean_junction_count=10"),
     "verify": ("verify", "d"),
     "sweep": ("sweep", "s.toml", "-o", "d", "--jobs", "1"),
-    "sweep --merge": ("sweep", "s.toml", "-o", "d", "--jobs", "1", "--merge"),
     "xarray": (),
     "plot": ("plot", "d", "-o", "d.svg"),
     "view": ("view", "d", "-o", "d.html"),

@@ -219,7 +219,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "two.h5", "--json")),
         ("compare", ("compare", "two.h5", "--json")),
         ("verify", ("verify", "two.h5", "--json")),
-        ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--merge", "--json")),
+        ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--json")),
         ("folder", ("info", "swept", "--json")),
         (
             "folder",

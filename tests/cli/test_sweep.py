@@ -1,32 +1,23 @@
 """`rubnoise sweep`: the same files with any workers, one index of all files, and what a terminal shows of it."""
 
-import json
 import os
-import shutil
 import signal
-import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 import pytest
-from rubnoise.api.sweeping import keep_run
-from rubnoise.sweep.conduct import SweepProgress
 
 import rubnoise
 from rubnoise.cli import progress
 from rubnoise.cli.progress import SIGNALS, watching_sweep
 from rubnoise.errors import RunStopped
+from rubnoise.runs.sweep import SweepProgress
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.storage import merged_sweep
-from rubnoise.storage.lock import is_held
-from rubnoise.storage.output import OutputPaths, sole_writer
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
-from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, command, spawn, start
+from tests.cli.terminal import CONTACT, call, columns, spawn
 
 
 # A sweep gives the same files with any workers, also if workers die, and one index of all files.
@@ -46,12 +37,6 @@ def _alone(file: Path, folder: Path, *changes: str) -> dict[str, dict[str, bytes
     return found
 
 
-def _entries(folder: Path) -> list[dict[str, Any]]:
-    journals = (folder / "journal").glob("*.jsonl")
-    told = [json.loads(line.partition(" ")[2]) for path in journals for line in path.read_text("utf-8").splitlines()]
-    return [entry for entry in told if entry["state"] == "done"]
-
-
 def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Path) -> None:
     alone = _alone(file, tmp_path)
     assert call("sweep", file, "-o", "pool", "--jobs", "2").out == "pool: 2 points, 6 runs: 6 done\n"
@@ -63,40 +48,6 @@ def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Pa
     assert first == second
 
 
-def test_of_shards_the_last_one_merges(file: Path) -> None:
-    words = ("sweep", file, "-o", "d", "--jobs", "1", "--merge")
-    first = call(*words, "--shard", "1/2")
-    assert first.out.endswith("not merged yet: the shard that ends last does that\n")
-    assert not Path("d/merged.h5").exists()
-    assert call(*words, "--shard", "2/2", "--json").json()["merged"] == "d/merged.h5"
-    with h5py.File("d/merged.h5") as merged:
-        assert set(merged["runs/state"][:]) == {b"done"}
-    assert call(*words, "--shard", "1/2", "-q").code == 0
-
-
-def test_shards_that_end_at_once_wait_for_each_other_to_merge(file: Path) -> None:
-    words = command("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q")
-    shards = [start([*words, "--shard", f"{number}/3"], stderr=subprocess.PIPE, text=True) for number in (1, 2, 3)]
-    assert [shard.communicate()[1] for shard in shards] == [""] * 3
-    with h5py.File("d/merged.h5") as merged:
-        assert set(merged["runs/state"][:]) == {b"done"}
-        assert set(merged["junctions/run"][:]) == set(range(6))
-
-
-def test_what_is_merged_is_replaced_by_nobody_meanwhile(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    held: list[bool] = []
-    whole = merged_sweep.write_merged
-
-    def write(path: Path, index: Path) -> None:
-        held.append(is_held(index.with_name(".index.lock")))
-        whole(path, index)
-
-    monkeypatch.setattr("rubnoise.sweep.index.write_merged", write)
-    assert call("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q").code == 0
-    assert held == [True]
-    assert not any(path.suffix == ".lock" for path in Path("d").iterdir())
-
-
 def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(file: Path) -> None:
     assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
     before = {path: path.stat().st_mtime_ns for path in Path("d/runs").iterdir()}
@@ -104,19 +55,16 @@ def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(f
     answer = call("sweep", file, "-o", "d", "--jobs", "1", *more, "--json").json()
     assert (answer["points"], answer["runs"], answer["done"]) == (3, 12, 12)
     assert {path: path.stat().st_mtime_ns for path in before} == before
-    assert sorted(entry["run"] for entry in _entries(Path("d"))) == sorted(
-        path.stem for path in Path("d/runs").iterdir()
-    )
     with rubnoise.open_sweep("d") as sweep:
         assert [values["interface.mean_junction_count"] for values in sweep.values] == [40, 10, 20]
 
 
-def test_a_result_that_nobody_wrote_down_is_found_and_one_that_went_missing_is_made_anew(file: Path) -> None:
+def test_a_result_that_no_index_knows_is_found_and_one_that_went_missing_is_made_anew(file: Path) -> None:
     call("sweep", file, "-o", "d", "--jobs", "1", "-q")
     first, *others = sorted(Path("d/runs").iterdir())
     kept = runs_of(Path("d"))
     before = {path: path.stat().st_mtime_ns for path in others}
-    shutil.rmtree("d/journal")
+    Path("d/index.h5").unlink()
     first.unlink()
     assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
     assert {path: path.stat().st_mtime_ns for path in others} == before
@@ -124,16 +72,17 @@ def test_a_result_that_nobody_wrote_down_is_found_and_one_that_went_missing_is_m
 
 
 def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
-    spoilt, *_ = expand(load_sweep(file))
+    spoilt, other, *_ = expand(load_sweep(file))
     (place := Path("d/runs") / f"{spoilt.run_id}.h5").parent.mkdir(parents=True)
-    place.write_bytes(b"mine")
+    rubnoise.run(other.scenario, place).close()
+    kept = place.read_bytes()
     answer = call("sweep", file, "-o", "d", "--jobs", "1")
     assert (answer.code, answer.out) == (1, "d: 2 points, 6 runs: 5 done, 1 failed\n")
     heading, where, why = answer.err.splitlines()
     assert heading == "1 run failed; the same command tries again:"
     assert where == f"  {spoilt.run_id}  interface.mean_junction_count = 10, replicate 0"
     assert why.endswith(f"{place}: is not the result of this run; move it away, and the same command makes it")
-    assert place.read_bytes() == b"mine"
+    assert place.read_bytes() == kept
     with rubnoise.open_sweep("d") as sweep:
         assert [failure.run_id for failure in sweep.failures] == [spoilt.run_id]
         assert np.isnan(sweep.runs["real_contact_area_mean"][0])
@@ -146,51 +95,22 @@ def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
     assert call("sweep", file, "-o", "d", "--jobs", "1", "--json").json()["failures"] == []
 
 
-def test_a_run_that_somebody_writes_is_waited_for(file: Path, tmp_path: Path) -> None:
-    point, *_ = expand(load_sweep(file))
-    (root := tmp_path / "d").joinpath("runs").mkdir(parents=True)
-    path = root / "runs" / f"{point.run_id}.h5"
-    with sole_writer(OutputPaths.of(path)):
-        with pytest.raises(rubnoise.Refused, match="another process is writing it"):
-            keep_run(point, root=root, command=("x",), patience=0.3)
-        with ThreadPoolExecutor() as meanwhile:
-            waiting = meanwhile.submit(keep_run, point, root=root, command=("x",))
-            time.sleep(0.5)
-            assert not waiting.done()
-            rubnoise.run(point.scenario, tmp_path / "same.h5").close()
-            (tmp_path / "same.h5").rename(path)
-            before = path.stat().st_mtime_ns
-            assert waiting.result(60).file == f"runs/{point.run_id}.h5"
-    assert path.stat().st_mtime_ns == before
-
-
 def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, tmp_path: Path) -> None:
     import xarray as xr
 
-    call("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q")
+    call("sweep", file, "-o", "d", "--jobs", "1", "-q")
     Path("d").rename(moved := tmp_path / "elsewhere")
-    runs = runs_of(moved)
-    with h5py.File(moved / "index.h5") as index, h5py.File(moved / "merged.h5") as merged:
-        names = [name.decode() for name in index["runs/run_id"][:]]
-        stacks = [(group[:], index[f"traces/{n}/trace/run"][:], n) for n in index["traces"]
-                  for group in [index[f"traces/{n}/trace/real_contact_area"]]]  # fmt: skip
-        assert sum(len(rows) for _, rows, _ in stacks) == 6
-        for area, rows, number in stacks:
-            assert index[f"traces/{number}/trace/real_contact_area"].is_virtual
-            assert not merged[f"traces/{number}/trace/real_contact_area"].is_virtual
-            assert np.array_equal(merged[f"traces/{number}/trace/real_contact_area"][:], area)
-            for values, row in zip(area, rows, strict=True):
-                assert values.tobytes() == runs[names[row]]["trace/real_contact_area"]
-        junctions = merged["junctions"]
-        for row, name in enumerate(names):
-            mine = junctions["run"][:] == row
-            assert junctions["diameter"][mine].tobytes() == runs[name]["junctions/diameter"]
+    with h5py.File(moved / "index.h5") as index:
+        assert [name.decode() for name in index["runs/file"][:]] == [
+            f"runs/{name.decode()}.h5" for name in index["runs/run_id"][:]
+        ]
         assert index["runs/interface.mean_junction_count"].attrs["units"] == b"1"
-    with xr.open_dataset(moved / "index.h5", group="traces/0/trace", engine="h5netcdf") as opened:
-        assert opened["real_contact_area"].dims == ("run", "distance")
-        assert opened["real_contact_area"].attrs["units"] == "um^2"
     with xr.open_dataset(moved / "index.h5", group="runs", engine="h5netcdf") as opened:
         assert opened["state"].values.tolist() == [b"done"] * 6
+        assert opened["real_contact_area_std"].attrs["units"] == "um^2"
+    assert call("verify", moved).code == 0
+    with rubnoise.open_sweep(moved) as sweep, sweep.run(str(sweep.runs["run_id"][0])) as run:
+        assert len(run.trace) > 0
 
 
 def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> None:
@@ -220,58 +140,32 @@ def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
     assert labelled["interface.mean_junction_count"].values.tolist() == [10.0, 40.0]
 
 
-def test_runs_of_other_ticks_are_stacked_apart(here: Path) -> None:
-    """As many ticks of another length are not like ticks."""
-    table = '[sweep.zip]\nsliding.distance = ["300 um", "600 um"]\noutput.tick = ["1 um", "2 um"]\n'
-    (here / "t.toml").write_text(CONTACT + table, encoding="utf-8")
-    assert call("sweep", "t.toml", "-o", "d", "--jobs", "1", "-q").code == 0
-    with h5py.File("d/index.h5") as index:
-        ends = [index[f"traces/{number}/trace/distance"][-1] for number in sorted(index["traces"])]
-    assert ends == [300.0, 600.0]
-
-
-def test_runs_of_other_speeds_and_with_a_slider_are_merged_apart(here: Path) -> None:
-    table = '[sweep]\nreplicates = 2\n[sweep.grid]\nsliding.speed = ["1 mm/s", "2 mm/s"]\n'
-    (here / "s.toml").write_text(WITH_SLIDER.replace("[output]", '[output]\ncompression = "gzip"') + table, "utf-8")
-    assert call("sweep", "s.toml", "-o", "d", "--jobs", "1", "--merge", "-q").code == 0
-    runs = runs_of(Path("d"))
-    with h5py.File("d/index.h5") as index, h5py.File("d/merged.h5") as merged:
-        names = [name.decode() for name in index["runs/run_id"][:]]
-        assert index["runs/sliding.speed"][:].tolist() == [1000.0, 1000.0, 2000.0, 2000.0]
-        for number, speed in (("0", 1000.0), ("1", 2000.0)):
-            for file in (index, merged):
-                slider = file[f"traces/{number}/slider"]
-                assert slider["time"][1] == pytest.approx(0.1 / speed, rel=1e-12)
-                for values, row in zip(slider["velocity"][:], slider["run"][:], strict=True):
-                    assert values.tobytes() == runs[names[row]]["slider/velocity"]
-                assert slider["velocity"].dims[1][0].name == f"/traces/{number}/slider/time"
-
-
-def _children(process: int) -> list[int]:
-    told = Path(f"/proc/{process}/task/{process}/children")
-    return [int(number) for number in told.read_text(encoding="ascii").split()] if told.exists() else []
+def _workers(process: int) -> list[int]:
+    """Return the processes of loky that make runs for a process, which starts others, too."""
+    told = Path(f"/proc/{process}/task").glob("*/children")
+    children = [int(number) for each in told for number in each.read_text(encoding="ascii").split()]
+    return [number for number in children if b"LokyProcess" in Path(f"/proc/{number}/cmdline").read_bytes()]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
-    os.kill(_children(begun.pid)[0], signal.SIGKILL)
+    os.kill(_workers(begun.pid)[0], signal.SIGKILL)
     out, err = begun.communicate(timeout=300)
     assert (begun.returncode, out, err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
     assert runs_of(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
-    assert len(_entries(Path("d"))) == 8
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_sweep_that_is_killed_is_resumed(file: Path, tmp_path: Path) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
-    workers = _children(begun.pid)
+    workers = _workers(begun.pid)
+    assert len(workers) == 2
     begun.kill()
     begun.communicate(timeout=60)
     answer = spawn("sweep", file, "-o", "d", "--jobs", "2", *SLOW)
     assert (answer.code, answer.out, answer.err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
     assert runs_of(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
-    assert len(_entries(Path("d"))) == 8
     for _ in range(3000):
         if not any(Path(f"/proc/{worker}").exists() for worker in workers):
             break
@@ -290,6 +184,16 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
     done = set(Path("d/runs").glob("*.h5"))
     assert len(done) < 8
     assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"
+
+
+def test_the_runs_of_another_scenario_are_left_where_that_is_said(file: Path) -> None:
+    assert call("sweep", file, "-o", "d", "--jobs", "1", "-q").code == 0
+    other = ("sweep", file, "-o", "d", "--jobs", "1", "--set", "sliding.distance=350 um")
+    answer = call(*other)
+    assert (answer.code, answer.out) == (2, "")
+    assert "holds the runs of another scenario" in answer.err
+    assert answer.err.endswith("; --force leaves them beside the runs of this one\n")
+    assert call(*other, "--force").out == "d: 2 points, 6 runs: 6 done\n"
 
 
 def test_a_sweep_that_the_disk_does_not_hold_is_refused(file: Path) -> None:

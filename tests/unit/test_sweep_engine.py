@@ -103,7 +103,7 @@ def test_an_executor_of_the_caller_makes_them_too(points: tuple[Point, ...]) -> 
         assert all(outcome.result for outcome in _outcomes(points, errands.name_and_process, given(threads, 3)))
     for outcome in _outcomes(points, errands.name_and_process, given(threads, 3)):
         assert str(outcome.problem) == "3 workers died of it: cannot schedule new futures after shutdown"
-    with pytest.raises(Refused, match="executor=: int is none; an executor has submit"):
+    with pytest.raises(Refused, match="executor=: int is no executor; an executor has submit"):
         given(3, None)
 
 

@@ -7,12 +7,11 @@ from shutil import copy, copytree
 import h5py
 import numpy as np
 import pytest
-from rubnoise.api.sweeping import run_sweep
-from rubnoise.api.verify_sweep import verify_sweep
 
 import rubnoise
 from rubnoise.analysis.verification import verify
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.errors import RunFileRefused
+from rubnoise.runs.verify import verify_sweep
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH
 from tests.unit.scenarios import sweep_of
@@ -156,7 +155,7 @@ def test_a_clock_that_was_set_back_is_a_note(result: Path) -> None:
     assert [each.name for each in found.omitted] == ["finished"]
 
 
-# The folder of a sweep is what it says, and every change of it is named: descriptions, journals, index and runs.
+# The folder of a sweep is what it says, and every change of it is named: index and runs.
 TABLE = """\
 [output]
 tick = "5 um"
@@ -181,7 +180,7 @@ FolderChange = Callable[[Path], object]
 def original_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a sweep of four runs."""
     folder = tmp_path_factory.mktemp("swept")
-    run_sweep(sweep_of(folder, TABLE, head=HEAD), folder / "d", jobs=1).close()
+    rubnoise.sweep(sweep_of(folder, TABLE, head=HEAD), folder / "d", jobs=1).close()
     return folder / "d"
 
 
@@ -206,19 +205,6 @@ def swap(folder: Path) -> None:
     first.rename(other)
     second.rename(first)
     other.rename(second)
-
-
-def replace(path: Path, old: str, new: str) -> None:
-    text = path.read_text(encoding="utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new, 1), encoding="utf-8")
-
-
-def flip(path: Path, part: bytes) -> None:
-    """Turn the lowest bit of the byte after some bytes."""
-    raw = bytearray(path.read_bytes())
-    raw[raw.index(part) + len(part)] ^= 1
-    path.write_bytes(raw)
 
 
 def of_index(by: Callable[[h5py.File], object]) -> FolderChange:
@@ -248,24 +234,11 @@ def another_area(file: h5py.File) -> None:
 FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
     "two runs exchanged": (swap, "names", "the result of"),
     "a run in the place of another": (lambda d: copy(runs(d)[0], runs(d)[1]), "names", "the result of"),
-    "a run gone": (lambda d: runs(d)[0].unlink(), "journals", "missing"),
+    "a run gone": (lambda d: runs(d)[0].unlink(), "index", "missing"),
     "a run under another name": (lambda d: runs(d)[0].rename(d / "runs" / "0.h5"), "names", "the result of"),
     "a file more among the runs": (lambda d: (d / "runs" / "note.txt").touch(), "names", "runs/note.txt"),
     "a value in a run": (of_run(another_area), "runs", "/trace/real_contact_area"),
     "a unit in a run": (of_run(lambda file: put_text(file["trace/distance"], "units", "mm")), "runs", "units"),
-    "another description": (
-        lambda d: replace(d / "sweep.json", "5 um", "6 um"),
-        "manifest",
-        "the name of its scenario",
-    ),
-    "no description": (lambda d: (d / "sweep.json").unlink(), "manifest", "missing"),
-    "a description that is none": (lambda d: replace(d / "sweep.json", "{", "["), "manifest", "unreadable"),
-    "a bit of a journal": (
-        lambda d: flip(d / "journal" / "runs.jsonl", b'"real_contact_area_mean":'),
-        "journals",
-        "line",
-    ),
-    "a file more among the journals": (lambda d: (d / "journal" / "x").touch(), "journals", "journal/x"),
     "a seed in the index": (of_index(another_seed), "index", "/runs/seed row 1"),
     "a title in the index": (of_index(lambda file: put_text(file, "title", "other")), "index_hashes", HASH),
     "a unit in the index": (of_index(lambda file: put_text(file["runs/seed"], "units", "um")), "index", "units"),
@@ -277,9 +250,7 @@ FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
 
 def test_a_right_folder_is_verified(folder: Path) -> None:
     found = verify_sweep(folder, 2)
-    assert [check.name for check in found.checks] == [
-        "manifest", "journals", "index_hashes", "index", "names", "runs",
-    ]  # fmt: skip
+    assert [check.name for check in found.checks] == ["index_hashes", "index", "names", "runs"]
     assert (found.different, found.omitted) == ([], ())
     assert min(check.values for check in found.checks) > 0
 
@@ -309,41 +280,13 @@ def test_what_is_not_a_sweep_folder_is_refused(tmp_path: Path, other: str) -> No
         verify_sweep(path)
 
 
-def test_a_sweep_without_runs_has_no_blocks_to_make_again(tmp_path: Path) -> None:
-    sweep = sweep_of(tmp_path, TABLE + "", "sweep.keep=summary", head=HEAD)
-    run_sweep(sweep, tmp_path / "d", jobs=1).close()
-    assert told_of_folder(tmp_path / "d") == {}
-    left_out = {each.name: each.reason for each in verify_sweep(tmp_path / "d").omitted}
-    assert left_out["runs without files"] == "4 runs, of which the sweep keeps only the summary: not made again"
-    with pytest.raises(Refused, match="keeps no runs"):
-        verify_sweep(tmp_path / "d", 1)
-
-
-def test_a_run_in_the_place_of_another_is_neither_handed_out_nor_taken_for_done(folder: Path, tmp_path: Path) -> None:
-    one, other, *_ = runs(folder)
-    with h5py.File(other) as file:
-        right = file["trace/real_contact_area"][:]
-    copy(one, other)
-    with rubnoise.open_sweep(folder) as swept, pytest.raises(RunFileRefused, match="is the result of"):
-        swept.run(other.stem)
-    with run_sweep(sweep_of(tmp_path, TABLE, head=HEAD), folder, jobs=1) as again:
-        (failure,) = again.failures
-        assert (again.count("done"), failure.run_id) == (3, other.stem)
-        assert "is not the result of this run; move it away" in failure.reason
-    other.unlink()
-    run_sweep(sweep_of(tmp_path, TABLE, head=HEAD), folder, jobs=1).close()
-    assert told_of_folder(folder) == {}
-    with h5py.File(other) as file:
-        assert np.array_equal(file["trace/real_contact_area"][:], right)
-
-
 def test_of_many_strays_ten_are_named_and_the_others_counted(folder: Path) -> None:
     for number in range(14):
         (folder / f"stray_{number:02}").touch()
         (folder / "runs" / f"stray_{number:02}.h5.part").touch()
     left_out = [each.name for each in verify_sweep(folder).omitted]
     assert [name for name in left_out if name.startswith("stray")] == [f"stray_{number:02}" for number in range(10)]
-    assert {"4 more of others", "4 more of runs/*.h5.part"} <= set(left_out)
+    assert {"4 more of others", "4 more of runs/*.part"} <= set(left_out)
     assert len(left_out) == 22
 
 

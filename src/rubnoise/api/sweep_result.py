@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.api.result import Run
+from rubnoise.api.result import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.real_numbers import number_in
 from rubnoise.runs.folder import INDEX
-from rubnoise.runs.point_file import open_named
+from rubnoise.runs.point_file import check_run
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, IndexFile, open_index
 from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.schema import Group
@@ -200,7 +201,13 @@ class SweepResult:
             raise KeyError(f"{self.path}: no run is named {run_id}")
         if self.runs["file"][int(rows[0])] != (file := f"runs/{run_id}.h5"):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
-        return Run(open_named(self.path / file, run_id))
+        run = open_result(self.path / file)
+        try:
+            check_run(run.provenance, run.path, run_id)
+        except BaseException:
+            run.close()
+            raise
+        return run
 
     def scenario(self, point: int) -> "Scenario":
         """Return the scenario of a point by its number, with the seed of the file.

@@ -164,7 +164,7 @@ PATIENCE: Final = 30.0
 
 _ASKED: Final = 5
 _BETWEEN: Final = 0.5
-"""How often workers are asked for their versions if one dies meanwhile, and seconds between."""
+"""How often the versions of workers are read if one dies meanwhile, and seconds between."""
 
 _COUNTED_EVERY: Final = 1.0
 _LAST_PORT: Final = 65_535
@@ -179,7 +179,7 @@ def given(executor: Any, jobs: int | None) -> Workers:
         return of_client(executor)
     if not hasattr(executor, "submit"):
         form = "an executor has submit(function, *arguments), which returns a Future"
-        raise Refused(f"executor=: {type(executor).__name__} is none; {form}")
+        raise Refused(f"executor=: {type(executor).__name__} is no executor; {form}")
     return Workers(lambda: nullcontext(executor), lambda: jobs or processors(), elsewhere=True)
 
 

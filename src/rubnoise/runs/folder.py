@@ -52,7 +52,7 @@ def run_files(root: Path) -> Iterator[Path]:
 
 
 def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
-    """Raise OutputRefused if a folder holds the run of a scenario that is none of the sweep's; ``known`` are its runs.
+    """Raise OutputRefused if a folder holds the run of a scenario that the sweep lacks; ``known`` are its runs.
 
     Further replicates of its points are no strangers.
     """
@@ -93,7 +93,7 @@ def _scenario_in(path: Path) -> Mapping[str, Any]:
     if path.suffix == SUFFIXES["summary"]:
         return read_summary(path)[0]
     with open_run(path) as file:
-        return resolved_in(file)
+        return resolved_in(file.provenance, path)
 
 
 def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:

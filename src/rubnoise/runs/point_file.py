@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
 from rubnoise.scenario.points import Point, name_of
 from rubnoise.scenario.scenario import Scenario
@@ -26,7 +25,7 @@ from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.read_structure import INTERVENTION
-from rubnoise.storage.reader import InUse, RunFile, TooNew, open_run
+from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
@@ -154,7 +153,7 @@ def read(path: Path) -> tuple[str, RunFigures | None]:
         origin = file.provenance
         # With lives ended from outside it is no sample of the scenario.
         other = origin["stream_version"] != STREAM_VERSION or INTERVENTION in origin
-        name = "" if other else run_in(resolved_in(file), path)
+        name = "" if other else run_in(resolved_in(origin, path), path)
         whole = origin["finished"] and file.summary and not file.damaged()
         return name, RunFigures.of(file.summary) if whole else None
 
@@ -178,12 +177,12 @@ def read_summary(path: Path) -> tuple[Mapping[str, Any], RunFigures]:
         raise RunFileRefused(f"{path}: {str(problem.strerror or problem).lower()}") from problem
 
 
-def resolved_in(file: Reader) -> Mapping[str, Any]:
-    """Return the resolved scenario of an open result; raises RunFileRefused if it is none."""
+def resolved_in(provenance: Mapping[str, Scalar], path: Path) -> Mapping[str, Any]:
+    """Return the resolved scenario in a result; raises RunFileRefused if it cannot be read."""
     try:
-        return dict(json.loads(str(file.provenance["scenario_resolved"])))
+        return dict(json.loads(str(provenance["scenario_resolved"])))
     except (ValueError, TypeError, RecursionError) as problem:
-        raise RunFileRefused(f"{file.path}: the scenario in the file is not valid") from problem
+        raise RunFileRefused(f"{path}: the scenario in the file is not valid") from problem
 
 
 def run_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) -> str:
@@ -194,15 +193,7 @@ def run_in(resolved: Mapping[str, Any], path: Path, seed: int | None = None) -> 
         raise RunFileRefused(f"{path}: the scenario in the file is not valid") from problem
 
 
-def open_named(path: Path, run_id: str) -> RunFile:
-    """Open the result of a run by its file and its name; raises RunFileRefused for the result of another run."""
-    file = open_run(path)
-    try:
-        name = run_in(resolved_in(file), path)
-    except BaseException:
-        file.close()
-        raise
-    if name == run_id:
-        return file
-    file.close()
-    raise RunFileRefused(f"{path}: is the result of another run, {name}")
+def check_run(provenance: Mapping[str, Scalar], path: Path, run_id: str) -> None:
+    """Raise RunFileRefused if a file is the result of another run."""
+    if (name := run_in(resolved_in(provenance, path), path)) != run_id:
+        raise RunFileRefused(f"{path}: is the result of another run, {name}")

@@ -121,7 +121,7 @@ def _results(root: Path, regenerate: int, watch: Watch) -> Results:
 
 def _verify_run(results: Results, path: Path, regenerate: int) -> None:
     with open_run(path) as run:
-        results.take(path, resolved_in(run), RunFigures.of(run.summary))
+        results.take(path, resolved_in(run.provenance, path), RunFigures.of(run.summary))
         if not run.provenance["finished"]:
             raise RunFileRefused("unfinished")
         found = verify(run, regenerate)
@@ -205,7 +205,7 @@ def _compare_index(notes: Notes, index: IndexFile, results: Results, left_out: l
         left_out.append(LeftOut(name="index", reason="it is older than some runs; the same sweep renews it"))
         return
     sweep = _sweep_in(notes, index, results, left_out)
-    keep: Keep = sweep.keep if sweep is not None else "runs" if any(index.read(RUNS, "file")) else "summary"
+    keep: Keep = "runs" if any(index.read(RUNS, "file")) or DONE not in states.values() else "summary"
     for name, figures in figures_in(index, keep):
         there = results.figures.get(name)
         right = figures if there is None else replace(figures, values=there.values_of(figures.names))
@@ -214,7 +214,7 @@ def _compare_index(notes: Notes, index: IndexFile, results: Results, left_out: l
         same = figures.values.tobytes() == right.values.tobytes()
         notes.say(f"/{RUNS} figures of {name}", found="others" if not same else "those", expected="those")
     if sweep is not None:
-        _compare_with(notes, index, _made_again(index, sweep, results))
+        _compare_with(notes, index, _made_again(index, replace(sweep, keep=keep), results))
 
 
 def _sweep_in(notes: Notes, index: IndexFile, results: Results, left_out: list[LeftOut]) -> Sweep | None:

@@ -82,15 +82,12 @@ def _derived(seed: int, words: tuple[int, ...], replicate: int) -> int:
 
 
 def run_id(scenario: Scenario) -> str:
-    """Return the name of a run, 16 hexadecimal digits of the SHA-256 of its scenario with the seed.
-
-    It does not depend on the title, nor on the engine, since both engines give the same bits.
-    """
+    """Return the name of a run, 16 hexadecimal digits of the SHA-256 of its scenario with the seed."""
     return name_of(scenario.resolved(), scenario.run.seed)
 
 
 def name_of(resolved: Mapping[str, Any], seed: int) -> str:
-    """Return the name of the run of a resolved scenario with a seed; raises LookupError, TypeError if it is none."""
+    """Return the name of a resolved scenario's run with a seed. Neither its title nor its engine changes the name."""
     run = resolved["run"] | {"seed": seed, "engine": keys_of(SECTIONS["run"])["engine"].default}
     return sha256(canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
 
