@@ -3,6 +3,7 @@
 import os
 import signal
 from pathlib import Path
+from threading import Lock
 
 from rubnoise.errors import Refused
 from rubnoise.scenario.points import Point
@@ -21,10 +22,11 @@ def fail_some(point: Point) -> str:
 
 
 class Awkward(Exception):  # noqa: N818
-    """An exception that pickle takes apart and cannot put together again."""
+    """An exception that cannot be pickled."""
 
     def __init__(self, *, what: str) -> None:
         super().__init__(what)
+        self.lock = Lock()
 
 
 def be_awkward(point: Point) -> str:
