@@ -16,11 +16,11 @@ import rubnoise
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.runs import point_file, sweep
 from rubnoise.runs.folder import Shard, check_folder
+from rubnoise.runs.making import describe
 from rubnoise.runs.point_file import file_of, found, read_summary
 from rubnoise.runs.verify import verify_sweep
 from rubnoise.scenario.points import run_id
 from rubnoise.scenario.sweep import Sweep, expand
-from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.storage.writer import RunWriter
 from tests.unit.scenarios import GRID, sweep_of
 
@@ -67,6 +67,12 @@ def times(folder: Path) -> dict[str, int]:
 def columns_of(path: Path) -> dict[str, bytes]:
     with rubnoise.open(path) as run:
         return {name: column[:].tobytes() for name, column in run.trace.items()}
+
+
+def being_made(path: Path, folder: Path) -> RunWriter:
+    """Return the writer of a run that is being made."""
+    point = next(point for point in expand(small(folder)) if point.run_id == path.stem)
+    return RunWriter(path, describe(point.scenario, path, ["rubnoise"]), force=True)
 
 
 def made(call: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> int:
@@ -220,7 +226,7 @@ def test_the_result_of_another_run_stays_and_its_run_has_failed(folder: Path, tm
 def test_a_run_that_another_process_is_making_is_left_to_it(folder: Path, tmp_path: Path) -> None:
     path = min((folder / "runs").iterdir())
     path.unlink()
-    with sole_writer(OutputPaths.of(path)), rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
+    with being_made(path, tmp_path), rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
         assert (swept.count("done"), swept.count("planned"), swept.failures) == (3, 1, [])
     with rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
         assert swept.count("done") == 4
@@ -235,7 +241,8 @@ def test_what_another_process_has_made_meanwhile_is_in_the_index(
     enter = RunWriter.__enter__
 
     def held(writer: RunWriter) -> Any:
-        with sole_writer(OutputPaths.of(path)):
+        monkeypatch.setattr(RunWriter, "__enter__", enter)
+        with being_made(path, tmp_path):
             try:
                 return enter(writer)
             finally:

@@ -24,7 +24,6 @@ from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.output import whole_file
-from rubnoise.storage.read_structure import INTERVENTION
 from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.writer import RunWriter
@@ -152,7 +151,7 @@ def read(path: Path) -> tuple[str, RunFigures | None]:
     with open_run(path) as file:
         origin = file.provenance
         # With lives ended from outside it is no sample of the scenario.
-        other = origin["stream_version"] != STREAM_VERSION or INTERVENTION in origin
+        other = origin["stream_version"] != STREAM_VERSION or "intervention" in origin
         name = "" if other else run_in(resolved_in(origin, path), path)
         whole = origin["finished"] and file.summary and not file.damaged()
         return name, RunFigures.of(file.summary) if whole else None
