@@ -142,7 +142,7 @@ PROC = Path("/proc/self/net/tcp")
 
 def _command(beginning: str, *, tls: bool) -> list[str]:
     """Return the words of a command of the page, for this machine and one worker."""
-    line = next(line for line in LINES if line.startswith(beginning) and ("--tls-cert" in line) is tls)
+    line = next(line for line in LINES if line.startswith(beginning) and ("tls" in line) is tls)
     line = re.sub(r"\b10\.0\.0\.\d+", "127.0.0.1", line.removesuffix(" &"))
     return split(line.replace("--nworkers 16", "--nworkers 1").replace("--port 8786", "--port 0"))
 
