@@ -319,7 +319,7 @@ def test_memory_grows_with_the_number_of_junctions_at_once(engine: Any) -> None:
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_thin_contact_needs_no_more_memory_than_another(engine: Any) -> None:
     assert working_bytes(model(count=0.01, distance=1e6), engine) <= 2 * working_bytes(model(distance=1e6), engine)
-    assert working_bytes(model(count=0.01, distance=1e6), engine) < 0.2 * PROGRAM_BYTES
+    assert working_bytes(model(count=0.01, distance=1e6), engine) < 0.25 * PROGRAM_BYTES
 
 
 def test_time_grows_with_all_that_a_run_does_more() -> None:
