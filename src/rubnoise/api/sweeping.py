@@ -262,8 +262,8 @@ def keep_run(
 ) -> RunRow:
     """Make one run of a sweep into its own file, and return its row; an existing result is used.
 
-    An unfinished run of an earlier attempt is resumed. A file that another process is writing, such as a worker that
-    has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the file is on
+    A file that another process is writing, such as a worker that has not noticed yet that its sweep was stopped, is
+    waited for so many seconds. Without ``durable`` the file is on
     the disk only after a later flush (see sync_many). Raises OutputRefused for one in its place that is not the run.
     """
     last = time.monotonic() + patience

@@ -257,7 +257,7 @@ def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
     if folder.merged.exists():
         yield LeftOut(name="merged.h5", reason="it is a copy of index and runs; `sweep --merge` writes it again")
     parts = [f"runs/{path.name}" for path in (folder.root / "runs").glob("*.h5.part")]
-    yield from _some(parts, "unfinished; the same sweep resumes it", "runs/*.h5.part")
+    yield from _some(parts, "unfinished; the same sweep makes it again", "runs/*.h5.part")
     names = [path.name for path in folder.root.iterdir()]
     strays = [name for name in names if name not in OWN and not name.startswith(".") and not name.endswith(UNFINISHED)]
     yield from _some(strays, "it is no file of the sweep", "others")
