@@ -23,7 +23,7 @@ from rubnoise.errors import RunStopped
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.storage import merged_sweep
 from rubnoise.storage.lock import is_held
-from rubnoise.storage.output import OutputPaths, sole_writer
+from rubnoise.storage.output import part_file
 from rubnoise.sweep.conduct import SweepProgress
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, command, spawn, start
@@ -150,7 +150,7 @@ def test_a_run_that_somebody_writes_is_waited_for(file: Path, tmp_path: Path) ->
     point, *_ = expand(load_sweep(file))
     (root := tmp_path / "d").joinpath("runs").mkdir(parents=True)
     path = root / "runs" / f"{point.run_id}.h5"
-    with sole_writer(OutputPaths.of(path)):
+    with part_file(path, force=True):
         with pytest.raises(rubnoise.Refused, match="another process is writing it"):
             keep_run(point, root=root, command=("x",), patience=0.3)
         with ThreadPoolExecutor() as meanwhile:

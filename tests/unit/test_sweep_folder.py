@@ -16,9 +16,9 @@ from rubnoise.api.sweeping import keep_run
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Point, run_id
 from rubnoise.scenario.sweep import Sweep, expand
-from rubnoise.storage import disk, writer
+from rubnoise.storage import disk
 from rubnoise.storage import read_structure as structure_module
-from rubnoise.storage.output import OutputPaths, sole_writer
+from rubnoise.storage.output import part_file, part_of
 from rubnoise.sweep import index
 from rubnoise.sweep.folder import Shard, SweepFolder
 from rubnoise.sweep.journal import RunRow, SweepJournal, entries
@@ -252,8 +252,7 @@ def test_runs_wait_for_the_disk_together_and_are_written_down_then(
     points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[str] = []
-    monkeypatch.setattr(writer, "COMMIT_SECONDS", 1e9)  # a run that others keep from the processor would wait itself
-    for name in ("sync", "sync_rows", "sync_folder"):
+    for name in ("sync", "sync_folder"):
         monkeypatch.setattr(disk, name, lambda _, name=name: calls.append(f"{name} {len(_told(claimed))}"))
     ledger.begin(points[:2])
     begun = [(point.run_id, "begun") for point in points[:2]]
@@ -273,9 +272,10 @@ def test_a_run_alone_waits_for_the_disk(
     points: tuple[Point, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[str] = []
-    monkeypatch.setattr(disk, "sync", lambda _: calls.append("sync"))
+    for name in ("sync", "sync_folder"):
+        monkeypatch.setattr(disk, name, lambda _, name=name: calls.append(name))
     rubnoise.run(points[0].scenario, tmp_path / "x.h5").close()
-    assert len(calls) >= 3
+    assert calls == ["sync", "sync_folder"]
 
 
 def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
@@ -345,24 +345,23 @@ def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
     assert not path.exists()
 
 
-def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
+def test_parts_go_and_second_names_too_unless_another_process_writes(
     points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog
 ) -> None:
     ledger.begin(points)
     path = _left(points[0], claimed)
-    paths, truncated = OutputPaths.of(path), OutputPaths.of(claimed.run(points[1].run_id))
-    paths.part.hardlink_to(path)
-    (alone := OutputPaths.of(claimed.run(points[2].run_id)).journal).write_bytes(b"of a part that is gone")
-    truncated.part.write_bytes(bytes(5000))
-    with sole_writer(truncated):
+    part, other = part_of(path), part_of(claimed.run(points[1].run_id))
+    part.hardlink_to(path)
+    other.write_bytes(bytes(5000))
+    with part_file(claimed.run(points[1].run_id), force=False):
         _recovered(points[1], claimed, ledger)
-        assert truncated.part.exists()
+        assert other.exists()
+    other.write_bytes(bytes(5000))
     for point in points:
         _recovered(point, claimed, ledger)
     assert path.exists()
-    assert not paths.part.exists()
-    assert not alone.exists()
-    assert not truncated.part.exists()
+    assert not part.exists()
+    assert not other.exists()
 
 
 def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(

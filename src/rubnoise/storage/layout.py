@@ -13,7 +13,7 @@ from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
-STRUCTURE_BYTES = 24 * 1024
+STRUCTURE_BYTES = 20 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
 Name = tuple[str, str]

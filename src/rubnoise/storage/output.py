@@ -243,7 +243,7 @@ def _locked(part: Path) -> int:
 
 
 def _lock(descriptor: int) -> None:
-    """Lock a file if the system has locks; raises BlockingIOError if another process holds it for more than a moment."""
+    """Lock a file if the system has locks; raises BlockingIOError if another process holds it longer than a moment."""
     deadline, waiting = monotonic() + PATIENCE_SECONDS, LOCKS
     while waiting:
         try:
