@@ -240,7 +240,7 @@ def coupled(
         for border in [*borders, known]:
             told.extend(motion.through(born, border))
         if resumed:
-            motion = CoupledMotion(model, numbers, CoupledState.unpack(motion.state.pack()), Scratch(0), earlier, cells)
+            motion = CoupledMotion(model, numbers, motion.state, Scratch(0), earlier, cells)
             motion.finished = known == np.inf
     return _told(told, motion.state, numbers, begin)
 

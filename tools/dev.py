@@ -45,7 +45,7 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 GUARDS = {
     "times": ("check_times.py", "5 minutes: no everyday case is slow; --add lists those that are, --write all anew"),
     "faults": ("mutants.py", "2 hours: each of the faults put into a copy of the program is noticed"),
-    "kills": ("survive.py", "10 minutes and more: kills, power cuts and full disks lose nothing"),
+    "kills": ("survive.py", "minutes: after kills and on full disks nothing is lost"),
     "damage": ("fuzz_results.py", "10 minutes: damaged results get a sentence"),
     "bits": ("determinism.py", "10 minutes: equal bits on other processors, libraries, hash seeds and threads"),
     "right-runs": ("right_runs.py", "15 minutes: how many of some thousands of right runs `compare` rejects"),

@@ -2,8 +2,8 @@
 
 Every file goes to `verify` and to one other command in turn, each in a process of its own with limits on time and
 memory. Counted are crashes, hangs, tracebacks, files opened without need, and files of which verify says that
-all is well though plain h5py reads something else from them than from the good one. Parts and journals of runs that did
-not finish go to `resume`, or to the same `run`; what it publishes has to be the result. Exit code 1 where there is any.
+all is well though plain h5py reads something else from them than from the good one. Exit code 1
+where there is any.
 """
 
 import argparse
@@ -25,13 +25,14 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 from fuzz.damage import SEALED, damaged  # noqa: E402
 from fuzz.hostile import CONSTRUCTIONS, make, make_canary, watched  # noqa: E402
 from survival.child import called, command, isolated  # noqa: E402
-from survival.moments import OTHER, VERIFY, resumed, stages_of  # noqa: E402
-from survival.stories import NAME, SCENARIO, SMALL, Outcome, chance  # noqa: E402
+from survival.stories import NAME, SCENARIO, Outcome, chance  # noqa: E402
 
 import rubnoise  # noqa: E402
 
 SMALL_RUN = {"sliding.distance": "100 um", "output.tick": "0.5 um", "interface.mean_junction_count": 5}
 """What makes a run of Figure 5 a small one."""
+
+VERIFY = ("verify", NAME)
 
 KINDS = {
     "none": (),
@@ -56,9 +57,6 @@ COMMANDS = (
 )
 ENDS = (0, 2, 3)
 """Done, refused, or found to differ; nothing else may come of a file, whatever is in it."""
-
-RESUMED = 0.75
-"""Share of the damaged parts that `resume` is given; the others are left to the same `run`."""
 
 LINKS = frozenset(("DIMENSION_LIST", "REFERENCE_LIST"))
 """How columns are tied together for viewers; no value of the run."""
@@ -150,28 +148,10 @@ def constructions(_seed: int, numbers: Sequence[int]) -> Outcome:
     return outcome
 
 
-def parts(seed: int, numbers: Sequence[int]) -> Outcome:
-    """Damage the part or the journal of runs that did not finish, by numbers, and resume them."""
-    outcome = Outcome()
-    stages = [stage for story in SMALL for stage in stages_of(story)]
-    for number in numbers:
-        random = chance(seed, f"part/{number}")
-        stage, other = stages[number % len(stages)], stages[(number + 1) % len(stages)]
-        name = random.choice(sorted(stage.files))
-        damage, changed = damaged(stage.files[name], other.files[f"{NAME}.part"], random)
-        again = random.random() < RESUMED
-        outcome.count(f"part: {damage}")
-        wrong = resumed(Outcome(), stage, {name: changed}, again=again)
-        where = f"{damage} {number} of {name}, {stage.story.name}, {stage.name}, by {'resume' if again else 'run'}"
-        outcome.find(where, (each for each in wrong if damage not in SEALED or not each.startswith(OTHER)))
-    return outcome
-
-
 def main() -> int:
     """Throw the files, print what came of them."""
     parser = argparse.ArgumentParser(description=__doc__.partition(":")[0])
     parser.add_argument("--count", type=int, default=1000, help="damaged files (1000)")
-    parser.add_argument("--parts", type=int, default=200, help="damaged parts and journals (200)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the damage (1)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", type=int, nargs="+", help="the numbers of the damaged files to throw once more")
@@ -180,7 +160,7 @@ def main() -> int:
         mutations: range(asked.count) if asked.only is None else asked.only
     }
     if asked.only is None:
-        thrown |= {parts: range(asked.parts), constructions: range(len(CONSTRUCTIONS))}
+        thrown[constructions] = range(len(CONSTRUCTIONS))
     outcome = Outcome()
     with ProcessPoolExecutor(asked.jobs) as pool:
         tasks = [(task, numbers[job :: asked.jobs]) for task, numbers in thrown.items() for job in range(asked.jobs)]

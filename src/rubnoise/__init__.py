@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
     from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
-    from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
     from rubnoise.api.scenarios import build, example, examples, load, load_sweep
     from rubnoise.api.surface import Surface
@@ -68,7 +67,6 @@ __all__ = [
     "load_sweep",
     "open",
     "open_sweep",
-    "resume",
     "run",
     "run_sweep",
     "simulate",
@@ -88,7 +86,6 @@ HOMES: Final = {
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.junction": ("Junction",),
     "rubnoise.api.result": ("Run", "open"),
-    "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),

@@ -88,25 +88,20 @@ class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not
 
 
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
-    """A run was stopped by a signal; the exit code is 128 plus the signal's number, as in a shell.
-
-    ``kept`` is the part file from which the run can resume, or None if nothing was kept.
-    """
+    """A run was stopped by a signal; the exit code is 128 plus the signal's number, as in a shell."""
 
     def __init__(self, signal_number: int) -> None:
         """Keep the number of the signal."""
         super().__init__(signal_number)
         self.exit_code = 128 + signal_number
-        self.kept: str | None = None
 
     def __str__(self) -> str:
-        """Return what was kept, and how to resume."""
-        return f"stopped by a signal; {resume_hint(self.kept) if self.kept else 'nothing was kept'}"
+        """Return what is left, and what makes the run again."""
+        return "stopped by a signal; nothing was kept, and the same command begins again"
 
 
-def resume_hint(part: str) -> str:
-    """Return the shell command that resumes a part file."""
-    return f"rubnoise resume {quote(part)} continues it"
+UNFINISHED: Final = "is a part of a run that did not end; the same command makes the run again"
+"""What is wrong with a file that a killed run has left."""
 
 
 _CALL: Final = re.compile(r"\brubnoise\.([a-z]+)\(\.\.\., ([^()]*)\)")

@@ -301,7 +301,7 @@ def test_without_matplotlib_nothing_is_drawn(place: Path, command: str, monkeypa
     assert "tools/dev.py sync" in answer.err.replace("'", "")
 
 
-@pytest.mark.parametrize("command", [name for name in READERS if name not in ("info", "view", "report")])
+@pytest.mark.parametrize("command", [name for name in READERS if name != "report"])
 def test_what_is_unfinished_is_refused(place: Path, command: str) -> None:
     (place / "good.h5").rename(place / "x.h5.part")
     with h5py.File(place / "x.h5.part", "r+") as file:
@@ -309,7 +309,7 @@ def test_what_is_unfinished_is_refused(place: Path, command: str) -> None:
     before = names(place)
     answer = call(command, "x.h5.part", *READERS[command])
     assert (answer.code, answer.out, names(place)) == (2, "", before)
-    assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
+    assert answer.err == "x.h5.part: is a part of a run that did not end; the same command makes the run again\n"
 
 
 @pytest.mark.parametrize("command", OF_SWEEPS)
@@ -375,25 +375,6 @@ def test_a_file_that_never_ends_is_refused(place: Path, command: str) -> None:
     assert (asked.returncode, *said) == (2, "", f"{KERNEL_LOG}: is not a regular file\n")
     (place / "bad.toml").write_text(f'format = 1\nextends = "{KERNEL_LOG}"\n')
     assert f"extends: {KERNEL_LOG}: is not a regular file\n" in call("check", "bad.toml").err
-
-
-def _journal_is_a_pipe(part: Path) -> str:
-    os.mkfifo(part.with_name(f"{part.name}.journal"))
-    return f"{part.absolute()}.journal: is not a regular file\n"
-
-
-def _lock_is_a_pipe(part: Path) -> str:
-    os.mkfifo(part.with_name(f".{part.stem}.lock"))
-    return ""
-
-
-@pytest.mark.parametrize("beside", [_journal_is_a_pipe, _lock_is_a_pipe])
-def test_a_pipe_beside_a_part_is_not_waited_for(place: Path, beside: Callable[[Path], str]) -> None:
-    part = place / "x.h5.part"
-    part.write_bytes((place / "good.h5").read_bytes())
-    said = beside(part)
-    answer = call("info", "x.h5.part")
-    assert (answer.code, answer.err) == (2 if said else 0, said)
 
 
 CALLS = """

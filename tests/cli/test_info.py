@@ -2,16 +2,11 @@
 
 import json
 import re
-from dataclasses import replace
+import shutil
 from pathlib import Path
 
 import pytest
 
-import rubnoise
-from rubnoise.runs import making
-from rubnoise.storage import resume
-from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.part import make_part
 from tests.cli.terminal import CONTACT, call, names
 from tests.format.runs import describe, random_rows, write_run
 
@@ -86,34 +81,21 @@ def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[
     )
 
 
-def test_a_part_that_is_being_written_is_told_of(here: Path) -> None:
+def test_a_part_is_refused_in_a_line(here: Path) -> None:
+    """While it is written, and when a kill has left it."""
     description = describe()
     said = []
 
     def look() -> None:
-        said.append(call("info", "x.h5.part"))
+        said.append(call("info", "x.h5.part").err)
+        shutil.copy("x.h5.part", "y.h5.part")
 
     write_run("x.h5", description, random_rows(description), meanwhile=look)
-    assert (said[0].code, said[0].err) == (0, "")
-    assert said[0].out.startswith("x.h5.part: a small run of µm, unfinished\n")
-    assert "0%: 0 of 7 junctions, 0 of 11 ticks" in " ".join(said[0].out.split())
-    assert "a process is writing it" in said[0].out
-    assert names(here) == ["x.h5"]
-
-
-def test_a_part_in_free_motion_is_told_of_and_not_viewed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with make_part(OutputPaths.of("b.h5"), making.describe(rubnoise.example("load/bouncing"), "b.h5", ["x"])):
-        pass
-    told = call("info", "b.h5.part")
-    assert (told.code, told.err) == (0, "")
-    assert "0 rows of /junctions, 0 of 100,001 ticks, 0 rows of /landmarks" in " ".join(told.out.split())
-    assert "junctions" not in call("info", "b.h5.part", "--json").json()["whole"]
-    committed = replace(resume.look("b.h5.part"), ticks=100)
-    monkeypatch.setattr(resume, "look", lambda _part: committed)
-    shown = call("view", "b.h5.part")
-    assert (shown.code, shown.out) == (2, "")
-    hint = "rubnoise resume b.h5.part continues it"
-    assert shown.err == f"b.h5.part: an unfinished run in free motion holds no junctions yet; {hint}\n"
+    assert said == ["x.h5.part: is being written by another program\n"]
+    left = call("info", "y.h5.part")
+    assert (left.code, left.out) == (2, "")
+    assert left.err == "y.h5.part: is a part of a run that did not end; the same command makes the run again\n"
+    assert names(here) == ["x.h5", "y.h5.part"]
 
 
 # `rubnoise teach`: the page of lessons as a file.

@@ -10,7 +10,6 @@ from math import inf, nan
 from pathlib import Path
 from string import Formatter
 from typing import Any, NoReturn
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -24,11 +23,6 @@ from rubnoise.cli import load as load_lines
 from rubnoise.cli.claims import claim_as_json, row_as_json
 from rubnoise.cli.layout import LineWords, json_text
 from rubnoise.cli.surface import contents, motions
-from rubnoise.model import Model
-from rubnoise.runs.making import describe
-from rubnoise.scenario import load
-from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.part import make_part
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call
 from tests.unit.tampering import put, tell
@@ -184,18 +178,6 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
     full = "full.toml"
-    for name, rows in (("stopped.h5", Model.slider_rows), ("growing.h5", None)):
-        with (
-            patch.object(Model, "slider_rows", rows),
-            make_part(OutputPaths.of(name), describe(load(full), name, ["rubnoise", "run", full])),
-        ):
-            pass
-    coupled = load(full, ["slider.coupling=two-way"])
-    with make_part(OutputPaths.of("coupled.h5"), describe(coupled, "coupled.h5", ["rubnoise", "run", full])):
-        pass
-    bouncing = load("elastic.toml")
-    with make_part(OutputPaths.of("bouncing.h5"), describe(bouncing, "bouncing.h5", ["rubnoise", "run", full])):
-        pass
     call("run", "bare.toml", "-o", "traced.h5", "--set", "sliding.distance=4 mm")
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
@@ -233,11 +215,6 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
                 "--json",
             ),
         ),
-        ("unfinished", ("info", "stopped.h5.part", "--json")),
-        ("unfinished", ("info", "growing.h5.part", "--json")),
-        ("unfinished", ("info", "coupled.h5.part", "--json")),
-        ("unfinished", ("info", "bouncing.h5.part", "--json")),
-        ("run", ("resume", "stopped.h5.part", "--json")),
         ("compare", ("compare", "long.h5", "--json")),
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),
         ("verify", ("verify", "long.h5", "--regenerate", "1", "--json")),

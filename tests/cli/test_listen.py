@@ -294,7 +294,7 @@ def test_without_ffmpeg_an_mp4_is_refused(contact_result: Path, here: Path, monk
 
 
 def test_a_signal_leaves_no_film_behind(contact_result: Path, here: Path) -> None:
-    drawing: subprocess.Popen[str] = begin("animate", "x.h5", "--seconds", "50", part=here / ".x.gif.lock")
+    drawing: subprocess.Popen[str] = begin("animate", "x.h5", "--seconds", "50", part=here / "x.gif.part")
     answer = stop(drawing, signal.SIGINT)
     assert (answer.code, answer.err) == (130, "stopped by a signal; nothing was kept\n")
     assert names(here) == ["x.h5"]

@@ -1,4 +1,4 @@
-"""A scenario whose slider pushes back, from `check` to `verify`: run, stopped, resumed, opened and looked at."""
+"""A scenario whose slider pushes back, from `check` to `verify`: run, opened and looked at."""
 
 import json
 import wave
@@ -11,8 +11,8 @@ import xarray
 
 import rubnoise
 from rubnoise.errors import Refused
-from tests.cli.terminal import call, columns, names, spawn_program
-from tests.cli.test_resume import SHORT, SLIDER, STOPPED
+from tests.cli.terminal import call, columns
+from tests.cli.test_signals import SHORT, SLIDER
 
 TWO_WAY = ("--set", "slider.coupling=two-way", *SHORT)
 MOTION = ("displacement_std", "stick_fraction", "sticks_per_s", "reversals_per_s", "slips_longer_than_d_per_s")
@@ -161,25 +161,6 @@ def test_verify_counts_phases_again(ran: Path) -> None:
     done = call("verify", ran)
     assert done.code == 3
     assert "/summary stick_fraction" in done.out + done.err
-
-
-def test_stopped_half_way_it_goes_on_to_the_same_bits(here: Path, ran: Path) -> None:
-    whole = columns(ran)
-    ran.unlink()
-    done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", *TWO_WAY)
-    assert done.code == 143
-    assert names(here) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
-    (checked,) = json.loads(call("check", SLIDER, *TWO_WAY, "--json").out)["scenarios"].values()
-    told = json.loads(call("info", "x.h5.part", "--json").out)
-    most = told["slider_rows_at_most"]
-    assert most == checked["cost"]["slider_rows_at_most"]
-    assert 0 < told["done"]["slider"] < most
-    shown = " ".join(call("info", "x.h5.part").out.split())
-    assert f"{told['done']['slider']:,} rows of /slider (at most {most:,} expected)" in shown
-    assert call("resume", "x.h5.part", "-q").code == 0
-    assert names(here) == ["x.h5"]
-    assert columns(ran) == whole
-    assert call("verify", "x.h5").code == 0
 
 
 def test_compare_has_the_exact_laws_and_leaves_the_one_way_motion_out(ran: Path) -> None:

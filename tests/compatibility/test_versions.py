@@ -1,7 +1,7 @@
-"""Files of format version 1 are read as ever, and files of other versions as far as they go.
+"""Files of the present format version are read as ever; those of others are refused in a sentence.
 
 After FORMAT_VERSION has been raised, `python -m tests.compatibility.test_versions` from the root writes the files of
-the new version; those of earlier versions stay as they are.
+the new version. Version 1, of which one file is kept, was never published.
 """
 
 import hashlib
@@ -19,12 +19,12 @@ from rubnoise.storage import provenance
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.schema import FORMAT_VERSION
 
-# Files of format version 1, kept as they were written: what is read out of them never changes.
+# Files of format version 2, kept as they were written: what is read out of them never changes.
 HERE = Path(__file__).parent
-WHOLE, BARE = HERE / "format_1.h5", HERE / "format_1_bare.h5"
+WHOLE, BARE = HERE / "format_2.h5", HERE / "format_2_bare.h5"
 BYTES = {
-    WHOLE: "5d25870bad3b40505c622618ae88ff8dfc4dfe7098df688ec59db3060a0fe8cb",
-    BARE: "ff431e2f45dda8f1fd675095287cb0d00bea790670ead9d62825fd25fcdffb86",
+    WHOLE: "3752d056aa034fd44b1f1a63f5edc20d0fab891abc9e3d10946c2b6d992402ae",
+    BARE: "94461e85b16b5cb178bf3c08ade3e038937a07c15fab104f953328b53064207b",
 }
 JUNCTION_3 = {
     WHOLE: {
@@ -57,7 +57,7 @@ COLUMNS = {
 }
 STATES = {WHOLE: {0: 16, 1: 5, 2: 7}, BARE: {0: 47, 2: 3}}
 SCENARIOS = {WHOLE: HERE / "whole.toml", BARE: HERE / "bare.toml"}
-MEAN_AREA = {WHOLE: (176.19864791862858, 201.49999999999997), BARE: (86.32424005862853, 100.0)}
+MEAN_AREA = {WHOLE: (176.19864791862852, 201.49999999999997), BARE: (86.32424005862853, 100.0)}
 TICKS = {WHOLE: 201, BARE: 1096}
 FILES = pytest.mark.parametrize("path", [WHOLE, BARE], ids=lambda path: path.stem)
 
@@ -85,7 +85,6 @@ def test_every_column_is_there_and_has_its_hash(path: Path) -> None:
         assert run.columns.keys() == {"junctions", "life_curve", *COLUMNS[path]}
         assert Counter(run.column("junctions", "state").tolist()) == STATES[path]
         assert run.extent.ticks == TICKS[path]
-        assert run.extent.blocks == 0
         assert run.damaged() == ()
 
 
@@ -102,8 +101,7 @@ def test_a_changed_byte_is_noticed_in_any_column(path: Path, tmp_path: Path) -> 
 
 @FILES
 def test_scenario_summary_and_origin_are_read(path: Path) -> None:
-    # An old file without the key has what was the default then.
-    scenario = rubnoise.load(SCENARIOS[path]).replace({"interface.calibration": "exact"})
+    scenario = rubnoise.load(SCENARIOS[path])
     with rubnoise.open(path) as run:
         assert run.provenance["scenario_toml"] == SCENARIOS[path].read_text(encoding="utf-8")
         assert run.scenario.resolved() == scenario.resolved()
@@ -116,7 +114,7 @@ def test_scenario_summary_and_origin_are_read(path: Path) -> None:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """Return a copy of the kept file that may be changed."""
-    return Path(shutil.copy(HERE / "format_1.h5", tmp_path / "run.h5"))
+    return Path(shutil.copy(WHOLE, tmp_path / "run.h5"))
 
 
 def set_text(owner: h5py.HLObject, name: str, text: str) -> None:
@@ -124,9 +122,18 @@ def set_text(owner: h5py.HLObject, name: str, text: str) -> None:
     owner.attrs.create(name, np.array(text.encode()), dtype=h5py.string_dtype("utf-8", len(text)))
 
 
-def test_every_version_up_to_the_present_one_is_kept() -> None:
+def test_the_present_version_is_kept() -> None:
     kept = {path.name for path in HERE.glob("*.h5")}
-    assert kept == {f"format_{n}{kind}.h5" for n in range(1, FORMAT_VERSION + 1) for kind in ("", "_bare")}
+    assert kept == {"format_1_bare.h5", f"format_{FORMAT_VERSION}.h5", f"format_{FORMAT_VERSION}_bare.h5"}
+
+
+def test_version_1_gets_a_sentence() -> None:
+    path = HERE / "format_1_bare.h5"
+    with pytest.raises(RunFileRefused) as refusal:
+        open_run(path)
+    assert str(refusal.value) == (
+        f"{path}: has format version 1, and this rubnoise reads version {FORMAT_VERSION}: run its scenario again"
+    )
 
 
 def test_a_newer_version_is_refused_with_the_version_needed(path: Path) -> None:
@@ -145,7 +152,7 @@ def test_a_newer_version_is_refused_with_the_version_needed(path: Path) -> None:
 def test_a_version_that_never_was_is_refused(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file.attrs.modify("format_version", 0)
-    with pytest.raises(RunFileRefused, match="has format version 0, which does not exist"):
+    with pytest.raises(RunFileRefused, match="has format version 0, and this rubnoise reads version"):
         open_run(path)
 
 

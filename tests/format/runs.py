@@ -38,7 +38,6 @@ ORIGIN = Provenance(
 def describe(
     junctions: int = 7,
     ticks: int = 11,
-    blocks: int = 3,
     slider: int | None = 13,
     *,
     features: frozenset[Feature] = EVERYTHING,
@@ -50,7 +49,6 @@ def describe(
         extent=Extent(
             junctions=junctions,
             ticks=ticks,
-            blocks=blocks,
             slider=slider if "slider" in features else 0,
             landmarks=5 if "two-way" in features else 0,
         ),

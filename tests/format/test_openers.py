@@ -23,7 +23,6 @@ NAMES = {
     " death_time state",
     "trace": "distance real_contact_area junction_count friction_force",
     "slider": "time distance friction_force displacement velocity",
-    "blocks": "block birth_distance first_junction first_tick displacement velocity",
     "life_curve": "u area_fraction",
 }
 UNITS = {
@@ -84,7 +83,7 @@ def test_root_and_groups_say_how_to_plot_them(path: Path) -> None:
     with h5py.File(path) as file:
         root = texts(file)
         assert root["Conventions"] == "CF-1.11"
-        assert (root["format"], root["format_version"]) == ("rubnoise-run", 1)
+        assert (root["format"], root["format_version"]) == ("rubnoise-run", 2)
         assert (root["NX_class"], root["default"]) == ("NXroot", "trace")
         assert root["title"] == "a small run of µm"
         assert root["source"].startswith("rubnoise ")

@@ -18,7 +18,6 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Tee
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
-from rubnoise.storage import columns as column_files
 from rubnoise.storage.layout import RunDescription, expected_bytes, features_of
 from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.reader import open_run
@@ -136,7 +135,6 @@ def test_rows_may_overlap_those_written_and_go_on_behind_them(tmp_path: Path) ->
     rows = random_rows(description)
     with RunWriter(tmp_path / "run.h5", description) as writer:
         writer.write("trace", 0, rows["trace"])
-        writer.write("blocks", 0, rows["blocks"])
         writer.write("junctions", 0, {name: np.zeros_like(values[:6]) for name, values in rows["junctions"].items()})
         writer.write("junctions", 0, {name: values[:3] for name, values in rows["junctions"].items()})
         writer.write("junctions", 3, {name: values[3:] for name, values in rows["junctions"].items()})
@@ -146,7 +144,7 @@ def test_rows_may_overlap_those_written_and_go_on_behind_them(tmp_path: Path) ->
 
 def test_strided_columns_are_written_as_their_values(tmp_path: Path) -> None:
     description = describe(5, 8, features=BARE)
-    wide = random_rows(describe(10, 16, 6, features=BARE))
+    wide = random_rows(describe(10, 16, features=BARE))
     rows = {group: {name: values[::2] for name, values in columns.items()} for group, columns in wide.items()}
     write_run(tmp_path / "run.h5", description, rows)
     assert_holds(tmp_path / "run.h5", rows)
@@ -167,8 +165,8 @@ def test_rows_are_read_from_and_to_where_asked(tmp_path: Path) -> None:
 
 def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
     """Return the peak of traced memory of a run that is written block by block."""
-    description = describe(2000 * blocks, 20_000 * blocks, blocks, 21_000 * blocks, compression=compression)
-    block = random_rows(describe(2000, 20_000, 1, 21_000))
+    description = describe(2000 * blocks, 20_000 * blocks, 21_000 * blocks, compression=compression)
+    block = random_rows(describe(2000, 20_000, 21_000))
     tracemalloc.start()
     with RunWriter(path, description) as writer:
         for k in range(blocks):
@@ -184,7 +182,6 @@ def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
 def test_memory_does_not_grow_with_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression
 ) -> None:
-    monkeypatch.setattr(column_files, "PIECE_BYTES", 1 << 16)  # small enough for every column to fill one
     # A compressed file is read back in pieces, which ten blocks do not fill.
     few, many = (40, 80) if compression == "gzip" else (10, 40)
     peak_bytes(tmp_path / "warm.h5", 1, compression)

@@ -12,7 +12,7 @@ import pytest
 from fuzz.damage import DAMAGES, Damage, damaged, lookup3
 from fuzz.hostile import CONSTRUCTIONS, Construction, make, watched
 from fuzz.traces import made
-from fuzz_results import COMMANDS, KINDS, MISSED, Judge, mutations, parts, values
+from fuzz_results import COMMANDS, KINDS, MISSED, Judge, mutations, values
 from survival.child import called, isolated
 from survival.stories import NAME
 
@@ -50,13 +50,6 @@ def test_a_change_that_verify_missed_would_be_seen(judge: Judge) -> None:
     judge.path.write_bytes(judge.good["none"])
     tell(judge.path, "provenance", "command", "rubnoise run another.toml")
     assert list(judge.judged("none", 0, forged=False)) == [f"verify: {MISSED}"]
-
-
-@ON_LINUX
-def test_damaged_parts_are_refused_or_resumed() -> None:
-    outcome = parts(1, range(FEW))
-    assert outcome.counts.total() == FEW
-    assert outcome.findings == []
 
 
 @ON_LINUX

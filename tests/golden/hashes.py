@@ -93,10 +93,7 @@ def draws() -> dict[str, str]:
 def columns_of(run: Model, engine: Engine = "events") -> dict[str, str]:
     groups = recorded(run, SEED, engine=engine).groups
     return {
-        f"{group}/{column}": hash_of(values)
-        for group, columns in groups.items()
-        if group != "blocks"  # says how the run was cut, not what happened in it
-        for column, values in columns.items()
+        f"{group}/{column}": hash_of(values) for group, columns in groups.items() for column, values in columns.items()
     }
 
 

@@ -24,8 +24,6 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario, build, loads
 from rubnoise.scenario.source import Source
 from rubnoise.simulation.extent import extent
-from rubnoise.simulation.run import simulate
-from rubnoise.simulation.state import State
 from rubnoise.storage.reader import open_run
 from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
 from tests.frozen import examples
@@ -147,24 +145,6 @@ def test_a_seed_gives_the_same_bytes_twice(run: Model, seed: int) -> None:
     record = record_of(run, seed)
     if record is not None:
         assert contents(recorded(run, seed)) == contents(record)
-
-
-@FEW
-@given(run=models(), seed=SEEDS, where=st.floats(0.0, 1.0))
-def test_a_run_goes_on_from_any_cut_to_the_same_bytes(run: Model, seed: int, where: float) -> None:
-    whole, states = MemoryRecord(extent(run, seed)), []
-    try:
-        simulate(run, seed, whole, commit=lambda state: states.append(state.pack()))
-    except Refused:
-        return
-    cut = State.unpack(states[int(where * (len(states) - 1))])
-    again = MemoryRecord(whole.extent, {g: {n: v.copy() for n, v in c.items()} for g, c in whole.groups.items()})
-    for group, columns in again.groups.items():
-        for values in columns.values():
-            values[cut.junctions if group == "junctions" else cut.ticks :] = 0
-    last = simulate(run, seed, again, state=cut)
-    assert last.pack() == states[-1]
-    assert contents(again) == contents(whole)
 
 
 @FEW

@@ -266,7 +266,7 @@ def run(path: Path) -> Iterator[rubnoise.Run]:
 @pytest.mark.parametrize("index", [True, False])
 def test_a_tree_holds_every_group_with_units(run: rubnoise.Run, index: bool) -> None:  # noqa: FBT001
     tree = run.to_xarray(index=index)
-    assert set(tree.children) == {"junctions", "trace", "slider", "blocks", "life_curve"}
+    assert set(tree.children) == {"junctions", "trace", "slider", "life_curve"}
     assert tree.attrs == run.attributes
     for name, columns in run.groups().items():
         for column in columns:

@@ -280,11 +280,10 @@ def test_rows_are_chosen_as_the_command_line_does(record: rubnoise.Record, path:
             junctions.where(wrong)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("group", ["junctions", "blocks"])
-def test_chosen_rows_keep_their_numbers(path: Path, group: str) -> None:
+def test_chosen_rows_keep_their_numbers(path: Path) -> None:
     with rubnoise.open(path) as run:
-        columns = run.groups()[group]
-        scale, other = columns.names[0], "diameter" if group == "junctions" else "first_junction"
+        columns = run.junctions
+        scale, other = columns.names[0], "diameter"
         chosen = columns.where(f"{scale} > 2 and {scale} < 7")
         labelled = chosen.to_xarray()
         assert labelled.indexes[scale].tolist() == chosen.to_pandas().index.tolist() == [3, 4, 5, 6]

@@ -21,7 +21,7 @@ from rubnoise.analysis.selection import gather, select
 from rubnoise.analysis.where import DEEPEST, LONGEST, ConditionRefused, condition
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import JUNCTIONS, TRACE, Dataset
-from rubnoise.storage.structure import LIBRARY_VERSIONS, Words, complete, compose
+from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
 from tests.format.runs import Compression, describe, random_rows, write_run
 
 # Which rows are chosen, in which order, and how much is read for it.
@@ -372,8 +372,8 @@ def huge(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("huge") / "huge.h5"
     with h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
         description = describe(LONG_RUN, LAST_TICK + 1, slider=LAST_TICK + 1)
-        compose(file, description, compressed=False)
-        complete(file, Words.of(description), {}, {}, "2026-01-02T03:04:06Z")
+        compose(file, description)
+        complete(file, description, {}, {}, "2026-01-02T03:04:06Z")
     assert path.stat().st_size > 11e9
     if path.stat().st_blocks * 512 > 1e8:
         pytest.skip("the file system has no sparse files")

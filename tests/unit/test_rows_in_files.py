@@ -17,9 +17,9 @@ from rubnoise.figures.life import life_png
 from rubnoise.figures.slider import slider_figure
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import Model
-from rubnoise.record.sink import Appender
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.sink import Appender, Extent
 from rubnoise.scenario import Scenario, build
-from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.kernels import Grid, Scratch, choice, deposit
 from rubnoise.simulation.kernels.fine import FINEST
 from rubnoise.simulation.state import LiveRows
@@ -244,24 +244,25 @@ def test_a_one_way_slider_of_other_rows_is_seen(
     assert (wrong.first.found, wrong.first.expected) == (str(FEWER), str(TICKS))
 
 
-def test_a_block_begins_where_the_slider_was_last_before_it() -> None:
-    """Whatever its rows are: here two to a tick, in panels that end between blocks."""
-    places = np.array([0.0, 10.0, 20.0, 30.0])
-    starts = BlockStarts(
-        block=np.arange(4),
-        birth_distance=places,
-        first_junction=np.zeros(4, np.int64),
-        first_tick=np.zeros(4, np.int64),
-        time=np.zeros(4),
-        distance=np.zeros(4),
-        phase=np.zeros(4, np.uint8),
-        displacement=np.full(4, -1.0),
-        velocity=np.full(4, -1.0),
-        separation=np.zeros(4),
-        separation_velocity=np.zeros(4),
-    )
-    distance = np.arange(0.0, 25.0, 0.5)
-    for panel in (distance[:7], distance[7:41], distance[41:]):
-        starts.pass_ticks(panel, displacement=2.0 * panel, velocity=3.0 * panel)
-    assert starts.displacement.tolist() == [-1.0, 19.0, 39.0, 49.0]
-    assert starts.velocity.tolist() == [-1.0, 28.5, 58.5, 73.5]
+def test_a_run_is_the_same_whether_the_rows_of_its_slider_are_counted_or_grow(
+    tmp_path: Path, slider_scenario: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rubnoise.run(slider_scenario, tmp_path / "counted.h5").close()
+    with monkeypatch.context() as patch:
+        patch.setattr(Model, "slider_rows", None)
+        rubnoise.run(slider_scenario, tmp_path / "grown.h5").close()
+        assert len(rubnoise.simulate(slider_scenario).slider) == TICKS
+    with open_run(tmp_path / "counted.h5") as one, open_run(tmp_path / "grown.h5") as other:
+        assert one.extent == other.extent
+        for group, columns in one.columns.items():
+            for name in columns:
+                assert one.column(group, name).tobytes() == other.column(group, name).tobytes()
+        assert verify(other).different == []
+
+
+def test_a_record_in_memory_grows() -> None:
+    record, values = MemoryRecord(Extent(junctions=0, ticks=0, slider=None)), np.arange(1000.0)
+    for first, last in ((0, 3), (3, 10), (10, 11), (11, 1000)):
+        record.write("slider", first, {"time": values[first:last], "velocity": -values[first:last]})
+    assert record["slider"]["time"].tobytes() == values.tobytes()
+    assert record["slider"]["velocity"].tobytes() == (-values).tobytes()

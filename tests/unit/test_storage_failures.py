@@ -7,29 +7,21 @@ import os
 import platform
 import re
 import resource
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.record.sink import Extent
-from rubnoise.storage.layout import expected_bytes
-from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.part import SLACK_BYTES, make_part, open_part
 from rubnoise.storage.provenance import gather, now, package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
-from tests.format.runs import EVERYTHING, Compression, attempt, describe, names, random_rows, write_run
+from tests.format.runs import Compression, attempt, describe, names, random_rows, write_run
 
 
 # A run that fails, at whatever point, leaves nothing behind and nothing harmed.
@@ -72,33 +64,6 @@ def test_rows_in_the_wrong_place_or_of_the_wrong_type_are_refused(tmp_path: Path
             writer.write("trace", 0, {"temperature": trace["distance"]})
 
 
-KILLED = """
-import os, signal, sys
-from rubnoise.storage.writer import RunWriter
-from tests.format.runs import describe
-with RunWriter(sys.argv[1], describe()):
-    os.kill(os.getpid(), signal.SIGKILL)
-"""
-
-
-def test_after_a_kill_the_part_is_readable_and_force_starts_over(tmp_path: Path) -> None:
-    root = Path(__file__).parents[2]
-    searched = os.pathsep.join([str(root), *sys.path])
-    ended = subprocess.run(
-        [sys.executable, "-c", KILLED, str(tmp_path / "run.h5")],
-        env={**os.environ, "PYTHONPATH": searched},
-        check=False,
-    )
-    assert ended.returncode == -signal.SIGKILL
-    assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
-    with open_run(tmp_path / "run.h5.part") as part:
-        assert part.provenance["finished"] == ""
-    with pytest.raises(OutputRefused, match="running or stopped run"):
-        attempt(tmp_path / "run.h5")
-    attempt(tmp_path / "run.h5", force=True)
-    assert names(tmp_path) == ["run.h5"]
-
-
 @contextmanager
 def files_at_most(size: int) -> Iterator[None]:
     """Let the system refuse files beyond a size, as a full disk would."""
@@ -112,52 +77,24 @@ def files_at_most(size: int) -> Iterator[None]:
 
 @pytest.mark.parametrize("size", [0, 5000, 1_000_000])
 def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, size: int) -> None:
-    (tmp_path / "run.h5.part").write_bytes(b"older")
+    (tmp_path / "run.h5").write_bytes(b"older")
     with (
         files_at_most(size),
         pytest.raises(OutputRefused, match="File too large"),
         RunWriter(tmp_path / "run.h5", describe(100_000, 100_000), force=True),
     ):
         raise AssertionError
-    assert names(tmp_path) == ["run.h5.part"]
-    assert (tmp_path / "run.h5.part").read_bytes() == b"older"
+    assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == b"older"
 
 
 def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
     with (
-        pytest.raises(OutputRefused, match=r"needs .* bytes, and the disk has|File too large"),
+        pytest.raises(OutputRefused, match=r"no room for the .* bytes|File too large"),
         RunWriter(tmp_path / "run.h5", describe(10**13, 10**13, slider=10**13)),
     ):
         raise AssertionError
     assert names(tmp_path) == []
-
-
-def test_a_compressed_run_needs_room_for_two_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = random_rows(describe(2000, 2000))
-    room = expected_bytes(Extent(junctions=2000, ticks=2000, blocks=3, slider=13), EVERYTHING) + SLACK_BYTES
-    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=room))
-    write_run(tmp_path / "raw.h5", describe(2000, 2000), rows)
-    with pytest.raises(OutputRefused, match="and the disk has"):
-        write_run(tmp_path / "gzip.h5", describe(2000, 2000, compression="gzip"), rows)
-    assert names(tmp_path) == ["raw.h5"]
-
-
-def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
-    """What a later process needs stands in the part itself: no writer has to have lived on."""
-    rows = random_rows(describe())
-    paths = OutputPaths.of(tmp_path / "run.h5")
-    with make_part(paths, describe()) as part:
-        part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
-        assert part.marks(dict.fromkeys(rows, 0))
-    with open_run(paths.part) as found, open_part(paths, found) as part:
-        for group, columns in rows.items():
-            part.write(group, 0, columns)
-        ending = part.completion({}, "2026-01-02T03:05:00Z")
-        part.carry_out(ending)
-        part.check(ending)
-    with open_run(paths.part) as run:
-        assert run.damaged() == ()
-        assert run.column("trace", "distance").tobytes() == rows["trace"]["distance"].tobytes()
 
 
 @pytest.mark.parametrize("call", ["pwrite", "fsync"])

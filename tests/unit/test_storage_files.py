@@ -13,11 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import rubnoise
-from rubnoise.errors import OutputRefused, RubnoiseError, RunStopped
+from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.regular_file import NotRegular, is_folder, open_regular, open_stream, read_at_most
-from rubnoise.simulation import draws
-from rubnoise.storage import disk, writer
+from rubnoise.storage import disk
 from rubnoise.storage.disk import write_all
 from rubnoise.storage.output import OutputAppearedError, whole_file
 from rubnoise.storage.pages import PAGE, PagedFile, Unfailing
@@ -164,10 +162,8 @@ offsets = st.integers(0, 3 * PAGE)
 changes = st.lists(st.tuples(offsets, st.binary(min_size=1, max_size=PAGE + 7)), max_size=8)
 
 
-@given(beneath=st.binary(max_size=2 * PAGE + 5), changes=changes, size=offsets)
-def test_overlay_reads_as_the_changed_file_and_commits_to_it(
-    beneath: bytes, changes: list[tuple[int, bytes]], size: int
-) -> None:
+@given(beneath=st.binary(max_size=2 * PAGE + 5), changes=changes)
+def test_overlay_reads_as_the_changed_file(beneath: bytes, changes: list[tuple[int, bytes]]) -> None:
     expected = io.BytesIO(beneath)
     with TemporaryFile() as disk:
         disk.write(beneath)
@@ -177,12 +173,10 @@ def test_overlay_reads_as_the_changed_file_and_commits_to_it(
             for offset, data in changes:
                 file.seek(offset)
                 file.write(data)
+        size = overlay.seek(0, os.SEEK_END)
         overlay.seek(0)
-        assert overlay.read(overlay.size) == expected.getvalue()
+        assert overlay.read(size) == expected.getvalue()
         assert os.pread(disk.fileno(), 4 * PAGE, 0) == beneath
-        overlay.truncate(size)
-        overlay.commit(disk.fileno())
-        assert os.pread(disk.fileno(), 8 * PAGE, 0) == expected.getvalue()[:size].ljust(size, b"\0")
 
 
 def test_overlay_of_nothing_costs_only_what_is_written() -> None:
@@ -192,7 +186,7 @@ def test_overlay_of_nothing_costs_only_what_is_written() -> None:
     overlay.write(b"far")
     overlay.seek(-3, os.SEEK_CUR)
     assert overlay.read(3) == b"far"
-    assert overlay.seek(0, os.SEEK_END) == overlay.size == 10**15
+    assert overlay.seek(0, os.SEEK_END) == 10**15
     assert len(overlay._pages) == 1
 
 
@@ -231,15 +225,6 @@ def test_short_writes_are_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 # A system that reads or writes less than it was asked for, as it may, changes no byte of what is read or written.
 CONTENT = bytes(range(256)) * 40
-SCENARIO = {
-    "format": 1,
-    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
-    "sliding": {"distance": 300.0, "speed": 1000.0},
-    "strength": {"mean": 250.0},
-    "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05},
-    "output": {"tick": 1.0},
-}
-
 Shorten = Callable[[int], int]
 
 
@@ -291,29 +276,6 @@ def test_a_result_is_the_same_file(tmp_path: Path, short: Shorten, compression: 
             for group, columns in rows.items()
             for name, values in columns.items()
         )
-
-
-def test_a_run_that_was_stopped_goes_on_to_the_same_bits(
-    tmp_path: Path, short: Shorten, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    scenario = rubnoise.build(SCENARIO | {"sliding": {"distance": 3000.0, "speed": 1000.0}})
-
-    def stop(distance: float, born: int, live: int) -> None:
-        del born, live
-        if distance > 1000.0:
-            raise RunStopped(15)
-
-    with pytest.raises(RunStopped):
-        rubnoise.run(scenario, tmp_path / "x.h5", watch=stop)
-    assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
-    with rubnoise.run(scenario, tmp_path / "x.h5") as one, rubnoise.run(scenario, tmp_path / "y.h5") as other:
-        assert one._file.damaged() == other._file.damaged() == ()
-        for name, group in one.groups().items():
-            assert [group[each][:].tobytes() for each in group] == [
-                other.groups()[name][each][:].tobytes() for each in group
-            ]
 
 
 def test_a_system_that_writes_nothing_is_not_asked_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,21 +3,31 @@
 import errno
 import fcntl
 import os
+import shutil
 import tempfile
 import threading
+import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
-from rubnoise.errors import OutputRefused
-from rubnoise.storage import disk
-from rubnoise.storage.lock import Held, holding, is_held, remove_stale
-from rubnoise.storage.output import OutputPaths, check_output, sole_writer
+from rubnoise.errors import OutputRefused, RunFileRefused
+from rubnoise.storage import disk, output
+from rubnoise.storage.lock import Held, holding, is_held
+from rubnoise.storage.output import (
+    OutputInUse,
+    OutputSwappedError,
+    WrittenWithLess,
+    check_output,
+    part_file,
+    whole_file,
+)
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from tests.format.runs import attempt, describe, names, random_rows
+from tests.format.runs import Compression, attempt, describe, names, random_rows
 
 
 # An output that cannot be written is refused before anything is created, and a lock keeps others away.
@@ -38,7 +48,7 @@ def make_dangling_link(path: Path) -> None:
     path.symlink_to(path.parent / "nowhere.h5")
 
 
-@pytest.mark.parametrize("name", ["run.h5", "run.h5.part", ".run.h5.lock", ".run.h5.making"])
+@pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
 @pytest.mark.parametrize("make", [make_folder, make_pipe, make_link, make_dangling_link])
 def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path], None], name: str) -> None:
     make(tmp_path / name)
@@ -80,14 +90,23 @@ def test_what_is_read_is_no_output_by_any_name(tmp_path: Path, named: Callable[[
     check_output(tmp_path / "other.h5", force=False, reads=[read])
 
 
-@pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
-def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_bytes(b"older")
+def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path) -> None:
+    (tmp_path / "run.h5").write_bytes(b"older")
     with pytest.raises(OutputRefused, match="force=True"):
         attempt(tmp_path / "run.h5")
-    assert names(tmp_path) == [name]
-    assert (tmp_path / name).read_bytes() == b"older"
+    assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == b"older"
     attempt(tmp_path / "run.h5", force=True)
+    assert names(tmp_path) == ["run.h5"]
+    with open_run(tmp_path / "run.h5") as run:
+        assert run.damaged() == ()
+
+
+@pytest.mark.parametrize("left", [b"", b"older", b"x" * 10**6])
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_part_of_a_dead_run_is_overwritten(tmp_path: Path, left: bytes, compression: Compression) -> None:
+    (tmp_path / "run.h5.part").write_bytes(left)
+    attempt(tmp_path / "run.h5", compression=compression)
     assert names(tmp_path) == ["run.h5"]
     with open_run(tmp_path / "run.h5") as run:
         assert run.damaged() == ()
@@ -99,7 +118,7 @@ def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path, name:
         ("missing/run.h5", "no such folder"),
         ("file/run.h5", "no such folder"),
         ("x" * 300, "too long"),
-        ("x" * 250, "too long"),
+        ("x" * 252, "too long"),
         ("a\0b", "null"),
         ("", "not a regular file"),
         ("/", "names a folder"),
@@ -151,29 +170,25 @@ def test_a_relative_path_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.
     assert names(tmp_path / "later") == []
 
 
-def test_the_part_is_whole_in_structure_from_the_start(tmp_path: Path) -> None:
-    with RunWriter(tmp_path / "run.h5", describe()):
-        assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
-        with open_run(tmp_path / "run.h5.part") as part:
-            assert part.extent == describe().extent
-            assert part.provenance["scenario_toml"] == describe().scenario_toml
-            assert part.provenance["finished"] == ""
-            assert part.summary == {}
-        blocks = (tmp_path / "run.h5.part").stat().st_blocks
-        assert blocks * 512 >= (tmp_path / "run.h5.part").stat().st_size
-    assert names(tmp_path) == []
+def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: Path) -> None:
+    with RunWriter(tmp_path / "run.h5", describe(100_000)) as writer:
+        assert names(tmp_path) == ["run.h5.part"]
+        about = (tmp_path / "run.h5.part").stat()
+        assert about.st_blocks * 512 >= about.st_size > 100_000 * 73
+        with pytest.raises(RunFileRefused, match="is being written by another program"):
+            open_run(tmp_path / "run.h5.part")
+        writer.write("trace", 0, random_rows(describe())["trace"])
+        shutil.copy(tmp_path / "run.h5.part", tmp_path / "killed.h5.part")
+    assert names(tmp_path) == ["killed.h5.part"]
+    with pytest.raises(RunFileRefused, match="is a part of a run that did not end"):
+        open_run(tmp_path / "killed.h5.part")
 
 
-def test_a_second_writer_is_refused_and_the_first_goes_on(tmp_path: Path) -> None:
+def test_a_second_writer_is_refused_and_the_first_continues(tmp_path: Path) -> None:
     description = describe()
     with RunWriter(tmp_path / "run.h5", description) as writer:
         for force in (False, True):
-            with (
-                pytest.raises(OutputRefused, match="another process is writing"),
-                sole_writer(OutputPaths.of(tmp_path / "run.h5")),
-            ):
-                raise AssertionError
-            with pytest.raises(OutputRefused):
+            with pytest.raises(OutputInUse, match="another process is writing"):
                 attempt(tmp_path / "run.h5", force=force)
         for group, columns in random_rows(description).items():
             writer.write(group, 0, columns)
@@ -181,49 +196,179 @@ def test_a_second_writer_is_refused_and_the_first_goes_on(tmp_path: Path) -> Non
     assert names(tmp_path) == ["run.h5"]
 
 
-def test_of_many_who_want_a_lock_one_has_it(tmp_path: Path) -> None:
-    """The lock file is removed at each end, so most of these turns open one that is about to go."""
-    paths = OutputPaths.of(tmp_path / "run.h5")
+def test_of_many_writers_one_has_the_part_and_no_result_is_cut(tmp_path: Path) -> None:
+    """The part gets its final name at each end, so most of these turns open one that is about to go."""
     inside, most, turns = [0], [0], [0]
     guard = threading.Lock()
 
     def contend() -> None:
-        for _ in range(300):
-            try:
-                with sole_writer(paths):
-                    with guard:
-                        inside[0] += 1
-                        turns[0] += 1
-                        most[0] = max(most[0], inside[0])
-                    os.sched_yield()
-                    with guard:
-                        inside[0] -= 1
-            except OutputRefused:
-                continue
+        for _ in range(100):
+            with suppress(OutputInUse), part_file(tmp_path / "run.h5", force=True) as part:
+                with guard:
+                    inside[0] += 1
+                    turns[0] += 1
+                    most[0] = max(most[0], inside[0])
+                disk.write_all(part.descriptor, memoryview(b"whole"), 0)
+                with guard:
+                    inside[0] -= 1
+                part.finish(durable=False)
+                assert (tmp_path / "run.h5").read_bytes() in (b"", b"whole")
 
-    threads = [threading.Thread(target=contend) for _ in range(8)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(output, "PATIENCE_SECONDS", 0.0)
+        threads = [threading.Thread(target=contend) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
     assert most[0] == 1
     assert turns[0] > 1
-    assert names(tmp_path) == []
-
-
-def test_a_lock_whose_name_is_gone_stops_nobody(tmp_path: Path) -> None:
-    paths = OutputPaths.of(tmp_path / "run.h5")
-    with paths.lock.open("w") as stale:
-        fcntl.flock(stale, fcntl.LOCK_EX)
-        paths.lock.unlink()
-        attempt(tmp_path / "run.h5")
     assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == b"whole"
+
+
+def test_a_result_with_both_names_is_not_cut(tmp_path: Path) -> None:
+    """A kill may leave a result with the name of its part, too."""
+    attempt(tmp_path / "run.h5")
+    before = (tmp_path / "run.h5").read_bytes()
+    os.link(tmp_path / "run.h5", tmp_path / "run.h5.part")
+    with pytest.raises(KeyboardInterrupt):
+        attempt(tmp_path / "run.h5", force=True, meanwhile=interrupt)
+    assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == before
+
+
+def interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "run.h5.part").write_bytes(b"whole")
+    waited = []
+
+    def lock(descriptor: int) -> None:
+        if not waited:
+            waited.append(descriptor)
+            (tmp_path / "run.h5.part").rename(tmp_path / "run.h5")
+
+    monkeypatch.setattr(output, "_lock", lock)
+    with pytest.raises(OutputRefused, match="exists already"):
+        attempt(tmp_path / "run.h5")
+    assert waited
+    assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == b"whole"
 
 
 def test_checking_creates_nothing(tmp_path: Path) -> None:
-    paths = check_output(tmp_path / "run.h5", force=False)
-    assert paths.final == tmp_path / "run.h5"
+    assert check_output(tmp_path / "run.h5", force=False) == tmp_path / "run.h5"
     assert names(tmp_path) == []
+
+
+def replaced(path: Path, content: bytes) -> None:
+    """Put another file in the place of one."""
+    (path.parent / "other").write_bytes(content)
+    (path.parent / "other").replace(path)
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_part_that_was_swapped_is_not_published_and_stays(tmp_path: Path, compression: Compression) -> None:
+    part = tmp_path / "run.h5.part"
+    (tmp_path / "run.h5").write_bytes(b"older")
+    with pytest.raises(OutputSwappedError, match=r"run\.h5\.part: another file has taken its place .* is not written"):
+        attempt(
+            tmp_path / "run.h5", compression=compression, force=True, meanwhile=lambda: replaced(part, b"of somebody")
+        )
+    assert (tmp_path / "run.h5").read_bytes() == b"older"
+    assert names(tmp_path) == ["run.h5", "run.h5.part"]
+    assert part.read_bytes() == b"of somebody"
+
+
+def test_a_part_that_was_swapped_stays_where_a_run_fails(tmp_path: Path) -> None:
+    def swap() -> None:
+        replaced(tmp_path / "run.h5.part", b"of somebody")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        attempt(tmp_path / "run.h5", meanwhile=swap)
+    assert (tmp_path / "run.h5.part").read_bytes() == b"of somebody"
+    assert names(tmp_path) == ["run.h5.part"]
+
+
+def test_of_other_files_what_was_swapped_is_not_published_either(tmp_path: Path) -> None:
+    def write() -> None:
+        with whole_file(tmp_path / "a.csv", force=False) as part:
+            part.write_bytes(b"ours")
+            replaced(part, b"theirs")
+
+    with pytest.raises(OutputSwappedError):
+        write()
+    assert (tmp_path / "a.csv.part").read_bytes() == b"theirs"
+    assert names(tmp_path) == ["a.csv.part"]
+
+
+def test_a_second_name_that_cannot_be_removed_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        failing_for(tmp_path / "run.h5.part", patch)
+        attempt(tmp_path / "run.h5")
+    assert names(tmp_path) == ["run.h5", "run.h5.part"]
+    attempt(tmp_path / "run.h5", force=True)
+    assert names(tmp_path) == ["run.h5"]
+
+
+@pytest.mark.parametrize(
+    ("owner", "call", "said"),
+    [(fcntl, "flock", "this file system has no locks"), (os, "posix_fallocate", "this file system reserves no space")],
+    ids=["locks", "space"],
+)
+def test_a_file_system_without_locks_or_without_space_to_reserve_gets_one_note(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, owner: ModuleType, call: str, said: str
+) -> None:
+    monkeypatch.setattr(owner, call, failing(errno.EOPNOTSUPP))
+    with warnings.catch_warnings(record=True) as noted:
+        warnings.simplefilter("default")
+        attempt(tmp_path / "run.h5")
+        attempt(tmp_path / "gzip.h5", compression="gzip")
+    assert [str(note.message).startswith(said) for note in noted] == [True]
+    assert noted[0].category is WrittenWithLess
+    with open_run(tmp_path / "run.h5") as run:
+        assert run.damaged() == ()
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO])
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_only_a_full_disk_or_quota_means_no_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, compression: Compression
+) -> None:
+    (tmp_path / "run.h5").write_bytes(b"older")
+    monkeypatch.setattr(os, "posix_fallocate", failing(number))
+    no_room = number != errno.EIO
+    with pytest.raises(OutputRefused, match="no room for the .* bytes" if no_room else "cannot be written: Input"):
+        attempt(tmp_path / "run.h5", force=True, compression=compression)
+    assert (tmp_path / "run.h5").read_bytes() == b"older"
+    assert names(tmp_path) == ["run.h5"]
+
+
+def failing_for(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the disk fail where one name is to be removed."""
+    remove = disk.remove
+
+    def failing(name: Path) -> None:
+        if name == path:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        remove(name)
+
+    monkeypatch.setattr(disk, "remove", failing)
+
+
+def failing(number: int) -> Callable[..., None]:
+    """Return a call of the system that fails."""
+
+    def fail(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    return fail
 
 
 # A lock is held by one alone or shared by several, and its file goes with the last of them, whatever else fails.
@@ -278,69 +423,6 @@ def test_of_many_who_share_or_want_it_alone_none_is_wrong(tmp_path: Path) -> Non
     assert wrong == [0]
     assert turns == [300, 300]
     assert names(tmp_path) == []
-
-
-def failing_for(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the disk fail where one name is to be removed."""
-    remove = disk.remove
-
-    def failing(name: Path) -> None:
-        if name == path:
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
-        remove(name)
-
-    monkeypatch.setattr(disk, "remove", failing)
-
-
-def test_a_lock_that_cannot_be_removed_is_no_failure_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    paths = OutputPaths.of(tmp_path / "run.h5")
-    with monkeypatch.context() as patch:
-        failing_for(paths.lock, patch)
-        attempt(paths.final)
-        assert names(tmp_path) == [".run.h5.lock", "run.h5"]
-    attempt(paths.final, force=True)
-    assert names(tmp_path) == ["run.h5"]
-
-
-def test_where_there_are_no_locks_none_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object) -> None:
-        raise OSError(errno.EOPNOTSUPP, os.strerror(errno.EOPNOTSUPP))
-
-    monkeypatch.setattr(fcntl, "flock", refuse)
-    with pytest.raises(OutputRefused, match=r"run\.h5: cannot be locked: Operation not supported"):
-        attempt(tmp_path / "run.h5")
-    assert names(tmp_path) == []
-
-
-def test_what_a_kill_left_beside_a_result_goes_when_the_result_is_in_the_way(tmp_path: Path) -> None:
-    paths = OutputPaths.of(tmp_path / "run.h5")
-    attempt(paths.final)
-    paths.lock.touch()
-    with pytest.raises(OutputRefused, match="exists already"):
-        attempt(paths.final)
-    assert names(tmp_path) == ["run.h5"]
-    with sole_writer(paths):
-        with pytest.raises(OutputRefused, match="exists already"):
-            attempt(paths.final)
-        assert is_held(paths.lock)
-
-
-def test_only_the_file_of_a_lock_is_removed_and_only_where_nobody_holds_it(tmp_path: Path) -> None:
-    path = tmp_path / "lock"
-    remove_stale(path)
-    with holding(path, shared=True):
-        remove_stale(path)
-        assert names(tmp_path) == ["lock"]
-    os.mkfifo(path)
-    (tmp_path / "link").symlink_to(tmp_path / "lock")
-    for name in ("lock", "link"):
-        remove_stale(tmp_path / name)
-        assert not is_held(tmp_path / name)
-    assert names(tmp_path) == ["link", "lock"]
-    path.unlink()
-    path.touch()
-    remove_stale(path)
-    assert names(tmp_path) == ["link"]
 
 
 def test_a_lock_made_anew_by_others_stays_theirs(tmp_path: Path) -> None:

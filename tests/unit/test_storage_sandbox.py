@@ -22,7 +22,7 @@ import pytest
 
 import rubnoise
 import rubnoise.storage.sandbox
-from rubnoise.errors import RunFileRefused, RunStopped
+from rubnoise.errors import RunFileRefused
 from rubnoise.storage import sandbox
 from rubnoise.storage.read_structure import read_structure
 from rubnoise.storage.reader import open_run
@@ -312,21 +312,6 @@ def test_a_new_result_is_what_a_survey_finds(values: dict[str, Any], tmp_path: P
         told = run._file._found
         assert told == found(path)
         assert not run._file.damaged()
-
-
-def test_so_is_one_that_was_resumed(tmp_path: Path) -> None:
-    path = tmp_path / "long.h5"
-    scenario = rubnoise.build(MOVING | {"sliding": {"distance": 3000.0, "speed": 1000.0}})
-
-    def stop(distance: float, born: int, live: int) -> None:
-        del born, live
-        if distance > 1000.0:
-            raise RunStopped(15)
-
-    with pytest.raises(RunStopped):
-        rubnoise.run(scenario, path, watch=stop)
-    with rubnoise.run(scenario, path) as run:
-        assert run._file._found == found(path)
 
 
 def test_a_compressed_one_is_looked_at(tmp_path: Path) -> None:

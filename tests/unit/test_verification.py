@@ -76,7 +76,7 @@ def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, na
     with h5py.File(path) as file:
         groups = {group for group in file if len(file[group])} - {"life_curve", "life_table"}
     assert {check.name for check in found.checks} == ALIKE | groups
-    assert {"junctions", "trace", "blocks"} <= groups
+    assert {"junctions", "trace"} <= groups
 
 
 def test_kinds_reach_what_they_are_named_for(kept: Path, tmp_path: Path) -> None:
@@ -87,7 +87,6 @@ def test_kinds_reach_what_they_are_named_for(kept: Path, tmp_path: Path) -> None
     assert extents["more ticks than a panel"].ticks > 65_536
     assert extents["more rows than a panel"].junctions > 65_536
     assert extents["nobody at all"].junctions == 0
-    assert extents["everything"].blocks == 2
 
 
 def test_a_column_is_read_once_for_its_hash_and_once_for_its_row(result: Path) -> None:
@@ -105,7 +104,7 @@ def test_every_value_is_looked_at(result: Path) -> None:
     with open_run(result) as run:
         values = {group: run.rows(group) * len(names) for group, names in run.columns.items()}
     assert found["hashes"].values == 1 + sum(values.values())
-    for group in ("junctions", "trace", "slider", "blocks"):
+    for group in ("junctions", "trace", "slider"):
         assert found[group].values == values[group] + 1  # the number of rows is one more
     assert found["areas"].values == TICKS
 
@@ -132,10 +131,10 @@ def test_a_unit_in_the_last_place_of_any_column_is_seen_though_its_hash_is_right
     assert "hashes" not in found
     counted = Counter("life_curve" if each.startswith("life_") else each.partition("/")[0] for each in columns)
     assert {name: found[name].different for name in counted} == counted
-    assert counted >= Counter({"junctions": 10, "trace": 4, "slider": 5, "blocks": 6})
+    assert counted >= Counter({"junctions": 10, "trace": 4, "slider": 5})
 
 
-@pytest.mark.parametrize("column", ["junctions/diameter", "trace/distance", "slider/velocity", "blocks/first_tick"])
+@pytest.mark.parametrize("column", ["junctions/diameter", "trace/distance", "slider/velocity", "junctions/state"])
 def test_one_bit_of_one_value_is_seen_by_its_hash(result: Path, column: str) -> None:
     flip(result, column, middle(result, column), seal=False)
     first = asked(result).different[0]
@@ -207,7 +206,7 @@ def resize(path: Path, group: str, by: int) -> int:
         return int(values.size)
 
 
-@pytest.mark.parametrize("group", ["junctions", "slider", "landmarks", "blocks"])
+@pytest.mark.parametrize("group", ["junctions", "slider", "landmarks"])
 @pytest.mark.parametrize("by", [-1, 1])
 def test_a_row_more_or_less_is_named(two_way: Path, group: str, by: int) -> None:
     rows = resize(two_way, group, by)
@@ -421,16 +420,16 @@ def test_a_column_that_cannot_be_read_is_told(kept: Path, tmp_path: Path) -> Non
     assert found.omitted[0].reason == "/trace/real_contact_area cannot be read"
 
 
-def without_blocks(path: Path) -> None:
+def without_life_curve(path: Path) -> None:
     with h5py.File(path, "r+") as file:
-        del file["blocks"]
+        del file["life_curve"]
 
 
-def test_a_file_that_lost_its_blocks_is_told(result: Path) -> None:
-    without_blocks(result)
+def test_a_file_that_lost_a_group_is_told(result: Path) -> None:
+    without_life_curve(result)
     found = {check.name: check for check in asked(result).different}
     assert found.keys() == {"layout", "structure"}
-    assert str(found["structure"].first) == "/blocks is missing, should be group"
+    assert str(found["structure"].first) == "/life_curve is missing, should be group"
 
 
 def test_a_file_that_lost_the_hash_of_its_attributes_is_told(result: Path) -> None:
@@ -439,7 +438,7 @@ def test_a_file_that_lost_the_hash_of_its_attributes_is_told(result: Path) -> No
 
 
 def test_a_file_that_lost_both_is_told(result: Path) -> None:
-    without_blocks(result)
+    without_life_curve(result)
     forget(result, "provenance", HASH, seal=False)
     assert failing(result) == ["hashes", "layout", "structure", "attributes"]
 
@@ -488,7 +487,7 @@ def test_lives_that_an_intervention_ended_are_played_again(interrupted: Path) ->
         assert np.flatnonzero(file["junctions/state"][:] & 4).tolist() == list(ENDED)
 
 
-@pytest.mark.parametrize("group", ["junctions", "trace", "slider", "blocks"])
+@pytest.mark.parametrize("group", ["junctions", "trace", "slider"])
 def test_a_last_digit_of_a_run_with_an_intervention_is_seen(interrupted: Path, group: str) -> None:
     columns = [column for column in columns_of(interrupted) if column.startswith(group)]
     for number, column in enumerate(columns):

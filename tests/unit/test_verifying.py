@@ -137,7 +137,7 @@ def test_every_unit_counts(result: Path) -> None:
     """Of every column, lengths in mm and others in what is no unit, as a careless program might write them."""
     columns = 0
     with h5py.File(result, "r+") as file:
-        for group in ("junctions", "trace", "slider", "blocks", "life_curve"):
+        for group in ("junctions", "trace", "slider", "life_curve"):
             for column in file[group].values():
                 unit = column.attrs["units"].decode()
                 put_text(column, "units", unit.replace("um", "mm") if "um" in unit else f"{unit}2")

@@ -188,14 +188,6 @@ def test_bits_do_not_depend_on_where_a_run_is_cut(name: str) -> None:
     assert coupled(run, 4, displacement=begin).contents() != whole.contents()
 
 
-def test_a_state_comes_back_to_the_bit() -> None:
-    state = coupled(model(distance=300.0), 3).state
-    again = CoupledState.unpack(state.pack())
-    assert again.pack() == state.pack()
-    assert np.array_equal(again.rows.birth, state.rows.birth)
-    assert again.covered == state.covered
-
-
 def test_rows_behind_are_let_go_and_drawn_again() -> None:
     """Where nothing is carried, every cell behind is drawn again, and no bit changes."""
     run = model(distance=3000.0, count=5.0, tick=0.2)

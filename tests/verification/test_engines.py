@@ -1,6 +1,5 @@
 """Two engines, a fold over blocks and one compilation: the same bits."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.off_centre import OFF_CENTRE, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE
 from rubnoise.errors import Refused
-from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
@@ -27,7 +25,7 @@ from rubnoise.simulation.intervention import LiveJunctions
 from rubnoise.simulation.kernels import coarse, fine, grid, lens, triangle
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import finished, simulate
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import LiveRows
 from tests.cli.terminal import spawn_program
 from tests.models import UNEQUAL, bare, contents, model, recorded, run_to_end
 
@@ -139,23 +137,15 @@ def test_thin_and_dense_contacts_over_several_blocks(count: float, births: str) 
 
 
 @pytest.mark.parametrize("engine", ["events", "batch"])
-def test_small_blocks_are_played_together_and_each_ones_start_is_written(
-    monkeypatch: pytest.MonkeyPatch, engine: Engine
-) -> None:
+def test_small_blocks_are_played_together_to_the_same_bits(monkeypatch: pytest.MonkeyPatch, engine: Engine) -> None:
     run = model(distance=4003.0, tick=0.5)
-    together: list[State] = []
-    record = recorded(run, 9, engine=engine, commit=together.append)
-    assert len(together) == 1
-    alone: list[State] = []
+    together, last = run_to_end(run, 9, engine=engine)
+    assert draws.blocks_drawn_at_once(run, 0) > 1
     monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    assert contents(recorded(run, 9, engine=engine, commit=alone.append)) == contents(record)
-    assert len(alone) > 5
-    assert replace(together[-1], events=0).pack() == replace(alone[-1], events=0).pack()
-    for before, row in zip(alone, range(1, len(alone)), strict=False):
-        start = {name: values[row] for name, values in record["blocks"].items()}
-        assert (start["block"], start["first_junction"], start["first_tick"]) == (row, before.junctions, before.ticks)
-        assert (start["displacement"], start["velocity"]) == (before.displacement, before.velocity)
-        assert start["birth_distance"] == before.next_birth
+    alone, end = run_to_end(run, 9, engine=engine)
+    assert contents(alone) == contents(together)
+    assert (end.block, end.junctions, end.ticks) == (last.block, last.junctions, last.ticks)
+    assert last.block > 5
 
 
 def test_both_tell_of_their_progress(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,7 +187,7 @@ def test_a_diameter_less_by_one_bit_is_seen(monkeypatch: pytest.MonkeyPatch) -> 
     assert contents(recorded(run, engine="batch")) != expected
 
 
-# A run is a fold over blocks: stopped anywhere and resumed, it is the same run.
+# A run is a fold over blocks.
 RUNS = {
     "figure 5": model(distance=2000.0, tick=0.5),
     "empty start": model(distance=1500.0, tick=0.7, start="empty"),
@@ -227,24 +217,6 @@ def each_block_alone(monkeypatch):
     monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
 
 
-@pytest.mark.usefixtures("each_block_alone")
-@pytest.mark.parametrize("name", RUNS)
-def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
-    run = RUNS[name]
-    whole = MemoryRecord(extent(run, 5))
-    states: list[bytes] = []
-    simulate(run, 5, whole, commit=lambda state: states.append(state.pack()))
-    assert len(states) >= 3
-    for cut in states[:-1]:
-        first, again, later = State.unpack(cut), MemoryRecord(whole.extent), []
-        simulate(run, 5, again, state=first, commit=lambda state, later=later: later.append(state.pack()))
-        assert later == states[-len(later) :]
-        for group, columns in again.groups.items():
-            begin = {"junctions": first.junctions, "blocks": first.block}.get(group, first.ticks)
-            for column, values in columns.items():
-                assert values[begin:].tobytes() == whole[group][column][begin:].tobytes()
-
-
 @pytest.mark.parametrize("pulse", [LENS, TRIANGLE, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=lambda pulse: pulse.name)
 @pytest.mark.parametrize(("size", "distance"), [(1, 20.0), (7, 60.0), (1000, 300.0)])
 def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pulse):
@@ -256,10 +228,16 @@ def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pul
 
 @pytest.mark.usefixtures("each_block_alone")
 def test_a_block_owns_exactly_its_births():
-    run = model(distance=3000.0, tick=1.0)
-    junctions = []
-    simulate(run, 1, MemoryRecord(extent(run, 1)), commit=lambda state: junctions.append(state.junctions))
-    assert set(np.diff(junctions)[:-1].tolist()) == {draws.births_per_block(run)}
+    run, written = model(distance=3000.0, tick=1.0), []
+
+    class Counting:
+        def write(self, group, first_row, columns):
+            if group == "junctions":
+                written.append(next(iter(columns.values())).size)
+
+    simulate(run, 1, Counting(), engine="batch")
+    assert len(written) > 3
+    assert set(written[1:-1]) == {draws.births_per_block(run)}
 
 
 def test_same_seed_same_bytes_other_seed_other_bytes():
@@ -273,38 +251,15 @@ def test_the_extent_is_known_before_the_run():
         record, state = run_to_end(run, 2)
         assert record.extent.junctions == state.junctions == record["junctions"]["birth_distance"].size
         assert record.extent.ticks == state.ticks == run.tick_count + 1
-        assert record.extent.blocks == state.block == record["blocks"]["block"].size
         assert finished(run, state)
 
 
 def test_a_run_without_births_is_one_block():
     run = model(count=0.01, distance=1e-3, tick=1e-3, start="empty")
     record, state = run_to_end(run)
-    assert record.extent == Extent(junctions=0, ticks=2, blocks=1, slider=2)
-    assert record["blocks"]["birth_distance"][0] > run.distance
+    assert record.extent == Extent(junctions=0, ticks=2, slider=2)
+    assert state.next_birth > run.distance
     assert state.block == 1
-
-
-@pytest.mark.usefixtures("each_block_alone")
-@pytest.mark.parametrize("name", RUNS)
-def test_blocks_and_junctions_are_enough_to_make_every_state_again(name):
-    run = RUNS[name]
-    record, states = MemoryRecord(extent(run, 5)), [draws.start(run, 5)]
-    simulate(run, 5, record, commit=states.append)
-    blocks, junctions = record["blocks"], record["junctions"]
-    for state in states[:-1]:
-        row = {column: values[state.block] for column, values in blocks.items()}
-        assert row["block"] == state.block
-        assert (row["birth_distance"], row["first_junction"]) == (state.next_birth, state.junctions)
-        assert (row["first_tick"], row["displacement"], row["velocity"]) == (
-            state.ticks,
-            state.displacement,
-            state.velocity,
-        )
-        born = junctions["junction"] < row["first_junction"]
-        carried = born & (junctions["death_distance"] > (row["first_tick"] - 1) * run.tick)
-        for column, values in (("junction", state.live.junction), ("diameter", state.live.diameter)):
-            assert junctions[column][carried].tobytes() == values.tobytes()
 
 
 def test_a_short_run_is_the_beginning_of_a_long_one():
@@ -318,7 +273,7 @@ def test_a_short_run_is_the_beginning_of_a_long_one():
 
 def test_rows_are_written_once_and_in_order():
     run = model(distance=2000.0, tick=0.5)
-    seen = {"junctions": 0, "trace": 0, "slider": 0, "blocks": 0}
+    seen = {"junctions": 0, "trace": 0, "slider": 0}
 
     class Watchful:
         def write(self, group, first_row, columns):
@@ -327,7 +282,7 @@ def test_rows_are_written_once_and_in_order():
 
     simulate(run, 1, Watchful())
     rows, ticks = extent(run, 1), run.tick_count + 1
-    assert seen == {"junctions": rows.junctions, "trace": ticks, "slider": ticks, "blocks": rows.blocks}
+    assert seen == {"junctions": rows.junctions, "trace": ticks, "slider": ticks}
 
 
 # Every kernel is compiled for one kind of arrays only: a second kind would cost seconds in the middle of a run.

@@ -9,12 +9,9 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
-from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import JunctionState
-from rubnoise.simulation import block_starts, draws
-from rubnoise.simulation.extent import extent
+from rubnoise.simulation import draws
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import simulate
 from tests.models import bare, contents, model, recorded, run_to_end
 
 # An observer gets every birth, mid-life and death once, where and in the order in which they happen.
@@ -82,14 +79,12 @@ def test_an_interrupted_life_is_told_to_its_end():
         assert diary.of(what) == places
 
 
-def test_a_run_that_goes_on_tells_the_rest(monkeypatch):
+def test_small_blocks_tell_the_same(monkeypatch):
+    run, whole, alone = RUNS["figure 5"], Diary(), Diary()
+    recorded(run, 3, observe=whole.observer)
     monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    run, whole, states = RUNS["figure 5"], Diary(), []
-    simulate(run, 3, MemoryRecord(extent(run, 3)), observe=whole.observer, commit=states.append)
-    rest = Diary()
-    simulate(run, 3, MemoryRecord(extent(run, 3)), observe=rest.observer, state=states[0])
-    assert 100 < len(rest.entries) < len(whole.entries)
-    assert rest.entries == whole.entries[-len(rest.entries) :]
+    recorded(run, 3, observe=alone.observer)
+    assert alone.entries == whole.entries
 
 
 def test_who_asks_for_deaths_alone_hears_of_nothing_else():
@@ -155,24 +150,14 @@ def test_lives_and_landmarks_come_in_order_of_time(name):
     assert len({what in MOTION for what, *_ in log.entries[: len(log.entries) // 4]}) == 2
 
 
-def test_a_two_way_run_that_goes_on_tells_the_rest(monkeypatch):
-    for each in (draws, block_starts):
-        monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
-    run, whole, states = TWO_WAY["few, with reversals"], Log(), []
-    simulate(run, 3, MemoryRecord(extent(run, 3)), observe=whole.observer, commit=states.append, alone=True)
-    assert len(states) > 5
-    for state in states[:-1]:
-        rest = Log()
-        simulate(run, 3, MemoryRecord(extent(run, 3)), observe=rest.observer, state=state)
-        assert 100 < len(rest.entries) < len(whole.entries)
-        assert rest.entries == whole.entries[-len(rest.entries) :]
-        births = [told[0] for what, *told in whole.entries[: -len(rest.entries)] if what == "birth"]
-        # Everything that the slider had not passed is observed, also before the next block.
-        assert births[-1] < rest_births(rest)[0] == births[-1] + 1
-
-
-def rest_births(log):
-    return [told[0] for what, *told in log.entries if what == "birth"]
+def test_small_blocks_of_a_two_way_run_tell_the_same(monkeypatch):
+    monkeypatch.setattr(draws, "births_per_block", lambda _model: 60)
+    run, whole, alone = TWO_WAY["few, with reversals"], Log(), Log()
+    recorded(run, 3, observe=whole.observer)
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    recorded(run, 3, observe=alone.observer)
+    assert alone.entries == whole.entries
+    assert len(whole.entries) > 100
 
 
 def test_landmarks_of_a_slider_that_does_not_push_back_are_refused():

@@ -1,6 +1,5 @@
 """Two-way sliders in whole runs: equal bits of both engines, and statistics against another program."""
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import hypot
 from typing import Any
@@ -13,13 +12,12 @@ from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
 from rubnoise.analysis.summary import expected_figure, summarise
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.scenario.points import Case, points_of
-from rubnoise.simulation import block_starts, draws, ticks
+from rubnoise.simulation import block, draws, ticks
 from rubnoise.simulation.coupled import fold, motion
-from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 from tests.architecture.sources import ROOT
@@ -54,10 +52,6 @@ def test_the_contact_is_that_of_the_one_way_run(changes: dict[str, Any], engine:
     shared = [name for name in there if name[0] in {"junctions", "trace", "life_curve"} and name not in TIMES]
     assert len(shared) > 8
     assert all(here[name] == there[name] for name in shared)
-    assert {name for group, name in here if group == "blocks"} == {
-        "block", "birth_distance", "first_junction", "first_tick",
-        "time", "distance", "phase", "displacement", "velocity",
-    }  # fmt: skip
 
 
 @pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
@@ -66,7 +60,7 @@ def test_engines_give_equal_bits(changes: dict[str, Any]) -> None:
     told, last = run_to_end(run, 3, engine="events")
     filled, end = run_to_end(run, 3, engine="batch")
     assert contents(told) == contents(filled)
-    assert last.motion == end.motion
+    assert last.motion.motion.numbers.tobytes() == end.motion.motion.numbers.tobytes()
 
 
 def test_first_passages_are_those_of_the_rows() -> None:
@@ -99,52 +93,47 @@ def test_rows_are_uniform_in_time_and_landmarks_take_turns() -> None:
     assert (kind[1:] != kind[:-1]).all()
 
 
-@pytest.mark.parametrize("engine", ["events", "batch"])
-@pytest.mark.parametrize("changes", [RUNS["fig5"], RUNS["fig5"] | {"count": 2.0, "distance": 3000.0}])
-def test_resumed_after_any_block_it_has_equal_bits(
-    monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], engine: Engine
+@pytest.mark.parametrize(
+    ("births", "changes"),
+    [
+        (60, RUNS["fig5"]),
+        (60, RUNS["fig5"] | {"count": 2.0, "distance": 3000.0}),
+        # Of a contact that is empty now and then, every row is known and written at the end of some blocks.
+        (3, {"distance": 6000.0, "count": 0.2, "tick": 1.0}),
+    ],
+)
+def test_small_blocks_and_ranges_change_no_bit(
+    monkeypatch: pytest.MonkeyPatch, births: int, changes: dict[str, Any]
 ) -> None:
-    for each in (draws, block_starts):
-        monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
-    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 700)
+    monkeypatch.setattr(draws, "births_per_block", lambda _model: births)
     run = two_way(model(**changes))
-    states: list[State] = []
-    whole = MemoryRecord(extent(run, 3))
-    simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
-    assert len(states) > 1
-    cuts = states[:: max(len(states) // 6, 1)]
-    for cut in cuts:
-        again = MemoryRecord(extent(run, 3))
-        with suppress(_Left):
-            simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(cut.block))
-        state = State.unpack(cut.pack())
-        assert state.pack() == cut.pack()
-        simulate(run, 3, again, engine="batch" if engine == "events" else "events", state=state)
-        assert contents(again) == contents(whole)
+    whole = contents(recorded(run, 3))
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 700)
+    for engine in ("events", "batch"):
+        record, state = run_to_end(run, 3, engine=engine)
+        assert state.block > 1
+        assert contents(record) == whole
 
 
-def test_rows_wait_until_their_death_has_been_passed() -> None:
-    """The rows written at a cut are those of junctions that all were passed; no row waits without a reason."""
+def test_rows_wait_until_their_death_has_been_passed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rows written at the end of a block are those of junctions that all were passed; none waits without reason."""
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
     run = two_way(model(distance=2000.0))
-    written: list[int] = []
-    record = MemoryRecord(extent(run, 3))
+    waiting: list[int] = []
+    step = block.next_state
 
-    class Counting:
-        def write(self, group: str, first_row: int, columns: Any) -> None:
-            if group == "junctions":
-                written.append(first_row + next(iter(columns.values())).size)
-            record.write(group, first_row, columns)
+    def noting(setup: block.RunSetup, state: State) -> State:
+        after = step(setup, state)
+        waiting.append(len(after.motion.waiting))
+        assert after.motion.written + waiting[-1] == after.junctions
+        return after
 
-    states: list[State] = []
-    ends: list[int] = []
-
-    def note(state: State) -> None:
-        states.append(state)
-        ends.append(written[-1])
-
-    simulate(run, 3, Counting(), engine="batch", alone=True, commit=note)
-    assert ends[-1] == states[-1].junctions
-    assert all(0 < state.junctions - end < 100 for state, end in zip(states[:-1], ends[:-1], strict=True))
+    monkeypatch.setattr("rubnoise.simulation.run.next_state", noting)
+    recorded(run, 3, engine="batch")
+    assert waiting[-1] == 0
+    assert all(0 < count < 100 for count in waiting[:-1])
+    assert len(waiting) > 3
 
 
 def test_the_tolerance_is_used() -> None:
@@ -170,38 +159,6 @@ def test_a_motion_without_a_step_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(fold, "advance", lost)
     with pytest.raises(RubnoiseError, match=r"no step of the slider .* a larger slider.tolerance may do"):
         recorded(two_way(model(distance=20.0)))
-
-
-@pytest.mark.parametrize("engine", ["events", "batch"])
-def test_a_block_that_leaves_no_junction_waiting_is_gone_on_from(
-    monkeypatch: pytest.MonkeyPatch, engine: Engine
-) -> None:
-    """Of a contact that is empty now and then every row is known and written at the end of some blocks."""
-    run = two_way(model(distance=6000.0, count=0.2, tick=1.0))
-    for each in (draws, block_starts):
-        monkeypatch.setattr(each, "births_per_block", lambda _model: 3)
-    states: list[State] = []
-    whole = MemoryRecord(extent(run, 3))
-    simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
-    # Behind the numbers of landmarks and of rows written stands that of rows that wait.
-    assert [int.from_bytes(state.motion[16:24], "little") for state in states[:2]] == [0, 1]
-    again = MemoryRecord(extent(run, 3))
-    with suppress(_Left):
-        simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(states[0].block))
-    simulate(run, 3, again, engine=engine, state=State.unpack(states[0].pack()))
-    assert contents(again) == contents(whole)
-
-
-def _leave_after(block: int) -> Any:
-    def commit(state: State) -> None:
-        if state.block == block:
-            raise _Left
-
-    return commit
-
-
-class _Left(Exception):  # noqa: N818  (nothing is wrong)
-    pass
 
 
 # Statistics of two-way runs on fields of their own, against reference values and those of another program.

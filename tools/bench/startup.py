@@ -16,9 +16,7 @@ from bench.case import Case
 from bench.checks import Wrong
 from bench.clock import Task, Timing, cpu_time, interleaved
 from bench.entrants import FASTEST
-from rubnoise.runs.making import describe, play
 from rubnoise.scenario.writing import text_of
-from rubnoise.storage.writer import RunWriter
 
 PROGRAM = Path(sys.executable).with_name("rubnoise")
 FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -124,11 +122,6 @@ def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterato
             if not made.verify().passed:
                 raise Wrong("verify: a run that was just made differs")
 
-    def kept(*, safe: bool) -> None:
-        path.unlink(missing_ok=True)
-        with RunWriter(path, describe(long, path, ["bench"]), safe=safe) as writer:
-            play(writer, long)
-
     many = f"{junctions:,} junctions".replace(",", " ")
     check = [str(PROGRAM), "check", str(FIGURE_5)]
     pairs = (
@@ -148,12 +141,6 @@ def beside(folder: Path, *, repeats: int, swept: int, junctions: int) -> Iterato
             Task(verify, junctions),
             "the run, into a file",
             Task(lambda: rubnoise.run(long, path, force=True).close(), junctions),
-        ),
-        (
-            f"a run of {many} that survives a kill",
-            Task(partial(kept, safe=True), junctions),
-            "without journal, hashes and commits",
-            Task(partial(kept, safe=False), junctions),
         ),
     )
     for what, task, least, bare in pairs:

@@ -1,33 +1,23 @@
-"""The runs that are interrupted: what is run, how it tells where it is, what its result must be, what came of it."""
+"""The runs that are interrupted, what must be in their results, and what came of it."""
 
 import json
 import math
 import sys
-import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any, Final
-from unittest.mock import patch
 
 import h5py
 import xxhash
 
-import rubnoise
 from rubnoise.errors import RubnoiseError
-from rubnoise.model import Model
-from rubnoise.scenario import Scenario, build
-from rubnoise.simulation import draws
-from rubnoise.storage import growing as steps
-from rubnoise.storage import writer
-from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.writer import RunWriter
-from survival.child import Tell, command, isolated
+from survival.child import command
 
 
 @dataclass(kw_only=True)
@@ -42,14 +32,14 @@ class Outcome:
         self.counts[what] += number
 
     def find(self, where: str, wrong: Iterable[str]) -> None:
-        """Keep what should not be, and say so at once."""
+        """Keep what should not be, and print it at once."""
         for what in wrong:
             print(f"{where}: {what}", file=sys.stderr, flush=True)
             self.findings.append(f"{where}: {what}")
 
     @contextmanager
     def trial(self, where: str) -> Iterator[Path]:
-        """Yield a folder for one trial; what is raised there was found."""
+        """Yield a folder for one trial; an error in it is a finding."""
         with TemporaryDirectory(prefix="rubnoise-") as folder:
             try:
                 yield Path(folder)
@@ -59,7 +49,7 @@ class Outcome:
                 self.find(where, [f"{type(problem).__name__}: {problem}"])
 
     def add(self, other: "Outcome") -> None:
-        """Take over what another one holds."""
+        """Add the counts and findings of another outcome."""
         self.counts += other.counts
         self.findings += other.findings
 
@@ -71,113 +61,87 @@ class Outcome:
 
 
 NAME: Final = "x.h5"
+PART: Final = f"{NAME}.part"
 SCENARIO: Final = "x.toml"
-LEFT: Final = frozenset(f".{NAME}.{name}" for name in ("lock", "making"))
-"""What a kill may leave beside a whole result, and the next run with this name removes."""
+OLDER: Final = b"a result of before"
 
+CONTACT: Final = {"interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}}
 SLIDER: Final = {
     "strength": {"mean": "250 MPa"},
     "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
 }
-_TABLES: Final = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-FAMILY: Final[Mapping[str, Any]] = _TABLES["family"]
-"""Members of the family of models, by the tables of a scenario that make one."""
-
-KINDS: Final[Mapping[str, Any]] = {**_TABLES["kinds"], **FAMILY}
+TWO_WAY: Final = SLIDER | {"slider": SLIDER["slider"] | {"coupling": "two-way"}}
+FREE: Final = {
+    "interface": {"load": "0.05 N", "hardness": "1 GPa", "mean_junction_count": 0.5},
+    "strength": {"mean": "250 MPa"},
+    "load": {"height_scale": "5 um", "mass": "5 g", "motion": "free", "restitution": 0.7},
+}
 ORIGIN: Final = ("scenario_toml", "seed", "stream_version", "propagator_constants")
 """Attributes of /provenance that do not depend on when and where a run was made."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Story:
-    """A run of blocks of a thousand junctions, some 550 um long each."""
+    """A run, by the sections that its scenario has beside those of the contact."""
 
     name: str
-    engine: str = "events"
-    slider: bool = True
-    kind: str = ""
-    compression: str = "none"
-    distance: str = "2400 um"
+    sections: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    engine: str = "batch"
+    speed: str = "1 mm/s"
+    distance: str = "1500 um"
     tick: str = "2 um"
-    seed: int = 1
-
-    @property
-    def keys(self) -> dict[str, Any]:
-        """The scenario as sections of keys."""
-        sections: dict[str, Any] = {
-            "format": 1,
-            "title": self.name,
-            "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
-            "sliding": {"distance": self.distance, "speed": "1 mm/s"},
-            "output": {"tick": self.tick, "compression": self.compression},
-            "run": {"engine": self.engine, "seed": self.seed},
-        }
-        if self.slider:
-            sections |= SLIDER
-        for table, keys in KINDS.get(self.kind, {}).items():
-            merged = {**sections.get(table, {}), **keys}
-            sections[table] = {key: value for key, value in merged.items() if value != ""}
-        return sections
+    compression: str = "none"
 
     @property
     def text(self) -> str:
-        """The scenario as a file, long enough to have pages that can be lost."""
-        lines = [f"# {self.name}"] * 500
-        for name, value in self.keys.items():
-            if isinstance(value, dict):
-                lines += [f"[{name}]", *(f"{key} = {json.dumps(each)}" for key, each in value.items())]
-            else:
-                lines.append(f"{name} = {json.dumps(value)}")
+        """The scenario as a file."""
+        sections = {
+            **CONTACT,
+            **self.sections,
+            "sliding": {"distance": self.distance, "speed": self.speed},
+            "output": {"tick": self.tick, "compression": self.compression},
+            "run": {"engine": self.engine},
+        }
+        lines = ["format = 1", f"title = {json.dumps(self.name)}"]
+        for name, keys in sections.items():
+            lines += [f"[{name}]", *(f"{key} = {json.dumps(each)}" for key, each in keys.items())]
         return "\n".join(lines) + "\n"
 
     @cached_property
-    def scenario(self) -> Scenario:
-        """What is run."""
-        return replace(build(self.keys), text=self.text)
-
-    def by(self, engine: str) -> Scenario:
-        """Return what is run, by another engine than the file says."""
-        return replace(self.scenario, run=replace(self.scenario.run, engine=engine))
-
-    @cached_property
     def expected(self) -> Mapping[str, Any]:
-        """What is in the result where nothing stops the run; it is made here."""
+        """The content of its result if nothing stops the run, which is made here."""
         with TemporaryDirectory(prefix="rubnoise-") as folder:
-            rubnoise.run(self.scenario, Path(folder) / NAME).close()
+            self.write(Path(folder))
+            if code := command(self.words(), Path(folder)):
+                raise RuntimeError(f"{self.name}: exit code {code}")
             return contents(Path(folder) / NAME)
 
+    def write(self, folder: Path, *, older: bool = False) -> None:
+        """Put its scenario into a folder, with a result of before if asked for."""
+        (folder / SCENARIO).write_text(self.text, encoding="utf-8")
+        if older:
+            (folder / NAME).write_bytes(OLDER)
 
-SMALL: Final = tuple(Story(**keys) for keys in _TABLES["small"])
-LONG: Final = tuple(Story(**keys) for keys in _TABLES["long"])
-SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
-"""Runs that take a quarter of the time of the long ones."""
-
-
-def of_kind(kind: str, stories: Sequence[Story]) -> tuple[Story, ...]:
-    """Return the runs of another kind: of the family with each member in turn, two-way those alone with a slider."""
-    if kind == "family":
-        return tuple(each for story in stories for member in FAMILY for each in of_kind(member, [story]))
-    found = [story for story in stories if story.slider or kind != "two-way"]
-    if kind == "free":  # has fewer junctions
-        found = [replace(story, distance=_ten_times(story.distance), tick=_ten_times(story.tick)) for story in found]
-    return tuple(replace(story, name=f"{story.name}, {kind}", kind=kind) for story in found)
+    def words(self, *more: str) -> list[str]:
+        """Return the words of the command that makes it."""
+        return ["run", SCENARIO, "-o", NAME, "-q", *more]
 
 
-def _ten_times(length: str) -> str:
-    number, unit = length.split()
-    return f"{10.0 * float(number):g} {unit}"
+SMALL: Final = (
+    Story(name="events with slider", sections=SLIDER, engine="events"),
+    Story(name="contact alone, compressed", compression="gzip"),
+    Story(name="two-way", sections=TWO_WAY, distance="600 um"),
+    Story(name="free, compressed", sections=FREE, speed="1 m/s", distance="2 mm", tick="20 um", compression="gzip"),
+)
+"""Runs of few calls; the rows of the last two grow."""
 
-
-@contextmanager
-def growing(stories: Sequence[Story] = (*SMALL, *LONG)) -> Iterator[None]:
-    """Hide how many rows of /slider there will be, so that they grow beside the part, in short steps.
-
-    What is expected of a story is asked before: the result of a run whose rows were counted.
-    """
-    for story in stories:
-        _ = story.expected
-    with patch.object(Model, "slider_rows", None), patch.object(steps, "STEP_BYTES", 1 << 13):
-        yield
+LONG: Final = (
+    Story(name="events with slider", sections=SLIDER, engine="events", distance="20 mm", tick="1 um"),
+    Story(name="batch with slider", sections=SLIDER, distance="100 mm", tick="0.5 um"),
+    Story(name="compressed", compression="gzip", distance="60 mm", tick="1 um"),
+    Story(name="two-way", sections=TWO_WAY, distance="20 mm", tick="1 um"),
+)
+"""Runs that take half a second."""
 
 
 def chance(seed: int, trial: object) -> Random:
@@ -200,103 +164,39 @@ def contents(path: Path) -> dict[str, Any]:
         found["summary"] = {name: value.item() for name, value in file["summary"].attrs.items()}
         origin = file["provenance"].attrs
         found["provenance"] = {name: str(origin[name]) for name in ORIGIN} | {"finished": bool(origin["finished"])}
-        found["scenario"] = json.loads(origin["scenario_resolved"])
-        found["scenario"]["run"].pop("engine")  # by which it was begun, which changes no bit
         found["title"] = str(file.attrs["title"])
     return found
-
-
-def differences(there: Mapping[str, Any], expected: Mapping[str, Any]) -> list[str]:
-    """Return the names under which two contents differ; figures of the summary may by the order of their sums."""
-    names = [name for name in {*there, *expected} - {"summary"} if there.get(name) != expected.get(name)]
-    return sorted(names) + ([] if _alike(there["summary"], expected["summary"]) else ["summary"])
 
 
 def wrong_in(path: Path, expected: Mapping[str, Any]) -> list[str]:
     """Return what is wrong with a result: the names under which it differs, or why it cannot be read."""
     try:
-        return differences(contents(path), expected)
+        there = contents(path)
     except (OSError, KeyError, ValueError, RuntimeError) as problem:
         return [f"unreadable: {problem}"]
+    names = [name for name in {*there, *expected} - {"summary"} if there.get(name) != expected.get(name)]
+    return sorted(names) + ([] if _alike(there["summary"], expected["summary"]) else ["summary"])
 
 
-def words(story: Story, *more: str) -> list[str]:
-    """Return the words of a run of a story whose scenario lies in the folder."""
-    return ["run", SCENARIO, "-o", NAME, "-q", "--set", f"run.engine={story.engine}", *more]
+def interrupted(folder: Path, story: Story, *, older: bool, left: frozenset[str] = frozenset()) -> Iterator[str]:
+    """Yield what is wrong in a folder in which a run was interrupted, and with the same command after that.
 
-
-def judged(folder: Path, story: Story, *, killed: bool = False) -> list[str]:
-    """Return what is wrong with a folder in which a run has ended: its result, or what was left beside it."""
-    expected = {NAME, SCENARIO, *(LEFT if killed else ())}
-    left = sorted({entry.name for entry in folder.iterdir()} - expected)
-    return wrong_in(folder / NAME, story.expected) + [f"{name} is left over" for name in left]
-
-
-@contextmanager
-def committing(seconds: float) -> Iterator[None]:
-    """Commit after so many seconds, and after two blocks at most: small runs, too, shall have commits."""
-    with patch.object(writer, "COMMIT_SECONDS", seconds), patch.object(draws, "_DRAWN_AT_ONCE", 2000):
-        yield
-
-
-@contextmanager
-def telling(tell: Tell, *, seconds: float) -> Iterator[None]:
-    """Commit after so many seconds, and report every start, commit and end of a run, with the ticks that are done."""
-    enter, commit, publish = RunWriter.__enter__, RunWriter._commit, RunWriter.publish  # noqa: SLF001
-
-    def entering(self: RunWriter) -> RunWriter:
-        entered = enter(self)
-        tell(f"entered {self.state.ticks if self.state else 0}")
-        return entered
-
-    def telling_commit(self: RunWriter, state: Any, **how: Any) -> None:
-        commit(self, state, **how)
-        tell(f"committed {state.ticks}")
-
-    def publishing(self: RunWriter, *given: Any, **named: Any) -> None:
-        tell("publishing 0")
-        publish(self, *given, **named)
-        tell("published 0")
-
-    told = patch.multiple(RunWriter, __enter__=entering, _commit=telling_commit, publish=publishing)
-    with committing(seconds), told:
-        yield
-
-
-def make(scenario: Scenario, path: Path, tell: Tell, *, again: bool, seconds: float) -> None:
-    """Make a run that commits after so many seconds; ``again``: by resume, where there is a part file."""
-    with telling(tell, seconds=seconds):
-        if again and OutputPaths.of(path).part.exists():
-            rubnoise.resume(f"{path}.part").close()
-        else:
-            rubnoise.run(scenario, path).close()
-
-
-def continued(outcome: Outcome, story: Story, folder: Path, committed: int, *, again: bool) -> Iterator[str]:
-    """Resume the run in a folder, and yield what is wrong; ``again``: by resume, where there is a part file."""
-    path, told = folder / NAME, ["entered -1"]
-    part = OutputPaths.of(path).part.exists()
-    if part or not path.exists():
-        by_resume = part and (again or path.exists())
-        outcome.count(f"continued by {'resume' if by_resume else 'run'}")
-        make(story.scenario, path, told.append, again=by_resume, seconds=0.0)
-    else:
-        outcome.count("whole already")
-    entered = [int(line.split()[1]) for line in told if line.startswith("entered")][-1]
-    if 0 <= entered < committed:
-        yield f"{committed} ticks had been committed, and it continued from {entered}"
-    yield from judged(folder, story, killed=True)
-
-
-def afterwards(folder: Path, story: Story, *, again: bool) -> Iterator[str]:
-    """Finish the run by the command line if there is no result yet, or a part beside it; yield what is wrong."""
-    part, whole = OutputPaths.of(folder / NAME).part.exists(), (folder / NAME).exists()
-    if part or not whole:
-        given = ["resume", f"{NAME}.part", "-q"] if part and (again or whole) else words(story)
-        ending = isolated(lambda: command(given, folder))
-        if ending.code:
-            yield f"afterwards exit code {ending.code}: {ending.err}"
-    yield from judged(folder, story, killed=True)
+    The final name leads to the file of before, to a complete result, or to none; only names in ``left`` may lie beside.
+    """
+    path = folder / NAME
+    beside = {entry.name for entry in folder.iterdir()} - {NAME, SCENARIO} - left
+    yield from (f"{name} is left" for name in sorted(beside))
+    untouched = older and path.exists() and path.read_bytes() == OLDER
+    if older and not path.exists():
+        yield "the older result is gone"
+    if path.exists() and not untouched:
+        yield from (f"under the final name: {wrong}" for wrong in wrong_in(path, story.expected))
+    if code := command(story.words("--force"), folder):
+        yield f"the same command again: exit code {code}"
+    yield from (f"made again: {wrong}" for wrong in wrong_in(path, story.expected))
+    yield from (
+        f"{entry.name} is left beside a result" for entry in folder.iterdir() if entry.name not in {NAME, SCENARIO}
+    )
 
 
 def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:

@@ -113,11 +113,6 @@ class Contents(ABC):
         return self._group("balance")
 
     @property
-    def blocks(self) -> Columns:
-        """The start of every block of the run."""
-        return self._group("blocks")
-
-    @property
     def life_curve(self) -> Columns:
         """The curve of every life over its size, for programs without our code; only in files."""
         return self._group("life_curve")
@@ -149,7 +144,7 @@ class Contents(ABC):
     def compare(self, bound: float | None = None) -> "Comparison":
         """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
 
-        ``bound``: the largest |z|, by default what all in 99.9 % of right runs keep. Refuses unfinished and short runs.
+        ``bound``: the largest |z|, by default what all in 99.9 % of right runs keep. Refuses short runs.
         """
         from rubnoise.analysis.comparison import compare
 
@@ -163,7 +158,7 @@ class Contents(ABC):
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
 
         ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
-        random numbers cannot be drawn again. A run in memory is saved first. Raises Refused for an unfinished run.
+        random numbers cannot be drawn again. A run in memory is saved first.
         """
         from rubnoise.analysis.verification import verify
 
@@ -239,7 +234,7 @@ class Contents(ABC):
 
     @abstractmethod
     def reader(self) -> Reader:
-        """Return the rows and attributes of a finished run; raises Refused for an unfinished one."""
+        """Return the rows and attributes of the run."""
 
     @abstractmethod
     def _file_of(self) -> "AbstractContextManager[ResultFile]":

@@ -10,7 +10,6 @@ from typing import Any, cast
 
 from rubnoise.api.record import Record
 from rubnoise.api.result import Run
-from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.api.scenarios import load
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.runs.making import describe, play
@@ -22,7 +21,7 @@ from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.forecast import check_disk_space, check_memory, expected
-from rubnoise.storage.output import check_locks, check_output
+from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import SEED_LIMIT
@@ -82,16 +81,15 @@ def run(
     durable: bool = True,
     **unknown: Any,
 ) -> Run:
-    """Run a scenario into a result file and open it. If an unfinished run of the scenario is there, resume that run.
+    """Run a scenario into a result file and open it.
 
     ``seed`` replaces the seed of the scenario. ``force`` allows an existing file to be replaced, when the new one is
     complete. ``command`` is the command line that /provenance shows. ``watch`` is called at the start, before anything
-    is created, and after each tick range. ``observe`` and ``intervene`` are as in `simulate`. /provenance names an
-    intervention, and its run resumes only with one. An exception of either ends the run. The file then remains as a
-    part that can be resumed if the run lasted long enough, else nothing remains. Without ``durable`` the run does not
-    wait for the disk, and a power cut within half a minute may lose the file. Raises OutputRefused before anything is
-    created, also if another unfinished run is there. Raises ScenarioRefused for an invalid seed, and Refused if the
-    memory is too small or `simulate` would refuse.
+    is created, and after each tick range. ``observe`` and ``intervene`` are as in `simulate`; /provenance names an
+    intervention. An exception of either, or a signal, ends the run, and nothing of it remains; the same call gives the
+    same bits. Without ``durable`` the run does not wait for the disk, and a power cut within half a minute may lose the
+    file. Raises OutputRefused before anything is created, also if another process writes the same result. Raises
+    ScenarioRefused for an invalid seed, and Refused if the memory is too small or `simulate` would refuse.
 
     >>> import rubnoise
     >>> with rubnoise.run("paper/fig4", "fig4.h5", seed=7, force=True) as run:
@@ -99,14 +97,10 @@ def run(
     7
     """
     _refuse(unknown)
-    check_locks(path)
     scenario = _seeded(load(scenario), seed)
-    check_output(path, force=force, unfinished=True, reads=scenario.files)
+    check_output(path, force=force, reads=scenario.files)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
     check_disk_space(scenario, expected(scenario), path)
-    begun = None if force else interrupted(scenario, path)
-    if begun is not None:
-        return go_on(path, begun, engine=scenario.run.engine, watch=watch, observe=observe, intervene=intervene)
     description = describe(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]], intervene)
     if watch is not None:
         watch(0.0, 0, 0)

@@ -31,7 +31,7 @@ HEADINGS: Final = {
         "examples": "new.print_examples",
         "check": "check.command",
         "run": "run.command",
-        "resume": "run.resume",
+        "resume": "resume.command",
         "sweep": "sweep.command",
     },
     "Look at a result": {

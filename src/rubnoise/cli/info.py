@@ -1,4 +1,4 @@
-"""`rubnoise info`: the content of a result, of an unfinished run, or of the folder of a sweep."""
+"""`rubnoise info`: the content of a result, or of the folder of a sweep."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -12,14 +12,13 @@ import rubnoise
 from rubnoise.cli.layout import agreement_table, finite, grouped, json_text, line, printable, sentence, size
 from rubnoise.cli.options import AsJson, ResultOfAnyKind
 from rubnoise.cli.sweep import format_failures, states_in_words, values_in_words
-from rubnoise.errors import Refused, resume_hint
+from rubnoise.errors import Refused
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.analysis.replicates import PooledEstimate
     from rubnoise.api.result import Run
     from rubnoise.api.sweep_result import SweepResult
-    from rubnoise.storage.layout import RunDescription
 
 
 def command(
@@ -34,26 +33,18 @@ def command(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show a result file, with measured and exact figures, or the progress of a run or a sweep.
+    """Show a result file, with measured and exact figures, or the progress of a sweep.
 
     Of a sweep, --figures shows values with their 95 % intervals, and --over shows ratios with theirs.
 
     Example: rubnoise info fig5.h5
     """
-    from rubnoise.storage.resume import SUFFIX, refusal
-
     if is_folder(file):
         _show_sweep(file, figures, over, as_json=as_json)
         return
     if figures is not None or over is not None:
         raise typer.BadParameter("--figures and --over are for the folder of a sweep")
-    if file.suffix == SUFFIX:
-        answer = part_as_json(file)
-        print(json_text(answer) if as_json else "\n".join(format_part(answer)))
-        return
     with rubnoise.open(file) as run:
-        if not run.provenance["finished"]:
-            raise refusal(file)
         answer = run_as_json(run, file)
         print(json_text(answer) if as_json else "\n".join(format_run(run, answer)))
 
@@ -136,73 +127,6 @@ def _heard_lines(heard: Mapping[str, Any]) -> Iterator[str]:
     for place, (frequency, level) in enumerate(zip(bands["frequency"], bands["level"], strict=True)):
         exact = f", exact {bands['exact'][place]:.1f}" if "exact" in bands else ""
         yield line(f"third octave at {frequency:.4g} Hz", f"{level:.1f}{exact}")
-
-
-def part_as_json(file: Path) -> dict[str, Any]:
-    """Return the progress of a run, by name."""
-    from rubnoise.storage.resume import look
-
-    found = look(file)
-    about, origin = found.description, found.description.provenance
-    return {
-        "file": str(file),
-        "title": about.title,
-        "source": found.source,
-        "seed": origin.seed,
-        "command": origin.command,
-        "started": origin.started,
-        "bytes": file.stat().st_size,
-        "share": found.share,
-        "done": {"junctions": found.junctions, "ticks": found.ticks, **found.grown},
-        "whole": {
-            **({} if about.extent.junctions is None else {"junctions": about.extent.junctions}),
-            "ticks": about.extent.ticks,
-        },
-        **({"slider_rows_at_most": most} if (most := _slider_rows_at_most(about)) is not None else {}),
-        "committed": found.committed or None,
-        "being_written": found.being_written,
-    }
-
-
-def _slider_rows_at_most(about: "RunDescription") -> int | None:
-    """Return the bound that `check` prints, too; None if the rows are known or the scenario in the file is damaged."""
-    from rubnoise.scenario.reading import stored
-    from rubnoise.storage.forecast import rows_at_most
-
-    if about.extent.slider is not None:
-        return None
-    try:
-        model = stored(about.scenario_resolved).model()
-    except Refused:
-        return None
-    return rows_at_most(model, about.extent).slider
-
-
-def format_part(answer: dict[str, Any]) -> list[str]:
-    """Return the same as lines to print."""
-    done, whole = answer["done"], answer["whole"]
-    most = {"slider": answer["slider_rows_at_most"]} if "slider_rows_at_most" in answer else {}
-    rows = ", ".join(
-        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else _growing(name, count, most.get(name))
-        for name, count in done.items()
-    )
-    hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
-    return [
-        sentence(f"{answer['file']}: {printable(answer['title'])}, unfinished"),
-        line("written by", answer["source"]),
-        line("from", answer["started"]),
-        line("command", answer["command"], whole=True),
-        line("seed", str(answer["seed"])),
-        line("size", size(answer["bytes"])),
-        line("done", f"{answer['share']:.0%}: {rows}"),
-        line("last commit", answer["committed"] or "none yet"),
-        line("now", hint, whole=True),
-    ]
-
-
-def _growing(name: str, count: int, most: int | None) -> str:
-    bound = "" if most is None else f" (at most {grouped(most)} expected)"
-    return f"{grouped(count)} rows of /{name}{bound}"
 
 
 def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`rubnoise run` and `rubnoise resume`: a scenario file in, a result file out, and a few lines about it."""
+"""`rubnoise run`: a scenario file in, a result file out, and a few lines about it."""
 
 import sys
 import time
@@ -55,7 +55,7 @@ def command(
 ) -> None:
     """Run a scenario and keep everything in one HDF5 file: every junction's life, area, force and motion.
 
-    It resumes an unfinished run of the same scenario at this output.
+    A signal, a kill or a full disk leaves no result: run it again, and the bits are the same.
 
     Example: rubnoise run scenarios/paper/fig5.toml -o fig5.h5 --seed 7
     """
@@ -65,7 +65,7 @@ def command(
     scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
     stem = "rubnoise" if str(file) == STANDARD_INPUT else file.stem
     path = Path(f"{stem}.h5") if output is None else output
-    check_output(path, force=force, unfinished=True, reads=scenario.files)
+    check_output(path, force=force, reads=scenario.files)
     if dry_run:
         _print_forecast(scenario, path, as_json=as_json, quiet=quiet)
     else:
@@ -74,13 +74,6 @@ def command(
 
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
     prepare_kernels()
-    if not force and not quiet:
-        from rubnoise.api.resuming import interrupted
-        from rubnoise.storage.resume import SUFFIX, look
-
-        if interrupted(scenario, path) is not None:
-            part = f"{path}{SUFFIX}"
-            print(f"{part}: resumes an unfinished run at {look(part).share:.0%}", file=sys.stderr)
     doubts = _doubts(scenario, quiet=quiet or as_json)
     began = time.monotonic()
     with _watching(scenario, quiet=quiet or as_json) as watcher:
@@ -109,31 +102,6 @@ def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: b
         print(line("junctions", grouped(budget.junctions)))
         print(line("ticks", grouped(budget.ticks)))
         print("\n".join([*format_cost(forecast), *(remark(f"note: {note}") for note in notes)]))
-
-
-@interrupted_at_once
-def resume(
-    part: Annotated[Path, typer.Argument(help="The part file of an unfinished run.", metavar="RUN.h5.part")],
-    *,
-    force: ReplaceResult = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> None:
-    """Resume a run after a signal, a kill, a full disk or a power cut, with the same bits.
-
-    Example: rubnoise resume fig5.h5.part
-    """
-    from rubnoise.api.resuming import unfinished_scenario
-
-    prepare_kernels()
-    began = time.monotonic()
-    scenario = unfinished_scenario(part)
-    doubts = _doubts(scenario, quiet=quiet or as_json)
-    with _watching(scenario, quiet=quiet or as_json) as watcher:
-        result = rubnoise.resume(part, force=force, watch=watcher)
-    with result:
-        seconds = time.monotonic() - began
-        _print_result(result, part.with_suffix(""), seconds, doubts, as_json=as_json, quiet=quiet)
 
 
 def _watching(scenario: "Scenario", *, quiet: bool) -> AbstractContextManager[Watcher]:

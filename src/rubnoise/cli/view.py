@@ -2,15 +2,12 @@
 
 from os.path import realpath  # unlike resolve, it takes a loop of links for a name
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 import rubnoise
 from rubnoise.cli.options import ReplaceFile, ResultOfAnyKind, StretchEnd, StretchStart
-
-if TYPE_CHECKING:
-    from rubnoise.pages.run_view import RunView
 
 
 def command(
@@ -40,7 +37,6 @@ def command(
     from rubnoise.pages.sweep_view import sweep_page
     from rubnoise.regular_file import is_folder
     from rubnoise.storage.output import check_output, whole_file
-    from rubnoise.storage.resume import SUFFIX, committed_run
 
     ends = distance("--from", start), distance("--to", stop)
     path = output or Path(f"{Path(realpath(file)).stem}.html")
@@ -52,16 +48,10 @@ def command(
             raise typer.BadParameter("--from and --to are for one run")
         with rubnoise.open_sweep(file) as sweep:
             text, what = sweep_page(sweep, str(file)), f"{sweep.count('done'):,} runs"
-    elif file.suffix == SUFFIX:
-        with committed_run(file) as part:
-            text, what = _page_and_stretch(RunView.of_part(part, ends, str(file)))
     else:
         with finished_run(file) as run:
-            text, what = _page_and_stretch(RunView.of(Stretch.of(run, *ends), str(file)))
+            view = RunView.of(Stretch.of(run, *ends), str(file))
+            text, what = view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um"
     with whole_file(path, force=force) as written:
         written.write_text(text, encoding="utf-8")
     print(sentence(f"{path}: {what}, {size(path.stat().st_size)}; a browser opens it, with or without a network"))
-
-
-def _page_and_stretch(view: "RunView") -> tuple[str, str]:
-    return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um"

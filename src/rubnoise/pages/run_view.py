@@ -4,7 +4,7 @@ A life is eight bytes, so a page holds the lives of a million junctions, and sum
 holds each tick between two sliding distances, and the extremes of each curve of the whole run in some thousand cells.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 from typing import Any, Final, Self
@@ -21,7 +21,6 @@ from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import packed, page
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import ContactKind, LandmarkKind
-from rubnoise.storage.resume import CommittedRun
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
@@ -52,14 +51,10 @@ SCRIPTS: Final = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunView:
-    """A stretch of a run that is shown with all its rows; ``name`` is the file's name in the page.
-
-    planned: the sliding distance in um of the whole run, if only a part of it exists.
-    """
+    """A stretch of a run that is shown with all its rows; ``name`` is the file's name in the page."""
 
     stretch: Stretch
     name: str
-    planned: float | None = None
 
     @classmethod
     def of(cls, stretch: Stretch, name: str) -> Self:
@@ -78,16 +73,6 @@ class RunView:
         if not stretch.chosen and needed > room:
             stretch = stretch.narrowed((stretch.stop - stretch.start) * room / needed)
         return cls(stretch=stretch, name=name)
-
-    @classmethod
-    def of_part(cls, run: CommittedRun, ends: tuple[float | None, float | None], name: str) -> Self:
-        """Return the view of the committed part of an unfinished run; raises Refused as `of` does."""
-        whole = Stretch.of(run, *ends)
-        reached = min((run.rows("trace") - 1) * whole.model.tick, whole.model.distance)
-        model = replace(whole.model, distance=reached)
-        stretch = replace(whole, model=model, stop=min(whole.stop, reached))
-        stretch.check()
-        return replace(cls.of(stretch, name), planned=whole.model.distance)
 
     def page(self) -> str:
         """Return the text of the page."""
@@ -108,7 +93,6 @@ class RunView:
             "tick": model.tick,
             "speed": model.sliding_speed,
             "twoWay": model.is_two_way and "slider" in file.columns,
-            "planned": self.planned,
             "pulse": model.pulse.name,
             "loaded": "load" in file.columns,
             "area": {"mean": exact.mean, "std": exact.std} if self.stretch.has_theory else None,

@@ -20,7 +20,6 @@ class Extent:
 
     junctions: int | None
     ticks: int
-    blocks: int
     slider: int | None
     landmarks: int | None = 0
     load: int = 0
@@ -34,7 +33,6 @@ class Extent:
             "load": self.load,
             "landmarks": self.landmarks,
             "balance": 0 if self.landmarks == 0 else 1,
-            "blocks": self.blocks,
         }[group]
 
 

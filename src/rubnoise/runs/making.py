@@ -1,4 +1,4 @@
-"""Make one run: describe it, and write it into its file, from its start or from the point where it stopped."""
+"""Make one run: describe it, and write it into its file."""
 
 import os
 import sys
@@ -19,7 +19,7 @@ from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate, slider_constants
 from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import RunDescription, features_of
-from rubnoise.storage.output import check_locks, check_output
+from rubnoise.storage.output import check_output
 from rubnoise.storage.provenance import gather
 from rubnoise.storage.structure import Written
 from rubnoise.storage.writer import RunWriter
@@ -89,24 +89,21 @@ def play(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> dict[str, float | int | str]:
-    """Play a scenario into an entered writer, from the writer's state, publish the file, and return its figures.
+    """Play a scenario into an entered writer, publish the file, and return its figures.
 
     ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
     ``intervene`` are those of `rubnoise.run`.
     """
     model = scenario.model()
     tally = Tally.of(model)
-    writer.replay(tally)
     end = simulate(
         model,
         scenario.run.seed,
         Tee((writer, tally)),
         engine=cast(Engine, scenario.run.engine),
-        state=writer.state,
         observe=observe,
         intervene=intervene,
         watch=watch,
-        commit=writer.commit,
     )
 
     def between() -> None:
@@ -122,7 +119,6 @@ def play(
 def save(record: Kept, path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
     """Write a run from memory into a result file, and return that file (see Record.save)."""
     scenario = record.known_scenario()
-    check_locks(path)
     check_output(path, force=force)
     check_disk_space(scenario, expected(scenario), path)
     command = [Path(sys.argv[0]).name, *sys.argv[1:]]

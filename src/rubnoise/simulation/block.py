@@ -18,7 +18,6 @@ from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
-from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
 from rubnoise.simulation.kernels import Scratch, peak_areas
 from rubnoise.simulation.load import MovingSeparation
@@ -64,14 +63,13 @@ class Play(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSetup:
-    """What stays the same in all blocks of a run; ``grouped``: whether several small blocks are played at once."""
+    """What stays the same in all blocks of a run."""
 
     model: Model
     seed: int
     constants: Propagator | None
     sink: Sink
     play: Play
-    grouped: bool
     watch: Watch | None = None
     notifier: Notifier | None = None
     scratch: Scratch = field(default_factory=partial(Scratch, SCRATCH_NUMBERS))
@@ -79,14 +77,13 @@ class RunSetup:
 
 def next_state(run: RunSetup, state: State) -> State:
     """Play one block, or several at once, write their rows and ticks, and return the state from which to continue."""
-    blocks = blocks_drawn_at_once(run.model, state.block) if run.grouped else 1
+    blocks = blocks_drawn_at_once(run.model, state.block)
     births = draw_blocks(run.model, run.seed, state.block, state.next_birth, blocks)
-    starts = BlockStarts.of(run.model, state, births)
     born = _born(births, state.junctions)
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     ranges = list(tick_ranges(run.model, state, births, cells))
     motion = _motion(run, state)
-    two_way = _two_way(run, state, starts) if run.model.is_two_way else None
+    two_way = _two_way(run, state) if run.model.is_two_way else None
     slider = Appender(run.sink, "slider", state.slider_rows)
     rows, events = run.play(
         state=state,
@@ -95,14 +92,13 @@ def next_state(run: RunSetup, state: State) -> State:
         tick_ranges=ranges,
         run_end=run.model.distance,
         sample=lambda tick_range, rows: _write_trace(run, motion, tick_range, rows),
-        move=_moving(motion, two_way, slider, starts),
+        move=_moving(motion, two_way, slider),
     )
     natural = rows.natural_death
     if two_way is None:
         _write_junctions(run, state, rows, natural)
     else:
         two_way.through(rows, min(births.next_birth, run.model.distance))
-    run.sink.write("blocks", state.block, starts.columns(run.model))
     ticks = ranges[-1].end if ranges else state.ticks
     return State(
         block=state.block + births.blocks,
@@ -114,7 +110,7 @@ def next_state(run: RunSetup, state: State) -> State:
         live=_carried(rows, natural, (ticks - 1) * run.model.tick),
         slider_rows=slider.rows if two_way is None else two_way.slider_rows,
         **{name: getattr(state if motion is None else motion, name) for name in MOVING},
-        motion=b"" if two_way is None else two_way.pack(),
+        motion=None if two_way is None else two_way.state,
     )
 
 
@@ -138,14 +134,14 @@ def _motion(run: RunSetup, state: State) -> Motion | None:
     return SliderMotion(run.model, run.constants, run.scratch, **moving)
 
 
-def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion":
+def _two_way(run: RunSetup, state: State) -> "TwoWayMotion":
     from rubnoise.simulation.two_way import TwoWayMotion  # takes long to load, and few runs need it
 
-    return TwoWayMotion(run.model, run.seed, run.sink, run.scratch, state, starts, run.notifier)
+    return TwoWayMotion(run.model, run.seed, run.sink, run.scratch, state, run.notifier)
 
 
 def _moving(
-    motion: Motion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
+    motion: Motion | None, two_way: "TwoWayMotion | None", slider: Appender
 ) -> Callable[[TickRange, LiveRows, Sample], None] | None:
     """Return the function that computes the motion through a tick range and writes it; None if nothing moves."""
     if two_way is not None:
@@ -153,8 +149,8 @@ def _moving(
     if motion is None:
         return None
     if isinstance(motion, MovingSeparation):
-        return partial(_write_load, slider, starts)
-    return partial(_write_slider, slider, motion, starts)
+        return partial(_write_load, slider)
+    return lambda tick_range, rows, found: slider.append(motion.through(tick_range, rows, found))
 
 
 def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, rows: LiveRows) -> Sample:
@@ -170,23 +166,11 @@ def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, ro
     return found
 
 
-def _write_slider(
-    slider: Appender, motion: SliderMotion, starts: BlockStarts, tick_range: TickRange, rows: LiveRows, found: Sample
-) -> None:
-    columns = motion.through(tick_range, rows, found)
-    starts.pass_ticks(columns["distance"], displacement=columns["displacement"], velocity=motion.carried)
-    slider.append(columns)
-
-
-def _write_load(slider: Appender, starts: BlockStarts, tick_range: TickRange, rows: LiveRows, found: Sample) -> None:
+def _write_load(slider: Appender, tick_range: TickRange, rows: LiveRows, found: Sample) -> None:
     del rows
-    load, distance = found.moved["load"], found.columns["distance"]
-    starts.pass_ticks(distance, separation=load["separation"], separation_velocity=load["velocity"])
-    slider.sink.write("load", tick_range.first, load)
+    slider.sink.write("load", tick_range.first, found.moved["load"])
     if "slider" in found.moved:
-        columns = found.moved["slider"]
-        starts.pass_ticks(distance, displacement=columns["displacement"], velocity=columns["velocity"])
-        slider.append(columns)
+        slider.append(found.moved["slider"])
 
 
 def _write_junctions(run: RunSetup, state: State, rows: LiveRows, natural: Doubles) -> None:

@@ -71,23 +71,18 @@ _counted = CountedBirths()
 class BlockBirths:
     """The births of some blocks within the run: distances (um), diameters (um), strengths (MPa; ones without a law).
 
-    gaps (um): from each birth to the next; first (um): the first birth of each block; next_birth (um): the first birth
-    of the block after them. first and next_birth may lie beyond the run. offset: distance of each pass from the centre
-    line (um), with a sign; None if all pass through both centres.
+    gaps (um): from each birth to the next; blocks: their number; next_birth (um): the first birth of the block after
+    them, which may lie beyond the run. offset: distance of each pass from the centre line (um), with a sign; None if
+    all pass through both centres.
     """
 
     birth: Doubles
     gaps: Doubles
     diameter: Doubles
     strength: Doubles
-    first: Doubles
+    blocks: int
     next_birth: float
     offset: Doubles | None = None
-
-    @property
-    def blocks(self) -> int:
-        """Number of blocks."""
-        return self.first.size
 
     def __len__(self) -> int:
         """Return the number of births."""
@@ -197,7 +192,7 @@ def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int =
         gaps=gaps[:count],
         diameter=_drawn(model, seed, Stream.DIAMETERS, block, blocks)[:count],
         strength=_drawn(model, seed, Stream.STRENGTHS, block, blocks)[:count],
-        first=first[:blocks],
+        blocks=blocks,
         next_birth=float(birth[count]),
         offset=_offsets(model, seed, block, blocks, count),
     )

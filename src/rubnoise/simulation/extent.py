@@ -5,7 +5,6 @@ from typing import Final, Literal
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.draws import births_by_block, start
-from rubnoise.simulation.free.scales import Scales
 
 Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
@@ -19,23 +18,19 @@ def extent(model: Model, seed: int) -> Extent:
     """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
     ticks = model.tick_count + 1
     if model.free is not None:
-        length = Scales.of(model, model.free).surface(seed).ticks
         return Extent(
             junctions=None,
             ticks=ticks,
             slider=model.slider_rows,
             landmarks=None,
             load=ticks,
-            blocks=model.tick_count // length + 1,
         )
     if model.birth_rate * model.distance > WORTH_COMPILING:
         import numba  # noqa: F401  (if it is loaded, deviates are compiled)
-    born = list(births_by_block(model, seed))
     return Extent(
-        junctions=start(model, seed).junctions + sum(born),
+        junctions=start(model, seed).junctions + sum(births_by_block(model, seed)),
         ticks=ticks,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way else 0,
         load=0 if model.separation is None else ticks,
-        blocks=max(len(born), 1),  # a run without births still has ticks to play
     )

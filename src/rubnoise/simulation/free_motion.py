@@ -4,11 +4,10 @@ A block is a range of ticks. In it the motion decides where summits are touched 
 /junctions. Rows are written in order of birth, so a row waits until every older touch has ended.
 """
 
-import struct
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +24,6 @@ from rubnoise.simulation.free.fold import FreeContact, FreeRows, FreeRun, FreeSt
 from rubnoise.simulation.free.scales import Scales
 from rubnoise.simulation.state import LiveRows, State
 
-_HEADER: Final = struct.Struct("<qq")
-
 _NUMBER, _BIRTH, _DEATH, _OVERLAP, _SHARE = range(5)
 _ROWS: Final = 5
 """Rows of a touch: its summit, begin and end (um; infinite outside the run), largest overlap (s_0), and share."""
@@ -42,22 +39,6 @@ class _Past:
     landmarks: int = 0
     waiting: Doubles = field(default_factory=lambda: np.empty((_ROWS, 0)))
     motion: FreeState | None = None
-
-    def pack(self) -> bytes:
-        """Return this object as bytes, from which ``unpack`` restores it to the bit."""
-        rows = self.waiting.astype("<f8").tobytes()
-        motion = b"" if self.motion is None else self.motion.pack()
-        return _HEADER.pack(self.landmarks, self.waiting.shape[1]) + rows + motion
-
-    @classmethod
-    def unpack(cls, data: bytes) -> Self:
-        """Return the object from the bytes of ``pack``, or the start from empty bytes."""
-        if not data:
-            return cls()
-        landmarks, count = _HEADER.unpack_from(data)
-        rows = np.frombuffer(data, "<f8", _ROWS * count, _HEADER.size).astype(float).reshape(_ROWS, count)
-        motion = FreeState.unpack(data[_HEADER.size + rows.nbytes :])
-        return cls(landmarks=landmarks, waiting=rows, motion=motion)
 
 
 def next_free_state(run: RunSetup, free: FreeSeparation, state: State, play: PlayTouches | None = None) -> State:
@@ -78,7 +59,7 @@ class _Block:
     def __init__(self, model: Model, free: FreeSeparation, seed: int, sink: Sink, state: State) -> None:
         self._model, self._free, self._sink, self._state = model, free, sink, state
         self._scales = Scales.of(model, free)
-        self._past = _Past.unpack(state.motion)
+        self._past = _Past() if state.motion is None else state.motion
         equal = model.strengths is None or isinstance(model.strengths, Fixed)
         contact = _contact(model, free, self._scales)
         self._run = FreeRun(contact, seed, self._past.motion, None if equal else model.strengths)
@@ -95,7 +76,6 @@ class _Block:
         known, waiting = self._known(touches, final=final)
         self._write_junctions(known)
         landmarks = self._write_landmarks(rows)
-        self._sink.write("blocks", state.block, self._start())
         last = rows.ticks[:, -1]
         x, v = self._along(last[columns.TICK_X], last[columns.TICK_U])
         past = _Past(landmarks=landmarks, waiting=waiting, motion=self._run.state)
@@ -112,7 +92,7 @@ class _Block:
             velocity=float(v),
             separation=float(self._scales.height * last[columns.TICK_Z]),
             separation_velocity=float(self._scales.height * self._scales.rate * last[columns.TICK_W]),
-            motion=past.pack(),
+            motion=past,
         )
 
     @property
@@ -230,20 +210,6 @@ class _Block:
             found |= {"displacement": x, "velocity": v}
         appender.append(found)
         return appender.rows
-
-    def _start(self) -> dict[str, NDArray[Any]]:
-        """Return the row of /blocks."""
-        state = self._state
-        row: dict[str, int | float] = {
-            "block": state.block,
-            "birth_distance": self._origin(state.block),
-            "first_junction": state.junctions,
-            "first_tick": state.ticks,
-        }
-        if self._model.slider is not None:
-            row |= {"displacement": state.displacement, "velocity": state.velocity}
-        row |= {"separation": state.separation, "separation_velocity": state.separation_velocity}
-        return {name: np.array([value]) for name, value in row.items()}
 
 
 def _along_unit(model: Model, scales: Scales) -> float:

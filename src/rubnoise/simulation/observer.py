@@ -130,21 +130,6 @@ class Notifier:
                 if int(rows.junction[row]) in waiting:
                     notify(int(rows.junction[row]), float(places[row]))
 
-    def resume_motion(self, rows: LiveRows, times: NDArray[np.float64], reached: float, distance: float) -> None:
-        """Queue the events between the slider and the begin of the first block (um), which the slider has yet to pass.
-
-        rows: the junctions that the slider has not passed completely; times (2, rows): when it first passed their
-        births and deaths (s), nan if it has not; reached: the slider's distance (um); distance: where the block begins.
-        """
-        if self._begun:
-            return
-        places = (rows.birth, _middle(rows), rows.death)
-        ahead = (np.isnan(times[0]) & ~np.signbit(rows.birth), places[1] > reached, np.isnan(times[1]))
-        notify = (self._observer.birth, self._observer.mid_life, self._observer.death)
-        for function, place, left in zip(notify, places, ahead, strict=True):
-            for row in np.flatnonzero(left & (place <= distance)).tolist():
-                self._call(function, int(rows.junction[row]), float(place[row]))
-
     def landmarks(self, columns: Mapping[str, NDArray[Any]]) -> None:
         """Report landmarks in order, each after the events that the slider passed before it."""
         names = ("kind", "time", "distance", "velocity")

@@ -45,23 +45,17 @@ def simulate(
     sink: Sink,
     *,
     engine: Engine = "events",
-    state: State | None = None,
     intervene: Intervention | None = None,
     observe: Observer | None = None,
     watch: Watch | None = None,
-    commit: Callable[[State], None] | None = None,
-    alone: bool = False,
     ended: Ended | None = None,
 ) -> State:
     """Run a model block by block, write each block's rows to a sink, and return the last state.
 
-    The same model and seed give the same rows, bit for bit, with either engine and also if the engine changes
-    between two blocks. ``state``: continue from here instead of from the start; ``intervene``: a SimPy process of the
-    caller, beside those of the contact; it starts when the run starts or continues; ``observe``: is called at
-    births, mid-lives, deaths and landmarks; ``watch``: is called after each tick range; ``commit``: is called with the
-    state from which the run could continue, after each block or after several that are played at once; ``alone``: play
-    one block at a time; ``ended``: says where an intervention ended lives, so that the batch engine can replay the run.
-    Raises Refused as `check_guests` does.
+    The same model and seed give the same rows, bit for bit, with either engine. ``intervene``: a SimPy process of the
+    caller, beside those of the contact; ``observe``: is called at births, mid-lives, deaths and landmarks; ``watch``:
+    is called after each tick range; ``ended``: says where an intervention ended lives, so that the batch engine can
+    replay the run. Raises Refused as `check_guests` does.
     """
     check_guests(model, engine, observe, intervene)
     notifier = None if observe is None else Notifier(observe, two_way=model.is_two_way)
@@ -75,23 +69,16 @@ def simulate(
         constants=slider_constants(model),
         sink=sink,
         play=play,
-        grouped=not alone,
         watch=watch,
         notifier=notifier,
     )
     step = partial(next_state, run) if model.free is None else _free_step(run, model.free, engine)
-    state = _start(model, seed) if state is None else state
+    state = start(model, seed) if model.free is None else State.at_rest(model)
     with _collecting_by_blocks() as collect:
         while not finished(model, state):
             state = step(state)
             collect()
-            if commit is not None:
-                commit(state)
     return state
-
-
-def _start(model: Model, seed: int) -> State:
-    return start(model, seed) if model.free is None else State.at_rest(model)
 
 
 def _free_step(run: RunSetup, free: FreeSeparation, engine: Engine) -> Callable[[State], State]:

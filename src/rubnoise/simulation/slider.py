@@ -136,8 +136,7 @@ def advance_slider(
 class SliderMotion:
     """A moving slider: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick.
 
-    Over a base y the carried velocity is x' - c y/m, while rows have x'. ``carried``: the carried velocity at the ticks
-    of the last range.
+    Over a base y, the velocity that it carries is x' - c y/m, while rows have x'.
     """
 
     def __init__(
@@ -157,7 +156,6 @@ class SliderMotion:
         self.displacement = displacement
         self.velocity = velocity
         self.separation, self.separation_velocity = separation, separation_velocity
-        self.carried = np.empty(0)
 
     def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> dict[str, NDArray[Any]]:
         """Move through the cells of a tick range and return the columns of /slider at its ticks."""
@@ -171,15 +169,14 @@ class SliderMotion:
         self.displacement, self.velocity = float(displacement[-1]), float(velocity[-1])
         trace = sample.columns
         at_ticks = slice(displacement.size - trace["distance"].size, None)
-        self.carried = velocity[at_ticks]
         columns = {"time": trace["distance"] / self._model.sliding_speed, "distance": trace["distance"]}
         if "friction_force" in trace:
             columns["friction_force"] = trace["friction_force"]
-        columns |= {"displacement": displacement[at_ticks], "velocity": self.carried}
+        columns |= {"displacement": displacement[at_ticks], "velocity": velocity[at_ticks]}
         slider = self._model.slider
         if slider is not None and slider.excitation == "base":
             base = self._model.base_per_area * trace["real_contact_area"]
-            columns |= {"base_displacement": base, "velocity": self.carried + slider.damping / slider.mass * base}
+            columns |= {"base_displacement": base, "velocity": velocity[at_ticks] + slider.damping / slider.mass * base}
         return columns
 
     def _force(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> ForceMoments:

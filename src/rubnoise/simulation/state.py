@@ -1,7 +1,5 @@
-"""The state that one block of a run passes to the next: explicit, frozen and storable."""
+"""The state that one block of a run passes to the next: explicit and frozen."""
 
-import json
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any, Final
@@ -13,12 +11,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
 
-_HEADER = struct.Struct("<I")
 _NOTHING = np.empty(0)
-
-CENTRED: Final = ("junction", "birth", "diameter", "strength", "departure")
-"""Columns that every row has; passes off the centre line also have an offset."""
-
 
 MOVING: Final = ("displacement", "velocity", "separation", "separation_velocity")
 """Fields of a state that hold the motion, if the sliding distance does not depend on it."""
@@ -97,7 +90,7 @@ class State:
     far; ticks: ticks finished so far; events: events of the queue so far, 0 without one; live: the rows that are
     carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s): those of a one-way slider at
     the last tick; separation (um) and its velocity (um/s): those at the last tick, if the separation moves under its
-    load; motion: the packed state of two-way or free motion.
+    load; motion: the state of two-way or free motion, None before its first block.
     """
 
     block: int
@@ -112,7 +105,7 @@ class State:
     velocity: float
     separation: float = 0.0
     separation_velocity: float = 0.0
-    motion: bytes = b""
+    motion: Any = None
 
     @classmethod
     def at_rest(cls, model: Model) -> "State":
@@ -129,29 +122,3 @@ class State:
             displacement=model.equilibrium_displacement,
             velocity=0.0,
         )
-
-    def pack(self) -> bytes:
-        """Return the state as bytes, from which ``unpack`` restores it to the bit."""
-        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "motion"}}
-        columns = dict(self.live.columns())
-        rows_there = {"rows": len(self.live)} | ({"offsets": True} if "offset" in columns else {})
-        header = json.dumps(numbers | rows_there, allow_nan=False).encode()
-        rows = [values.astype(f"<{_kind(name)}8").tobytes() for name, values in columns.items()]
-        return _HEADER.pack(len(header)) + header + b"".join(rows) + self.motion
-
-    @classmethod
-    def unpack(cls, data: bytes) -> "State":
-        """Return the state from the bytes of ``pack``."""
-        (length,) = _HEADER.unpack_from(data)
-        begin = _HEADER.size + length
-        numbers: dict[str, Any] = json.loads(data[_HEADER.size : begin])
-        count, offsets = numbers.pop("rows"), numbers.pop("offsets", False)
-        rows = {}
-        for n, name in enumerate((*CENTRED, "offset") if offsets else CENTRED):
-            column = np.frombuffer(data, dtype=f"<{_kind(name)}8", count=count, offset=begin + 8 * count * n)
-            rows[name] = column.astype(column.dtype.newbyteorder("="))
-        return cls(live=LiveRows(**rows), motion=data[begin + 8 * count * len(rows) :], **numbers)
-
-
-def _kind(column: str) -> str:
-    return "i" if column == "junction" else "f"

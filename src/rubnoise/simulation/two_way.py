@@ -4,12 +4,10 @@ A row of /junctions says when the slider first passed the birth and the death. S
 known, and all later rows wait behind it. Waiting rows are carried from block to block.
 """
 
-import struct
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import ceil, inf
-from typing import Final
 
 import numpy as np
 
@@ -20,13 +18,12 @@ from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
-from rubnoise.simulation.block_starts import TWO_WAY, BlockStarts
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, first_birth, start
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.state import CENTRED, LiveRows, State
+from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import Stream, generator, uniforms
 
 
@@ -99,7 +96,19 @@ def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
     return rows.at(np.flatnonzero((rows.birth < end) & (rows.birth + 2.0 * rows.diameter > begin)))
 
 
-_HEADER: Final = struct.Struct("<qqq5d")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TwoWayState:
+    """What a block of a two-way run passes to the next.
+
+    landmarks, written: rows of /landmarks and of /junctions so far; waiting: the junctions whose rows are not written
+    yet; times (2, rows): when the slider first passed their births and deaths (s), nan before that.
+    """
+
+    motion: CoupledState
+    landmarks: int = 0
+    written: int = 0
+    waiting: LiveRows = field(default_factory=LiveRows.none)
+    times: Doubles = field(default_factory=lambda: np.empty((2, 0)))
 
 
 class TwoWayMotion:
@@ -112,22 +121,20 @@ class TwoWayMotion:
         sink: Sink,
         scratch: Scratch,
         state: State,
-        starts: BlockStarts,
         notifier: Notifier | None = None,
     ) -> None:
-        """Continue from a state; scratch: memory for the moments of the field; starts: of the blocks to be played."""
-        self._model, self._sink, self._starts, self._notifier = model, sink, starts, notifier
+        """Continue from a state; scratch: memory for the moments of the field."""
+        self._model, self._sink, self._notifier = model, sink, notifier
         numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
-        landmarks, self._written, self._last, self._waiting, self._times, motion = _unpacked(state.motion)
-        if motion is None:
-            motion = CoupledState.start(model, numbers, start(model, seed).live)
+        begun: TwoWayState | None = state.motion
+        past = begun or TwoWayState(motion=CoupledState.start(model, numbers, start(model, seed).live))
+        self._written, self._waiting, self._times = past.written, past.waiting, past.times
+        if begun is None:
             self._write_junctions(LiveRows.none(), self._times)
         self._constants = numbers
-        if notifier is not None:
-            notifier.resume_motion(self._waiting, self._times, motion.distance(numbers), state.begin)
-        self._motion = CoupledMotion(model, numbers, motion, scratch, partial(lived, model, seed))
+        self._motion = CoupledMotion(model, numbers, past.motion, scratch, partial(lived, model, seed))
         self._slider = Appender(sink, "slider", state.slider_rows)
-        self._landmarks = Appender(sink, "landmarks", landmarks)
+        self._landmarks = Appender(sink, "landmarks", past.landmarks)
 
     @property
     def slider_rows(self) -> int:
@@ -153,12 +160,16 @@ class TwoWayMotion:
         if self._notifier is not None:
             self._notifier.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
 
-    def pack(self) -> bytes:
-        """Return as bytes the state from which the next block continues."""
-        columns = [getattr(self._waiting, name) for name in CENTRED if name != "junction"]
-        waiting = np.array([*columns, *self._times]).astype("<f8").tobytes()
-        header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting), *self._last)
-        return header + waiting + self._motion.state.pack()
+    @property
+    def state(self) -> TwoWayState:
+        """The state from which the next block continues."""
+        return TwoWayState(
+            landmarks=self._landmarks.rows,
+            written=self._written,
+            waiting=self._waiting,
+            times=self._times,
+            motion=self._motion.state,
+        )
 
     def _moved(self, born: LiveRows, known: float) -> Iterator[MotionRows]:
         try:
@@ -173,9 +184,6 @@ class TwoWayMotion:
         self._landmarks.append({"landmark": number, **moved.landmarks})
         for times, (junction, time) in zip(self._times, (moved.births, moved.deaths), strict=True):
             times[junction - self._written] = time
-        self._starts.pass_births(*moved.births, moved.slider, self._last)
-        if moved.slider["time"].size:
-            self._last = tuple(float(moved.slider[name][-1]) for name in TWO_WAY)
         if self._notifier is not None:
             self._notifier.landmarks(moved.landmarks)
 
@@ -216,21 +224,3 @@ class TwoWayMotion:
             speed=self._model.sliding_speed,
         )
         self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})
-
-
-def _unpacked(data: bytes) -> tuple[int, int, tuple[float, ...], LiveRows, Doubles, CoupledState | None]:
-    """Return the contents of a packed state, or those of the start if it is empty.
-
-    They are the number of landmarks, the number of rows written, the last row of /slider, the waiting rows, the times
-    (s) when the slider first passed their births and deaths, and the motion (None at the start).
-    """
-    if not data:
-        return 0, 0, (0.0,) * len(TWO_WAY), LiveRows.none(), np.empty((2, 0)), None
-    landmarks, written, count, *last = _HEADER.unpack_from(data)
-    names = [name for name in CENTRED if name != "junction"]
-    size = (len(names) + 2) * count
-    numbers: Doubles = np.frombuffer(data, "<f8", size, _HEADER.size).reshape(len(names) + 2, count).astype(float)
-    columns = dict(zip(names, numbers, strict=False))
-    waiting = LiveRows(junction=np.arange(written, written + count, dtype=np.int64), **columns)
-    motion = CoupledState.unpack(data[_HEADER.size + 8 * size :])
-    return landmarks, written, tuple(last), waiting, numbers[len(names) :].copy(), motion

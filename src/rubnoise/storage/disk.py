@@ -7,9 +7,9 @@ less than requested (POSIX allows it, and network disks do it).
 
 import errno
 import os
-import sys
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from threading import Lock
 from typing import Final
 
@@ -33,9 +33,15 @@ class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
         return f"{super().__str__()} on disk differs from what was written"
 
 
-def create(path: Path) -> int:
-    """Create a new file for reading and writing, and return its descriptor."""
-    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | _OURS_ALONE, 0o666)
+def open_or_create(path: Path) -> int:
+    """Open a file for reading and writing, made if it is not there, and return its descriptor."""
+    return os.open(path, os.O_RDWR | os.O_CREAT | _OURS_ALONE, 0o666)
+
+
+def create_unnamed(folder: Path) -> int:
+    """Create a file for reading and writing without a name in a folder, and return its descriptor."""
+    with TemporaryFile(buffering=0, dir=folder) as file:
+        return os.dup(file.fileno())
 
 
 def reopen(path: Path) -> int:
@@ -81,8 +87,16 @@ def read(descriptor: int, size: int, offset: int) -> bytes:
 def write_all(descriptor: int, data: memoryview, offset: int) -> None:
     """Write all of a contiguous buffer of bytes at an offset, however many calls the system needs for it."""
     while data:
-        written = _some(os.pwrite(descriptor, data[:LARGEST], offset))
+        written = _some(_write_some(descriptor, data[:LARGEST], offset))
         data, offset = data[written:], offset + written
+
+
+def _write_some(descriptor: int, data: memoryview, offset: int) -> int:
+    if hasattr(os, "pwrite"):
+        return os.pwrite(descriptor, data, offset)
+    with SEEKING:
+        os.lseek(descriptor, offset, os.SEEK_SET)
+        return os.write(descriptor, data)
 
 
 def append_all(descriptor: int, data: memoryview) -> None:
@@ -103,10 +117,10 @@ def resize(descriptor: int, size: int) -> None:
     os.ftruncate(descriptor, size)
 
 
-def allocate(descriptor: int, size: int, start: int = 0) -> None:
-    """Allocate disk space for a file from ``start`` to a size, if the system can."""
-    if sys.platform != "darwin":
-        os.posix_fallocate(descriptor, start, size - start)
+def allocate(descriptor: int, size: int) -> None:
+    """Allocate disk space for a file up to a size, if the system can be asked to."""
+    if size and hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(descriptor, 0, size)
 
 
 def sync(descriptor: int) -> None:
@@ -121,11 +135,6 @@ def sync_file(path: Path) -> None:
         sync(descriptor)
     finally:
         close(descriptor)
-
-
-def sync_rows(descriptor: int) -> None:
-    """Flush the bytes of a file to disk, and only the metadata that reading them needs (fdatasync)."""
-    getattr(os, "fdatasync", os.fsync)(descriptor)
 
 
 def begin_sync(descriptor: int) -> None:

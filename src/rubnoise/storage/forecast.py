@@ -17,9 +17,9 @@ from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, machine_speed, seconds, work, working_bytes
-from rubnoise.simulation.draws import births_per_block
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.storage.layout import expected_bytes, features_of
+from rubnoise.storage.output import part_of
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.response import response
 
@@ -32,7 +32,7 @@ class Budget:
     """The cost of one run, or of several made one after the other.
 
     result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
-    them, with the copy that is made if one is compressed, or of rows that grow beside the part; working_bytes:
+    them, with the rows that wait beside a part if it is compressed, or their number is not known; working_bytes:
     memory beside the program's own, about; work: how much of each kind (see `rubnoise.simulation.cost`);
     slider_rows_at_most: of /slider in a two-way run, None in others.
     """
@@ -77,11 +77,9 @@ def expected(scenario: Scenario) -> Budget:
     """
     scenario.check_size()
     model = scenario.model()
-    births = model.birth_rate * model.distance
     rows = Extent(
         junctions=_likely_junctions(model) if model.free is None else None,
         ticks=model.tick_count + 1,
-        blocks=ceil(births / births_per_block(model)) + 1,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way or model.free is not None else 0,
         load=0 if model.held is None else model.tick_count + 1,
@@ -263,15 +261,14 @@ BLOCK_BYTES = 512
 def free_disk_bytes(path: str | os.PathLike[str]) -> int:
     """Return the number of bytes that may be written at a path: the free space of its disk, at most RLIMIT_FSIZE.
 
-    The space of a part file and of its growing rows counts as free: the new result uses it or gives it back.
+    The space of a part file counts as free: the new result uses it or gives it back.
     Raises OSError if the folder does not exist.
     """
     final = Path(path).absolute()
     room = shutil.disk_usage(final.parent).free
-    for beside in (".part", ".part.rows"):
-        with suppress(FileNotFoundError):
-            about = final.with_name(f"{final.name}{beside}").lstat()
-            room += about.st_blocks * BLOCK_BYTES if hasattr(about, "st_blocks") else about.st_size
+    with suppress(FileNotFoundError):
+        about = part_of(final).lstat()
+        room += about.st_blocks * BLOCK_BYTES if hasattr(about, "st_blocks") else about.st_size
     return int(min(room, _limit("RLIMIT_FSIZE")))
 
 

@@ -5,6 +5,7 @@ Files from elsewhere are read in the sandbox; no row is read.
 
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import h5py
@@ -12,11 +13,11 @@ import numpy as np
 import xxhash
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.layout import Name, RunDescription
+from rubnoise.storage.layout import Name, RunDescription, row_count, stored_groups
 from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.read_structure import ATTRIBUTE_BYTES, structure_read_by
 from rubnoise.storage.schema import Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, Words, complete, compose, put_text
+from rubnoise.storage.structure import LIBRARY_VERSIONS, add_group, complete, compose, put_text
 
 OBJECTS_LIMIT: Final = 20_000
 """More groups and columns are in no file of ours, be it the index of the largest sweep."""
@@ -46,10 +47,14 @@ def expected_inventory(
     description: RunDescription, *, compressed: bool, ending: Ended | None = None
 ) -> dict[str, dict[str, Any]]:
     """Return what the file of a run must hold beside its rows, before the first one or at the end, made in memory."""
+    about = replace(description, compression="gzip" if compressed else "none")
     with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
-        compose(file, description, compressed=compressed)
+        compose(file, about)
+        for group in stored_groups(about.features):
+            if group.name not in file:
+                add_group(file, group, row_count(group, about.extent), about.compression)
         if ending is not None:
-            complete(file, Words.of(description), *ending)
+            complete(file, about, *ending)
         return inventory_of(file)
 
 

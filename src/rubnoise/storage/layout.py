@@ -1,21 +1,19 @@
-"""The layout of a result file: its columns, their rows and bytes, and their places in the file."""
+"""The layout of a result file: its columns, their rows and bytes."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final, Literal
 
 import numpy as np
-import xxhash
 
-from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
-STRUCTURE_BYTES = 24 * 1024
+STRUCTURE_BYTES = 20 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
 Name = tuple[str, str]
@@ -86,7 +84,6 @@ def stored_extent(rows: Mapping[str, int], features: frozenset[Feature]) -> Exte
     return Extent(
         junctions=None if "junctions" in growing else rows["junctions"],
         ticks=rows["trace"],
-        blocks=rows.get("blocks", 0),
         slider=None if "slider" in growing else rows.get("slider", 0),
         landmarks=None if "landmarks" in growing else rows.get("landmarks", 0),
         load=rows.get("load", 0),
@@ -103,52 +100,3 @@ def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
 
 
 DTYPES: Final = {(group.name, column.name): column.dtype for group in GROUPS for column in group.columns}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ByteRange:
-    """The place of a contiguous column in its file; without rows its offset is 0."""
-
-    offset: int
-    rows: int
-    dtype: str
-
-    @property
-    def end(self) -> int:
-        """Where it ends."""
-        return self.offset + self.rows * np.dtype(self.dtype).itemsize
-
-    @property
-    def held(self) -> int:
-        """Number of rows for which space is allocated: all of them."""
-        return self.rows
-
-    def reserve(self, end: int) -> None:
-        """Do nothing: the file has the space of the whole column from the start."""
-
-    def pieces(self, first: int, size: int) -> Iterator[tuple[int, int]]:
-        """Yield offset and size of the one piece of the file that holds some bytes of the column."""
-        yield self.offset + first, size
-
-
-def between(columns: Iterable[ByteRange], size: int) -> tuple[range, ...]:
-    """Return the parts of a file that hold no rows, in order.
-
-    Raises RunFileRefused if columns overlap or lie beyond the end of the file.
-    """
-    found, start = [], 0
-    for column in sorted((column for column in columns if column.rows), key=lambda column: column.offset):
-        if not start <= column.offset <= column.end <= size:
-            raise RunFileRefused("has overlapping columns")
-        found.append(range(start, column.offset))
-        start = column.end
-    return tuple(place for place in [*found, range(start, size)] if place)
-
-
-def digest_of(pieces: Iterable[tuple[int, bytes]]) -> str:
-    """Return one hash of pieces of a file and their offsets."""
-    digest = xxhash.xxh3_128()
-    for offset, data in pieces:
-        digest.update(f"{offset} {len(data)} ".encode() + data)
-    found: str = digest.hexdigest()
-    return found

@@ -64,13 +64,6 @@ def share(descriptor: int) -> bool:
     return not AVAILABLE or _got(descriptor, fcntl.LOCK_SH)
 
 
-def remove_stale(path: Path) -> None:
-    """Remove the file of a lock that no process holds, as a kill leaves one."""
-    descriptor = _found(path) if AVAILABLE else None
-    if descriptor is not None:
-        _let_go(descriptor, path)
-
-
 def _locked(path: Path, how: int, patience: float | None) -> int:
     """Return the descriptor of the lock file, locked; it is certainly the file that has the name now."""
     while True:

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.errors import NoColumn, Refused
+from rubnoise.errors import UNFINISHED, NoColumn, Refused, RunFileRefused
 from rubnoise.regular_file import is_hdf5, open_regular, size_of
 from rubnoise.storage.measured_text import read_text
 from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
@@ -162,9 +162,7 @@ def pieces_of_dataset(path: Path, name: str) -> Iterator[tuple[dict[str, Any], D
             if "refused" in found:
                 raise NoColumn(f"{path}: {found['refused']}")
             if found["unfinished"]:
-                from rubnoise.storage.resume import refusal
-
-                raise refusal(path)
+                raise RunFileRefused(f"{path}: {UNFINISHED}")
             both = np.frombuffer(rest, dtype="<f8").astype(np.float64)
             values = both[: found["here"]]
             yield found, values, both[found["here"] :]

@@ -1,169 +1,46 @@
 """Decide whether a result may be written, and give a file its final name when it is complete.
 
-Everything that is refused is refused before any file is created.
+Whatever is refused is refused before any file is created. A file is written as ``NAME.part`` beside its final name, and
+a lock on that file keeps other writers away. A part of a process that has ended is overwritten.
 """
 
+import errno
 import os
-import shutil
 import stat
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Self
+from time import monotonic, sleep
+from typing import Final
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage import disk, lock
+from rubnoise.storage import disk
+
+try:
+    import fcntl
+except ImportError:
+    LOCKS = False
+else:
+    LOCKS = True
+
+SUFFIX: Final = ".part"
 
 NO_LOCKS = (
-    "a run is written on Linux and macOS only, where locks keep a second writer out; on Windows use its Subsystem for"
-    " Linux (WSL), or keep the run in memory with rubnoise.simulate"
+    "a sweep is made on Linux and macOS only, where locks keep a second writer out; on Windows use its Subsystem for"
+    " Linux (WSL)"
 )
 
+PATIENCE_SECONDS: Final = 0.3
+"""Longer than a copy of a process that has ended keeps its lock."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OutputPaths:
-    """The paths that belong to one result, all in its folder."""
-
-    final: Path
-    part: Path
-    journal: Path
-    growing: Path
-    making: Path
-    lock: Path
-
-    @classmethod
-    def of(cls, path: str | os.PathLike[str]) -> Self:
-        """Return the paths that belong to a result; a later change of the working directory does not change them."""
-        final = Path(path).absolute()
-        return cls(
-            final=final,
-            part=final.with_name(f"{final.name}.part"),
-            journal=final.with_name(f"{final.name}.part.journal"),
-            growing=final.with_name(f"{final.name}.part.rows"),
-            making=final.with_name(f".{final.name}.making"),
-            lock=final.with_name(f".{final.name}.lock"),
-        )
-
-    @property
-    def names(self) -> tuple[Path, ...]:
-        """All of them."""
-        return self.final, self.part, self.journal, self.growing, self.making, self.lock
-
-    def remove_beside(self) -> None:
-        """Remove the files beside an unfinished part: its journal, and its growing rows, which need the journal."""
-        disk.remove(self.growing)
-        disk.remove(self.journal)
+NO_ROOM: Final = frozenset((errno.ENOSPC, errno.EDQUOT))
+CANNOT_RESERVE: Final = frozenset((errno.EOPNOTSUPP, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL))
 
 
-def check_output(
-    path: str | os.PathLike[str], *, force: bool, unfinished: bool = False, reads: Iterable[str | os.PathLike[str]] = ()
-) -> OutputPaths:
-    """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
-
-    If a result or a part is in the way, the lock file that a killed run has left beside it is removed.
-
-    Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
-    ``force``, a file that exists already: a complete one or, unless ``unfinished``, the part of an unfinished run.
-    Also refused, even with ``force``, is a file that the caller ``reads``, by whatever name: it would be lost.
-    """
-    try:
-        if os.fspath(path).endswith(("/", os.sep)):
-            raise OutputRefused(f"{path}: names a folder; name a file")
-        paths = OutputPaths.of(path)
-        if not paths.final.parent.is_dir():
-            raise OutputRefused(f"{paths.final.parent}: no such folder")
-        # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
-        for name in paths.names:
-            mode = _mode(name)
-            # Nor may it be a link: renaming over it would leave its target unchanged.
-            if mode is not None and not stat.S_ISREG(mode):
-                raise OutputRefused(f"{name}: exists and is not a regular file")
-        if not os.access(paths.final.parent, os.W_OK | os.X_OK):
-            raise OutputRefused(f"{paths.final.parent}: the folder is not writable")
-        _check_not_read(paths, reads)
-    except (OSError, ValueError) as problem:
-        raise OutputRefused(f"{path}: cannot be written: {reason_of(problem)}") from problem
-    if not force:
-        try:
-            _check_absent(paths, unfinished=unfinished)
-        except OutputRefused:
-            lock.remove_stale(paths.lock)
-            raise
-    return paths
-
-
-@contextmanager
-def sole_writer(paths: OutputPaths) -> Iterator[None]:
-    """Hold the lock of a result; raises OutputRefused if another process is writing it."""
-    with ExitStack() as held:
-        try:
-            held.enter_context(lock.holding(paths.lock))
-        except lock.Held as problem:
-            raise OutputInUse(f"{paths.final}: another process is writing it") from problem
-        except OSError as problem:
-            raise OutputRefused(f"{paths.final}: cannot be locked: {reason_of(problem)}") from problem
-        yield
-
-
-def check_locks(path: str | os.PathLike[str]) -> None:
-    """Raise OutputRefused on a system without the locks that the file of a run or of a sweep needs."""
-    if not lock.AVAILABLE:
-        raise OutputRefused(f"{path}: {NO_LOCKS}")
-
-
-_SMALLER = "a shorter sliding.distance or a longer output.tick makes it smaller"
-
-
-def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
-    """Allocate the disk space of a whole file now; raises OutputRefused if there is not enough.
-
-    ``later``: further bytes that must be free, but are not allocated yet.
-    """
-    missing = size + later - os.fstat(descriptor).st_blocks * 512
-    free = shutil.disk_usage(descriptor).free
-    if missing > free:
-        raise OutputRefused(f"the result needs {missing:,} bytes, and the disk has {free:,} free; {_SMALLER}")
-    try:
-        disk.allocate(descriptor, size)
-    except OSError as problem:
-        raise OutputRefused(
-            f"no room for the {size:,} bytes of the result: {reason_of(problem)}; {_SMALLER}"
-        ) from problem
-
-
-def give_final_name(paths: OutputPaths, checked: int, *, force: bool, durable: bool = True) -> None:
-    """Rename a complete part file to its final name; if ``durable``, flush its folder to disk.
-
-    ``checked`` is the open file that was found complete: if another file has the name of the part by now, it stays
-    and is not published (OutputSwappedError). Without ``force`` a file that appeared meanwhile under the final name is
-    left alone, too (OutputAppearedError), and the part stays.
-    """
-    if not disk.is_file(paths.part, os.fstat(checked)):
-        raise OutputSwappedError(
-            f"{paths.part}: another file has taken its place during the run; it is left as it is, and {paths.final} is"
-            " not written"
-        )
-    _rename(paths, force=force)
-    if durable:
-        disk.sync_folder(paths.final.parent)
-
-
-def _rename(paths: OutputPaths, *, force: bool) -> None:
-    if force:
-        return disk.rename(paths.part, paths.final)
-    try:
-        disk.link(paths.part, paths.final)
-    except OSError as problem:
-        if _mode(paths.final) is not None:
-            raise OutputAppearedError(
-                f"{paths.final} appeared during the run and is left as it is; the whole result is {paths.part}"
-            ) from problem
-        # File systems without hard links have no rename that keeps an existing file, either.
-        disk.rename(paths.part, paths.final)
-    else:
-        with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
-            disk.remove(paths.part)
+class WrittenWithLess(UserWarning):
+    """A file is written without a lock, or without its space reserved: the file system has no such thing."""
 
 
 class OutputInUse(OutputRefused):
@@ -178,6 +55,41 @@ class OutputSwappedError(RubnoiseError):
     """Another process has replaced the part file during the run."""
 
 
+def part_of(path: str | os.PathLike[str]) -> Path:
+    """Return the path of the part of a result."""
+    final = Path(path).absolute()
+    return final.with_name(f"{final.name}{SUFFIX}")
+
+
+def check_output(path: str | os.PathLike[str], *, force: bool, reads: Iterable[str | os.PathLike[str]] = ()) -> Path:
+    """Return the absolute path of a result, or raise OutputRefused with the reason; creates nothing.
+
+    Refused are a folder that is missing or not writable, anything at the path or at that of its part that is no regular
+    file, and, unless ``force``, a file that exists already.
+    Also refused, even with ``force``, is a file that the caller ``reads``, by whatever name: it would be lost.
+    """
+    try:
+        if os.fspath(path).endswith(("/", os.sep)):
+            raise OutputRefused(f"{path}: names a folder; name a file")
+        final, part = Path(path).absolute(), part_of(path)
+        if not final.parent.is_dir():
+            raise OutputRefused(f"{final.parent}: no such folder")
+        # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
+        for name in (final, part):
+            mode = _mode(name)
+            # Nor may it be a link: renaming over it would leave its target unchanged.
+            if mode is not None and not stat.S_ISREG(mode):
+                raise OutputRefused(f"{name}: exists and is not a regular file")
+        if not os.access(final.parent, os.W_OK | os.X_OK):
+            raise OutputRefused(f"{final.parent}: the folder is not writable")
+        _check_not_read((final, part), reads)
+    except (OSError, ValueError) as problem:
+        raise OutputRefused(f"{path}: cannot be written: {reason_of(problem)}") from problem
+    if not force and _mode(final) is not None:
+        raise OutputRefused(f"{final}: exists already (force=True replaces it)")
+    return final
+
+
 def _mode(path: Path) -> int | None:
     """Return the type and permissions of what is at a path, or None if it does not exist."""
     try:
@@ -186,19 +98,168 @@ def _mode(path: Path) -> int | None:
         return None
 
 
-def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
-    if _mode(paths.final) is not None:
-        raise OutputRefused(f"{paths.final}: exists already (force=True replaces it)")
-    if not unfinished and _mode(paths.part) is not None:
-        raise OutputRefused(f"{paths.part}: belongs to a running or stopped run (force=True replaces a stopped one)")
-
-
-def _check_not_read(paths: OutputPaths, reads: Iterable[str | os.PathLike[str]]) -> None:
-    for read in map(Path, reads):
-        for name in paths.names:
+def _check_not_read(names: Iterable[Path], reads: Iterable[str | os.PathLike[str]]) -> None:
+    for name in names:
+        for read in map(Path, reads):
             with suppress(OSError):  # one of the two is not there
                 if name.samefile(read):
                     raise OutputRefused(f"{name}: is read here ({read}), so it can't be the output; take another name")
+
+
+def check_locks(path: str | os.PathLike[str]) -> None:
+    """Raise OutputRefused on a system without the locks that a sweep needs."""
+    if not LOCKS:
+        raise OutputRefused(f"{path}: {NO_LOCKS}")
+
+
+@dataclass(slots=True, kw_only=True)
+class PartFile:
+    """A file that is being written, open and locked: ``finish`` gives it its final name."""
+
+    final: Path
+    path: Path
+    descriptor: int
+    force: bool
+    about: os.stat_result = field(init=False)
+    """What the system says of the file; at the end, of the finished one."""
+
+    def __post_init__(self) -> None:
+        """Ask which file it is."""
+        self.about = os.fstat(self.descriptor)
+
+    def reserve(self, size: int, descriptor: int | None = None) -> None:
+        """Take the disk space of a whole file now, or of another open one that belongs to it.
+
+        Raises OutputRefused if there is not enough; a file system that cannot reserve gets a note.
+        """
+        try:
+            disk.allocate(self.descriptor if descriptor is None else descriptor, size)
+        except OSError as problem:
+            if problem.errno in NO_ROOM:
+                raise OutputRefused(
+                    f"{self.final}: no room for the {size:,} bytes of the result: {reason_of(problem)}; a shorter"
+                    " sliding.distance or a longer output.tick makes it smaller"
+                ) from problem
+            if problem.errno not in CANNOT_RESERVE:
+                raise
+            _note("this file system reserves no space: a disk that is too small shows only when it is full")
+
+    def finish(self, *, durable: bool = True) -> None:
+        """Close the complete file and give it its final name; if ``durable``, it is on disk then (fsync).
+
+        If another file has the name of the part by now, it stays and is not published (OutputSwappedError). Without
+        ``force`` a file that appeared under the final name stays, too (OutputAppearedError), beside the part.
+        """
+        (disk.sync if durable else disk.begin_sync)(self.descriptor)
+        about = os.fstat(self.descriptor)
+        if not disk.is_file(self.path, about):
+            raise OutputSwappedError(
+                f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
+                " is not written"
+            )
+        if not LOCKS:
+            self._let_go()  # Windows renames no open file
+        self._rename()
+        self.about = about
+        self._let_go()
+        if durable:
+            disk.sync_folder(self.final.parent)
+
+    def close(self) -> None:
+        """Close the file, and remove it if it still has the name of the part."""
+        with suppress(OSError):  # of a folder that is gone, say: the file is no result either way
+            if self.descriptor >= 0 and disk.is_file(self.path, self.about):
+                disk.remove(self.path)
+        self._let_go()
+
+    def _rename(self) -> None:
+        if self.force:
+            return disk.rename(self.path, self.final)
+        try:
+            disk.link(self.path, self.final)
+        except OSError as problem:
+            if _mode(self.final) is not None:
+                self._let_go()
+                raise OutputAppearedError(
+                    f"{self.final} appeared during the run and is left as it is; the whole result is {self.path}"
+                ) from problem
+            # File systems without hard links have no rename that keeps an existing file, either.
+            disk.rename(self.path, self.final)
+        else:
+            with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
+                disk.remove(self.path)
+
+    def _let_go(self) -> None:
+        if self.descriptor >= 0:
+            disk.close(self.descriptor)
+            self.descriptor = -1
+
+
+@contextmanager
+def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile]:
+    """Yield the new, empty part of a result; at the end it is removed, unless it has got its final name.
+
+    Raises OutputRefused as `check_output` does, and if the part cannot be made; OutputInUse if another process writes
+    it.
+    """
+    final, name = check_output(path, force=force), part_of(path)
+    try:
+        part = PartFile(final=final, path=name, descriptor=_locked(name), force=force)
+    except BlockingIOError as problem:
+        raise OutputInUse(f"{final}: another process is writing it") from problem
+    except OSError as problem:
+        raise OutputRefused(f"{final}: cannot be written: {reason_of(problem)}") from problem
+    try:
+        check_output(path, force=force)  # another process may have just written it
+        disk.resize(part.descriptor, 0)
+        yield part
+    except OutputAppearedError:
+        raise
+    except BaseException:
+        part.close()
+        raise
+    part.close()
+
+
+def _locked(part: Path) -> int:
+    """Return the descriptor of a part that exists or is made, locked, before anything in it is changed.
+
+    While a process waits for the lock, the file may get its final name. So the name must still lead to the open file.
+    A kill while a result gets its name may leave it with both names; then only the name of the part goes.
+    """
+    while True:
+        descriptor = disk.open_or_create(part)
+        try:
+            _lock(descriptor)
+            about = os.fstat(descriptor)
+            if disk.is_file(part, about):
+                if about.st_nlink == 1:
+                    return descriptor
+                disk.remove(part)
+        except BaseException:
+            disk.close(descriptor)
+            raise
+        disk.close(descriptor)
+
+
+def _lock(descriptor: int) -> None:
+    """Lock a file if the system has locks; raises BlockingIOError if another process holds it longer than a moment."""
+    deadline, waiting = monotonic() + PATIENCE_SECONDS, LOCKS
+    while waiting:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            waiting = False
+        except BlockingIOError:
+            if monotonic() > deadline:
+                raise
+            sleep(PATIENCE_SECONDS / 100)
+        except OSError:
+            _note("this file system has no locks: never write one result by two processes at once")
+            waiting = False
+
+
+def _note(text: str) -> None:
+    warnings.warn(text, WrittenWithLess, stacklevel=2)
 
 
 def reason_of(problem: Exception) -> str:
@@ -223,57 +284,15 @@ def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iter
 
     The caller names the file in an error of the disk (see `naming_file`).
     """
-    outputs = [check_output(path, force=force) for path in paths]
     with ExitStack() as held:
-        if not lock.AVAILABLE:
-            yield [held.enter_context(_unlocked_file(each, force=force)) for each in outputs]
-            return
-        made = []
-        for path, each in zip(paths, outputs, strict=True):
-            held.enter_context(sole_writer(each))
-            check_output(path, force=force)
-            with naming_file(each.final):
-                made.append(held.enter_context(new_file(each.part)))
-        yield [each.part for each in outputs]
-        for each, descriptor in zip(outputs, made, strict=True):
-            with naming_file(each.final):
-                disk.sync(descriptor)
-        for each, descriptor in zip(outputs, made, strict=True):
-            with naming_file(each.final):
-                give_final_name(each, descriptor, force=force)
-
-
-@contextmanager
-def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
-    """Do as `whole_file` on a system without locks; the file is closed before it is renamed, as Windows needs."""
-    with naming_file(paths.final):
-        try:
-            with new_file(paths.part):
-                pass
-            yield paths.part
-            disk.sync_file(paths.part)
-            _rename(paths, force=force)
-        except OutputAppearedError:
-            raise
-        except BaseException:
-            disk.remove(paths.part)
-            raise
-
-
-@contextmanager
-def new_file(path: Path) -> Iterator[int]:
-    """Open a new file for reading and writing; it is removed if the block raises before the file is renamed."""
-    disk.remove(path)
-    descriptor = disk.create(path)
-    try:
-        yield descriptor
-    except (OutputAppearedError, OutputSwappedError):
-        raise
-    except BaseException:
-        disk.remove(path)
-        raise
-    finally:
-        disk.close(descriptor)
+        parts = [held.enter_context(part_file(path, force=force)) for path in paths]
+        yield [part.path for part in parts]
+        for part in parts:
+            with naming_file(part.final):
+                disk.sync(part.descriptor)
+        for part in parts:
+            with naming_file(part.final):
+                part.finish()
 
 
 @contextmanager

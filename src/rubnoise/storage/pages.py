@@ -1,7 +1,6 @@
-"""Files for HDF5 to write into, of which only our own plain writes reach the disk.
+"""Files for HDF5 to write into: memory, or a disk that never seems to fail.
 
-HDF5 ends the process instead of raising if a disk is full, and does not say when it writes. Through these two files
-it writes into memory, or to a disk that never seems to fail; we raise the first error afterwards.
+HDF5 ends the process instead of raising if a disk is full. So it hears of no error; we raise the first one afterwards.
 """
 
 import io
@@ -10,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Final
 
 from rubnoise.storage import disk
 
@@ -56,7 +55,7 @@ class _Positioned(io.RawIOBase):
 
 
 class PagedFile(_Positioned):
-    """A file whose changes stay in memory until ``commit``: pages never touched are read from the descriptor beneath.
+    """A file whose changes stay in memory: pages never touched are read from the descriptor beneath.
 
     Without a descriptor the file is new. Memory holds the pages written, so columns that are allocated but not
     filled cost nothing.
@@ -66,11 +65,6 @@ class PagedFile(_Positioned):
         super().__init__(0 if descriptor is None else os.fstat(descriptor).st_size)
         self._beneath = descriptor
         self._pages: dict[int, bytearray] = {}
-
-    @property
-    def size(self) -> int:
-        """Size of the whole file in bytes, written or not."""
-        return self._size
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
         """Fill the buffer from the pages in memory, and elsewhere from the file beneath."""
@@ -92,29 +86,6 @@ class PagedFile(_Positioned):
             content[start : start + len(piece)] = piece
         return self._advance(len(source))
 
-    @classmethod
-    def of(cls, pieces: Iterable[tuple[int, bytes]], size: int) -> Self:
-        """Return a file of the given size with pieces at their offsets, and zeros elsewhere."""
-        file = cls()
-        for offset, data in pieces:
-            file.seek(offset)
-            file.write(data)
-        file.truncate(size)
-        return file
-
-    def pieces(self, places: Iterable[range]) -> Iterator[tuple[int, bytes]]:
-        """Yield the bytes of the file at some places, each with its offset."""
-        for place in places:
-            self.seek(place.start)
-            yield place.start, self.read(len(place)) or b""
-
-    def commit(self, descriptor: int) -> None:
-        """Write every changed page to the descriptor and cut or extend the file to this one's size."""
-        for page in sorted(self._pages):
-            start = page * PAGE
-            disk.write_all(descriptor, memoryview(self._pages[page])[: max(0, self._size - start)], start)
-        disk.resize(descriptor, self._size)
-
     def _beneath_at(self, page: int) -> bytes:
         if self._beneath is None:
             return _NOTHING
@@ -125,7 +96,7 @@ class Unfailing(_Positioned):
     """A file on disk that hides errors from HDF5: the first error is kept, to be raised later."""
 
     def __init__(self, descriptor: int) -> None:
-        super().__init__(0)
+        super().__init__(os.fstat(descriptor).st_size)
         self._descriptor = descriptor
         self._failure: OSError | None = None
 

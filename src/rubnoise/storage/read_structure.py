@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import xxhash
 
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import UNFINISHED, RunFileRefused
 from rubnoise.storage.index import FORMAT as INDEX
 from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.pages import PagedFile
@@ -196,13 +196,16 @@ def found_in(file: h5py.File, size: int) -> dict[str, Any]:
     version = _version(file)
     if version > FORMAT_VERSION:
         return {"too_new": version, "source": read_text(file, "source")}
+    origin = _or_refusal(lambda: read_provenance(file))
+    if origin.get("value", {}).get("finished") == "":
+        raise RunFileRefused(UNFINISHED)
     features = _features(file)
     return {
         "features": sorted(features),
         "columns": _columns(file, features, size),
         "attributes": _or_refusal(lambda: read_root(file)),
         "summary": _or_refusal(lambda: read_summary(file)),
-        "provenance": _or_refusal(lambda: read_provenance(file)),
+        "provenance": origin,
         "seal": _or_refusal(lambda: read_seal(file)),
     }
 
@@ -215,8 +218,10 @@ def _version(file: h5py.File) -> int:
     if _format(file) != FORMAT:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
     version = read_integer(file, "format_version")
-    if version < 1:
-        raise RunFileRefused(f"has format version {version}, which does not exist")
+    if version < FORMAT_VERSION:
+        raise RunFileRefused(
+            f"has format version {version}, and this rubnoise reads version {FORMAT_VERSION}: run its scenario again"
+        )
     return version
 
 
@@ -250,8 +255,6 @@ def _features(file: h5py.File) -> frozenset[Feature]:
 def _columns(file: h5py.File, features: frozenset[Feature], size: int) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for group in stored_groups(features):
-        if group.added and not has_hard_link(file, group.name):
-            continue
         owner = sound_group(file, group.name)
         found[group.name] = {column.name: _column(owner, column, size) for column in group.columns}
     return found
@@ -280,7 +283,7 @@ def _chunks(dataset: h5py.Dataset, size: int) -> Iterator[tuple[int, int, int]]:
         yield offset, count, skipped
 
 
-def _or_refusal(read: Callable[[], object]) -> dict[str, object]:
+def _or_refusal(read: Callable[[], object]) -> dict[str, Any]:
     """Return what was read or the reason why not, since one damaged attribute must not hide the rows."""
     try:
         return {"value": read()}

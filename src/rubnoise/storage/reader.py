@@ -10,7 +10,6 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeVar
@@ -25,7 +24,7 @@ from rubnoise.record.reader import column_chunks
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk, lock
-from rubnoise.storage.layout import DTYPES, ByteRange, Name, between, digest_of, row_count, stored_extent
+from rubnoise.storage.layout import DTYPES, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import FORMAT_VERSION, GROUPS, Feature, Scalar
 
@@ -35,9 +34,6 @@ if TYPE_CHECKING:
     from rubnoise.storage.structure import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
-
-STRUCTURE_LIMIT: Final = 8 * 1024**2
-"""Bytes that are no rows, at most: a part has some 100 kB of them, and the texts of its scenario."""
 
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
@@ -139,32 +135,9 @@ class RunFile(OpenFile):
         return {group: tuple(columns) for group, columns in self._columns.items()}
 
     @property
-    def places(self) -> dict[Name, ByteRange]:
-        """The places of the columns; compressed columns have no place of their own."""
-        return {
-            (group, name): ByteRange(offset=column.offset, rows=column.rows, dtype=column.dtype.str)
-            for group, columns in self._columns.items()
-            for name, column in columns.items()
-        }
-
-    @property
     def is_compressed(self) -> bool:
         """Whether the columns are stored in compressed chunks."""
         return any(column.chunk_rows for columns in self._columns.values() for column in columns.values())
-
-    @cached_property
-    def structure(self) -> str:
-        """A hash of everything except the rows, taken at the first request; empty for a compressed file.
-
-        Raises RunFileRefused if it is larger than that of any run.
-        """
-        if self.is_compressed:
-            return ""
-        with self._reading():
-            rest = between(self.places.values(), os.fstat(self.descriptor).st_size)
-            if sum(map(len, rest)) > STRUCTURE_LIMIT:
-                raise RunFileRefused(f"holds {sum(map(len, rest)):,} bytes that are no rows")
-            return digest_of((place.start, disk.read(self.descriptor, len(place), place.start)) for place in rest)
 
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
@@ -189,19 +162,13 @@ class RunFile(OpenFile):
 
     @property
     def summary(self) -> dict[str, Scalar]:
-        """Measured and exact figures by name; empty in a part file."""
+        """Measured and exact figures by name."""
         return self._value(self._found["summary"])
 
     @property
     def provenance(self) -> dict[str, Scalar]:
-        """Scenario, software, seed, command and times; ``finished`` is empty in a part file."""
+        """Scenario, software, seed, command and times."""
         return self._value(self._found["provenance"])
-
-    @property
-    def is_unfinished(self) -> bool:
-        """Whether the file says that its run did not finish; rows that are not computed yet read as zeros."""
-        origin = self._found["provenance"]
-        return "value" in origin and origin["value"].get("finished") == ""
 
     @property
     def seal(self) -> str | None:

@@ -15,7 +15,7 @@ Scalar = float | int | str
 """What an attribute holds."""
 
 FORMAT: Final = "rubnoise-run"
-FORMAT_VERSION: Final = 1
+FORMAT_VERSION: Final = 2
 CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
 HASH: Final = "xxh3_128"
@@ -59,19 +59,18 @@ class Group:
     """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
 
     ``needs``: features of which it needs one; with none it is always there.
-    ``grows``: features with which only the end of a run shows the number of its rows (see growing); all others are
-    known before. ``added``: files of the same format version that were written earlier do not have it. ``lacks`` names
-    features with which it is absent. ``instead``: with a feature, what it is in words, and what is plotted.
+    ``grows``: features with which only the end of a run shows the number of its rows; all others are known before.
+    ``lacks`` names features with which it is absent. ``instead``: with a feature, what it is in words, and what is
+    plotted.
     """
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "slider", "load", "landmarks", "balance", "blocks", "curve", "table"]
+    length: Literal["junctions", "ticks", "slider", "load", "landmarks", "balance", "curve", "table"]
     columns: tuple[Dataset, ...]
     plotted: str
     needs: tuple[Feature, ...] = ()
     grows: tuple[Feature, ...] = ()
-    added: bool = False
     lacks: tuple[Feature, ...] = ()
     instead: tuple[tuple[Feature, str, str], ...] = ()
 
@@ -251,48 +250,6 @@ BALANCE: Final = Group(
     ),
 )
 
-BLOCKS: Final = Group(
-    name="blocks",
-    long_name="where every block of the run begins, and what is carried into it beside junctions",
-    length="blocks",
-    added=True,
-    plotted="birth_distance",
-    instead=(("free", "where every stretch begins, and rows of /junctions known by then", "birth_distance"),),
-    columns=(
-        Dataset("block", "1", "k", "number of the block", dtype="<i8"),
-        Dataset("birth_distance", "um", "s_birth", "first birth that belongs to the block"),
-        Dataset("first_junction", "1", "j_0", "junctions born before it", dtype="<i8"),
-        Dataset("first_tick", "1", "i_0", "ticks finished before it", dtype="<i8"),
-        Dataset("time", "s", "t", "time of the last row of /slider before the slider reaches it", needs="two-way"),
-        Dataset("distance", "um", "s", "sliding distance in that row", needs="two-way"),
-        replace(_PHASE, long_name=f"{_PHASE.long_name} in that row"),
-        Dataset("displacement", "um", "x", "displacement of the slider at the last tick before it", needs="slider"),
-        Dataset(
-            "velocity",
-            "um/s",
-            "x'",
-            "velocity of the slider at the last tick before it",
-            needs="slider",
-            instead=(("base", "x' - c y/m at the last tick before it, y the height of the base", ()),),
-        ),
-        Dataset(
-            "separation",
-            "um",
-            "z",
-            "separation less its mean at the last tick before it",
-            instead=(("free", "separation less that at rest at the last tick before it", ()),),
-            needs="load",
-        ),
-        Dataset(
-            "separation_velocity",
-            "um/s",
-            "z'",
-            "normal velocity of the slider at the last tick before it",
-            needs="load",
-        ),
-    ),
-)
-
 LIFE_CURVE: Final = Group(
     name="life_curve",
     long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
@@ -318,7 +275,7 @@ LIFE_TABLE: Final = Group(
     ),
 )
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE, LIFE_TABLE)
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, LIFE_CURVE, LIFE_TABLE)
 
 
 def motion_of(junctions: Container[str]) -> tuple[Feature]:

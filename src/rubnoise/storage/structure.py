@@ -1,151 +1,66 @@
-"""Write a result file with HDF5, without its rows: groups, datasets of final size, scales and attributes."""
+"""Write the structure of a result file with HDF5: groups, columns of their final size, scales and attributes; no rows.
+
+`compose` makes a whole file as far as it is known before the first row; `add_group` adds a group whose number of rows,
+or of bytes, only the end of the run shows; `complete` writes what else is known then.
+"""
 
 import json
 import os
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import Any, Self
+from typing import Any, Final
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.storage.columns import ColumnFile
-from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
-from rubnoise.storage.provenance import Provenance, package_version
+from rubnoise.storage.provenance import package_version
 from rubnoise.storage.read_structure import INTERVENTION, seal_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
     FORMAT,
     FORMAT_VERSION,
-    GROUPS,
     HASH,
     HASH_DIGITS,
     Dataset,
-    Feature,
     Group,
     Scalar,
-    motion_of,
 )
 
-LIBRARY_VERSIONS = ("v110", "v110")
-GZIP_LEVEL = 4
-ATTRIBUTES_IN_HEADER = 1 << 15
+LIBRARY_VERSIONS: Final = ("v110", "v110")
+GZIP_LEVEL: Final = 4
+ATTRIBUTES_IN_HEADER: Final = 1 << 15
 """More than any group has."""
 
 
-def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> dict[Name, ByteRange]:
-    """Write the whole structure into an empty file, and return the places of its columns.
+def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
+    """Write the structure of a run into an empty file, and return the places of the columns whose rows are known.
 
-    Columns are contiguous; if ``compressed`` they are chunks, which have no place of their own.
+    Groups that grow, and all groups of a compressed file, are left out: they need their rows (see `add_group`).
     """
-    root = root_attributes(description)
-    for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
+    for name, value in ({**root_attributes(about), "NX_class": "NXroot", "default": "trace"}).items():
         _put(file.id, name, value)
-    places: dict[Name, ByteRange] = {}
-    for group in stored_groups(description.features):
-        rows = row_count(group, description.extent)
-        for column, dataset in _compose_group(file, group, rows, compressed=compressed):
-            places[group.name, column.name] = _place(dataset, column, rows)
+    places: dict[Name, int] = {}
+    for group in stored_groups(about.features):
+        if about.compression == "none" and not grows(group, about.extent):
+            places |= add_group(file, group, row_count(group, about.extent), "none")
     _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
     provenance = _create_notes(file, "provenance")
-    for name, value in ({"NX_class": "NXcollection"} | provenance_attributes(description)).items():
+    begun = {**provenance_attributes(about), "finished": "", HASH: "0" * HASH_DIGITS}
+    for name, value in ({"NX_class": "NXcollection"} | begun).items():
         _put(provenance, name, value)
     return places
 
 
-def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, ByteRange]:
-    """Replace growing groups by groups with space for all of their rows, and return the places of their columns."""
-    places: dict[Name, ByteRange] = {}
-    for name, count in rows.items():
-        group = next(group for group in GROUPS if group.name == name).as_in(motion_of(file["junctions"]))
-        stored = replace(group, columns=tuple(column for column in group.columns if column.name in file[name]))
-        del file[name]
-        for column, dataset in _compose_group(file, stored, count, compressed=False):
-            places[name, column.name] = _place(dataset, column, count)
-    return places
-
-
-@dataclass(frozen=True, slots=True)
-class Words:
-    """The attributes of a file's root and of /provenance as they are read back, also before its run has ended."""
-
-    root: Mapping[str, Scalar]
-    provenance: Mapping[str, Scalar]
-
-    @classmethod
-    def of(cls, description: RunDescription) -> Self:
-        """Return the attributes of a run that has not ended."""
-        provenance = _as_stored(provenance_attributes(description))
-        del provenance[HASH]  # it stands apart, since it is taken of all the others
-        return cls(_as_stored(root_attributes(description)), provenance)
-
-    def at_the_end(self, finished: str) -> "Words":
-        """Return the attributes of the run after its end."""
-        return replace(self, provenance={**self.provenance, "finished": finished})
-
-    def seal(self, summary: Mapping[str, Scalar]) -> str:
-        """Return the hash of all attributes."""
-        return seal_of(self.root, _as_stored(summary), self.provenance)
-
-
-def complete(
-    file: h5py.File,
-    words: Words,
-    digests: Mapping[Name, str],
-    summary: Mapping[str, Scalar],
-    finished: str,
-) -> None:
-    """Write everything that is known only after the last row: hashes, summary, end time and seal.
-
-    ``words`` are the file's attributes, so that nothing is read from it.
-    """
-    owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
-    for (group, column), digest in digests.items():
-        h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
-    figures, provenance = h5py.h5g.open(file.id, b"summary"), h5py.h5g.open(file.id, b"provenance")
-    _clear(figures)
-    for name, value in summary.items():
-        _put(figures, name, value)
-    _replace(provenance, "finished", finished)
-    _replace(provenance, HASH, words.at_the_end(finished).seal(summary))
-
-
-def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
-    """Write a new text attribute of fixed length, in UTF-8."""
-    _put(owner.id, name, text)
-
-
-def _place(dataset: h5py.h5d.DatasetID, column: Dataset, rows: int) -> ByteRange:
-    return ByteRange(offset=dataset.get_offset() or 0, rows=rows, dtype=column.dtype)
-
-
-def root_attributes(description: RunDescription) -> dict[str, Scalar]:
-    """Return the attributes of the root of a file."""
-    formula = JUNCTION_AREA_FORMULAS[pulse_of(description.scenario_resolved).name]
-    return {
-        "Conventions": CONVENTIONS,
-        "format": FORMAT,
-        "format_version": FORMAT_VERSION,
-        "title": description.title,
-        "source": f"rubnoise {package_version('rubnoise')}",
-        "junction_area_formula": TOUCH_AREA_FORMULA if "free" in description.features else formula,
-    }
-
-
-def _compose_group(
-    file: h5py.File,
-    group: Group,
-    rows: int,
-    *,
-    compressed: bool,
-) -> list[tuple[Dataset, h5py.h5d.DatasetID]]:
+def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dict[Name, int]:
+    """Write a group with space for its rows, and return the places of its columns; 0 without rows, or in chunks."""
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
-    creation = _chunked(min(rows, CHUNK_ROWS)) if compressed and rows else _contiguous()
+    creation = _chunked(min(rows, CHUNK_ROWS)) if compression == "gzip" and rows else _contiguous()
     columns = [
         (column, h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation))
         for column in group.columns
@@ -157,7 +72,65 @@ def _compose_group(
     _describe_group(owner, group, first.name)
     for column, dataset in columns:
         _describe_column(dataset, column)
-    return columns
+    return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns}
+
+
+def complete(
+    file: h5py.File, about: RunDescription, digests: Mapping[Name, str], summary: Mapping[str, Scalar], finished: str
+) -> None:
+    """Write what is known only after the last row: hashes of the columns, summary, end time and seal."""
+    owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
+    for (group, column), digest in digests.items():
+        h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
+    figures, provenance = h5py.h5g.open(file.id, b"summary"), h5py.h5g.open(file.id, b"provenance")
+    for name, value in summary.items():
+        _put(figures, name, value)
+    origin = {**provenance_attributes(about), "finished": finished}
+    seal = seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))
+    for name, value in (("finished", finished), (HASH, seal)):
+        h5py.h5a.delete(provenance, name.encode())
+        _put(provenance, name, value)
+
+
+def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
+    """Write a new text attribute of fixed length, in UTF-8."""
+    _put(owner.id, name, text)
+
+
+def text_bytes(text: str) -> bytes:
+    """Return a text as it is stored: invalid characters (lone surrogates) become escapes."""
+    return text.encode("utf-8", "backslashreplace")
+
+
+def root_attributes(about: RunDescription) -> dict[str, Scalar]:
+    """Return the attributes of the root of a file."""
+    formula = JUNCTION_AREA_FORMULAS[pulse_of(about.scenario_resolved).name]
+    return {
+        "Conventions": CONVENTIONS,
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "title": about.title,
+        "source": f"rubnoise {package_version('rubnoise')}",
+        "junction_area_formula": TOUCH_AREA_FORMULA if "free" in about.features else formula,
+    }
+
+
+def provenance_attributes(about: RunDescription) -> dict[str, Scalar]:
+    """Return the attributes of /provenance that are known before the run has ended."""
+    origin = about.provenance
+    return {
+        "scenario_toml": about.scenario_toml,
+        "scenario_resolved": json.dumps(about.scenario_resolved, ensure_ascii=False),
+        "software": json.dumps(dict(origin.software)),
+        "environment": json.dumps(dict(origin.environment)),
+        "seed": origin.seed,
+        "stream_version": origin.stream_version,
+        "calibrated_diameter": origin.calibrated_diameter,
+        "propagator_constants": json.dumps(dict(origin.propagator_constants)),
+        "command": origin.command,
+        **({INTERVENTION: origin.intervention} if origin.intervention else {}),
+        "started": origin.started,
+    }
 
 
 def _create_group(file: h5py.File, name: str) -> h5py.h5g.GroupID:
@@ -223,50 +196,9 @@ def _describe_column(dataset: h5py.h5d.DatasetID, column: Dataset) -> None:
         _put(dataset, "flag_meanings", " ".join(meaning for _, meaning in codes))
 
 
-def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
-    """Return the attributes of /provenance before the run has finished."""
-    origin: Provenance = description.provenance
-    return {
-        "scenario_toml": description.scenario_toml,
-        "scenario_resolved": json.dumps(description.scenario_resolved, ensure_ascii=False),
-        "software": json.dumps(dict(origin.software)),
-        "environment": json.dumps(dict(origin.environment)),
-        "seed": origin.seed,
-        "stream_version": origin.stream_version,
-        "calibrated_diameter": origin.calibrated_diameter,
-        "propagator_constants": json.dumps(dict(origin.propagator_constants)),
-        "command": origin.command,
-        **({INTERVENTION: origin.intervention} if origin.intervention else {}),
-        "started": origin.started,
-        "finished": "",
-        HASH: "0" * HASH_DIGITS,
-    }
-
-
-def text_bytes(text: str) -> bytes:
-    """Return a text as it is stored: invalid characters (lone surrogates) become escapes."""
-    return text.encode("utf-8", "backslashreplace")
-
-
 def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...]) -> None:
     """Write a new attribute by HDF5's own calls, since h5py's take longer than a short run."""
     _create(owner, name.encode(), *_stored(value))
-
-
-def _clear(notes: h5py.h5g.GroupID) -> None:
-    """Remove the figures of an earlier ending from a summary."""
-    names: list[bytes] = []
-    h5py.h5a.iterate(notes, names.append)
-    for name in names:
-        if name != b"NX_class":
-            h5py.h5a.delete(notes, name)
-
-
-def _replace(owner: h5py.h5g.GroupID, name: str, value: Scalar) -> None:
-    key = name.encode()
-    if h5py.h5a.exists(owner, key):
-        h5py.h5a.delete(owner, key)
-    _create(owner, key, *_stored(value))
 
 
 def _create(owner: h5py.h5g.GroupID, key: bytes, value: NDArray[Any], kind: h5py.h5t.TypeID) -> None:
@@ -305,54 +237,22 @@ def _scalar_space() -> h5py.h5s.SpaceID:
     return h5py.h5s.create(h5py.h5s.SCALAR)
 
 
-NamedColumn = tuple[tuple[str, str], ColumnFile]
+def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return attributes as they are read back."""
+    return {
+        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
+        for name, value in values.items()
+    }
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A file as this process has written it, and its structure if that is known (see read_structure)."""
+    """A file as this process has just written it, which it may open without the sandbox."""
 
     file: os.stat_result
     found: Mapping[str, Any] | None = None
-
-    @classmethod
-    def of(
-        cls,
-        file: os.stat_result,
-        features: frozenset[Feature],
-        words: Words,
-        columns: Iterable[NamedColumn],
-        summary: Mapping[str, Scalar],
-        finished: str,
-    ) -> Self:
-        """Return a complete file of uncompressed columns."""
-        words = words.at_the_end(finished)
-        found = {
-            "features": sorted(features),
-            "columns": _columns(columns),
-            "attributes": {"value": words.root},
-            "summary": {"value": _as_stored(summary)},
-            "provenance": {"value": words.provenance},
-            "seal": {"value": words.seal(summary)},
-        }
-        return cls(file, found)
 
     def is_still(self, now: os.stat_result) -> bool:
         """Whether a file is this one, unchanged."""
         before = self.file
         return os.path.samestat(before, now) and (before.st_size, before.st_mtime_ns) == (now.st_size, now.st_mtime_ns)
-
-
-def _columns(columns: Iterable[NamedColumn]) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
-    for (group, name), column in columns:
-        place = {"rows": column.rows, "digest": {"value": column.digest()}, "offset": column.offset}
-        found.setdefault(group, {})[name] = place
-    return found
-
-
-def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    return {
-        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
-        for name, value in values.items()
-    }

@@ -1,220 +1,196 @@
-"""The writer of result files: a sink that leaves a complete file with its final name, or a part to resume."""
+"""The writer of result files: a sink that leaves a complete file with its final name, or nothing.
+
+HDF5 makes the structure of ``NAME.h5.part``; rows then go to their places in it by plain writes. A run that was ended
+is run again: its seed gives the same bits.
+"""
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
-from time import monotonic
+from contextlib import ExitStack, contextmanager
 from types import TracebackType
 from typing import Final, Self
 
-from rubnoise.errors import OutputRefused, RubnoiseError, RunStopped, resume_hint
-from rubnoise.record.sink import Columns, Sink
-from rubnoise.record.tally import TALLIED
-from rubnoise.simulation.state import State
-from rubnoise.storage import disk
-from rubnoise.storage.journal import Journal, packed_commit, packed_run, state_at
-from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import OutputAppearedError, check_output, give_final_name, reason_of, sole_writer
-from rubnoise.storage.part import compressed, make_part
-from rubnoise.storage.provenance import now
-from rubnoise.storage.resume import SUFFIX, taken_up
-from rubnoise.storage.schema import Scalar
-from rubnoise.storage.structure import Written
+import h5py
+import numpy as np
+import xxhash
+from numpy.typing import NDArray
 
-COMMIT_SECONDS: Final = 1.0
-"""Least time in s between two commits: a power cut may cost so much, and a short run makes no commit."""
+from rubnoise.arrays import CHUNK_ROWS, slices
+from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.record.sink import Columns
+from rubnoise.storage import disk
+from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
+from rubnoise.storage.life_curve import life_tables, pulse_of
+from rubnoise.storage.output import naming_file, part_file, reason_of
+from rubnoise.storage.pages import Unfailing
+from rubnoise.storage.provenance import now
+from rubnoise.storage.schema import Group, Scalar
+from rubnoise.storage.structure import LIBRARY_VERSIONS, Written, add_group, complete, compose
+
+SLACK_BYTES: Final = 1 << 16
+"""Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
 class RunWriter:
-    """Writes one run to ``path``: enter it, write every row, publish.
+    """Writes one run to ``path``: enter it, write every row, publish. Memory does not grow with the run.
 
-    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name.
-    ``commit`` writes the state to ``NAME.h5.part.journal``, at most once a second, after all rows are on disk. If
-    the context ends without ``publish``, both files stay if there was a commit, or if a signal stopped a run that had
-    finished a block; otherwise the part is removed. An older file at the path stays. Memory does not depend on the
-    length of the run.
+    If the context ends without ``publish``, nothing is left, and an older file at the path stays. Rows of a group whose
+    size is not known yet wait in files without names in the folder of the result.
 
-    Without a description it resumes the existing part: ``description`` and ``state`` are then those found, None being
-    the start, and ``replay`` writes its rows to a sink. Without ``safe`` there are neither journal nor hashes, which
-    serves only to measure their cost. Without ``durable`` a run that ends before its first commit does not wait for the
-    disk: a kill loses nothing then, a power cut may until another call has flushed the file to disk (see sync_many).
-    Entering raises OutputRefused (see check_output; also for a full disk or a second writer), and RunFileRefused for a
-    part that cannot be read.
+    Without ``durable`` the writer does not wait for the disk: a power cut may lose the file until another call has
+    flushed it (see sync_many). Entering raises OutputRefused (see `part_file`; also for a full disk).
     """
 
     def __init__(
         self,
         path: str | os.PathLike[str],
-        description: RunDescription | None,
+        description: RunDescription,
         *,
         force: bool = False,
-        safe: bool = True,
         durable: bool = True,
     ) -> None:
         self._path = path
-        self._given = description
+        self._about = description
         self._force = force
-        self._safe = safe
         self._durable = durable
-        self._keep_part = description is None
-        self._open = ExitStack()
-        self.state: State | None = None
+        self._groups = stored_groups(description.features)
+        self._columns: dict[Name, _Column] = {}
         self.written: Written | None = None
 
     def __enter__(self) -> Self:
-        again = self._given is None
-        paths = check_output(self._path, force=self._force, unfinished=again)
         with ExitStack() as opening:
-            opening.enter_context(sole_writer(paths))
-            check_output(self._path, force=self._force, unfinished=again)
-            self._paths = paths
-            if self._given is None:
-                self._take_up(opening)
-            else:
-                self._begin(self._given, opening)
-            self._rows = self._part.rows()
+            self._part = opening.enter_context(part_file(self._path, force=self._force))
+            try:
+                self._begin(opening)
+            except OSError as problem:
+                raise OutputRefused(f"{self._part.final}: cannot be written: {reason_of(problem)}") from problem
             self._open = opening.pop_all()
-        self._committed_at = monotonic()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if isinstance(error, RunStopped):
-            self._stop(error)
-        self._open.close()
+        self._open.__exit__(kind, error, trace)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
-        with self._naming_file():
-            self._part.write(group, first_row, columns)
-
-    def commit(self, state: State) -> None:
-        """Record that all rows before a state have been written; once a second flush everything to disk (fsync)."""
-        self.state, self._rows = state, self._part.rows()
-        if self._safe and monotonic() - self._committed_at >= COMMIT_SECONDS:
-            with self._naming_file():
-                self._commit(state)
-
-    def replay(self, sink: Sink) -> None:
-        """Write the rows of before the resumption that a summary needs to a sink."""
-        self._part.replay(sink, TALLIED)
+        with naming_file(self._part.final):
+            for name, values in columns.items():
+                self._columns[group, name].write(first_row, values)
 
     def publish(self, summary: Mapping[str, Scalar], *, between: Callable[[], None] = lambda: None) -> None:
         """Fill in hashes, summary and the time of the end, and give the file its final name.
 
-        ``between`` is called now and then while a file is compressed, and may raise to stop. Raises RubnoiseError if a
+        ``between`` is called now and then while rows are copied, and may raise to stop. Raises RubnoiseError if a
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
         ``written`` is then that file.
         """
-        with self._naming_file():
-            if self._journal.begun and self.state is not None:
-                self._commit(self.state)
-            finished, durable = now(), self._durable or self._journal.begun
-            with self._completed(summary, finished, between, durable=durable) as checked:
-                self._name(checked, durable=durable)
-                self.written = self._written(os.fstat(checked), summary, finished)
+        with naming_file(self._part.final):
+            for group in self._groups:
+                self._check_rows(group)
+            digests = {name: column.digest() for name, column in self._columns.items()}
+            with self._structure("r+") as file:
+                for group in self._later:
+                    self._add(file, group, between)
+                complete(file, self._about, digests, summary, now())
+            self._part.finish(durable=self._durable)
+            self.written = Written(self._part.about)
 
-    def _begin(self, description: RunDescription, opening: ExitStack) -> None:
-        """Make a new part; an old journal is removed first and flushed, so that it never lies beside this part."""
-        disk.remove(self._paths.growing)
-        if self._paths.journal.exists():
-            disk.remove(self._paths.journal)
-            disk.sync_folder(self._paths.journal.parent)
-        try:
-            part = make_part(self._paths, description, hashed=self._safe, durable=self._durable)
-        except OSError as problem:
-            raise OutputRefused(f"{self._paths.final}: cannot be written: {reason_of(problem)}") from problem
-        self._own = os.fstat(part.descriptor)
-        opening.callback(self._discard)
-        self._part = opening.enter_context(part)
-        self._keep_journal(description, opening)
-
-    def _take_up(self, opening: ExitStack) -> None:
-        self._part, description, commit = taken_up(self._paths, opening)
-        self.state = state_at(self._paths.journal, commit) if commit else None
-        self._own = os.fstat(self._part.descriptor)
-        self._keep_journal(description, opening, commit.end if commit else 0)
-
-    def _keep_journal(self, description: RunDescription, opening: ExitStack, size: int = 0) -> None:
-        self.description = description
-        self._journal = Journal(self._paths.journal, packed_run(description, self._part.names), size)
-        opening.callback(self._journal.close)
-
-    def _commit(self, state: State, *, durable: bool = True) -> None:
-        marks = self._part.marks(self._rows)
-        if durable:
-            self._part.sync()
-        self._journal.append("rows", packed_commit(marks, state), durable=durable)
-        self._keep_part = True
-        self._committed_at = monotonic()
+    def _begin(self, opening: ExitStack) -> None:
+        """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
+        with self._structure("w") as file:
+            places = compose(file, self._about)
+        self._part.reserve(os.fstat(self._part.descriptor).st_size + SLACK_BYTES)
+        self._later = [group for group in self._groups if (group.name, group.columns[0].name) not in places]
+        for group in self._groups:
+            rows = None if grows(group, self._about.extent) else row_count(group, self._about.extent)
+            for column in group.columns:
+                name, dtype = (group.name, column.name), np.dtype(column.dtype)
+                descriptor, place = self._part.descriptor, places.get(name, 0)
+                if group in self._later:
+                    descriptor = disk.create_unnamed(self._part.final.parent)
+                    opening.callback(disk.close, descriptor)
+                    self._part.reserve((rows or 0) * dtype.itemsize, descriptor)
+                self._columns[name] = _Column(dtype, descriptor, place, rows)
+        for table, columns in life_tables(pulse_of(self._about.scenario_resolved)).items():
+            for each, values in columns.items():
+                if (table, each) in self._columns:
+                    self._columns[table, each].write(0, values)
 
     @contextmanager
-    def _completed(
-        self, summary: Mapping[str, Scalar], finished: str, between: Callable[[], None], *, durable: bool
-    ) -> Iterator[int]:
-        """Yield the complete part, open, after it has been read back and compared with what was written."""
-        if self.description.compression == "gzip":
-            with compressed(self._part, self._paths.making, self.description, summary, finished, between) as descriptor:
-                self._own = os.fstat(descriptor)
-                disk.rename(self._paths.making, self._paths.part)
-                # Before the journal is removed: without it, a raw part that still exists would begin at its start.
-                disk.sync_folder(self._paths.part.parent)
-                yield descriptor
-            return
-        ending, descriptor = self._part.completion(summary, finished), self._part.descriptor
-        if self._safe:
-            if durable:
-                self._part.sync_growing()
-            self._journal.append("end", ending.packed(), durable=durable)
-        self._part.carry_out(ending)
-        (disk.sync if durable else disk.begin_sync)(descriptor)
-        if self._safe:
-            self._part.check(ending)
-        yield descriptor
-
-    def _written(self, file: os.stat_result, summary: Mapping[str, Scalar], finished: str) -> Written:
-        if self.description.compression == "gzip" or not self._safe:
-            return Written(file)
-        part, features = self._part, self.description.features
-        return Written.of(file, features, part.words, part.columns(), summary, finished)
-
-    def _name(self, checked: int, *, durable: bool) -> None:
-        # The part is complete and needs no file beside it any more; a kill may leave the one that is removed last.
-        self._journal.close()
-        self._paths.remove_beside()
+    def _structure(self, mode: str) -> Iterator[h5py.File]:
+        """Open the part with HDF5; raises OSError afterwards if the disk failed."""
+        target = Unfailing(self._part.descriptor)
         try:
-            give_final_name(self._paths, checked, force=self._force, durable=durable)
-        except OutputAppearedError:
-            self._keep_part = True
-            raise
+            with h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
+                yield file
+        finally:
+            target.raise_first_error()
 
-    def _stop(self, stopped: RunStopped) -> None:
-        """Keep all rows up to the last block, and report that.
+    def _check_rows(self, group: Group) -> None:
+        """Raise RubnoiseError unless all columns of a group have all of their rows."""
+        columns = [self._columns[group.name, column.name] for column in group.columns]
+        whole = columns[0].rows if columns[0].most is None else columns[0].most
+        for about, column in zip(group.columns, columns, strict=True):
+            if column.rows != whole:
+                raise RubnoiseError(
+                    f"{self._part.final}: /{group.name}/{about.name} has {column.rows} of its {whole} rows"
+                )
 
-        There is no fsync: rows handed to the system outlive the process, and hashes show rows lost in a power cut. If
-        the disk fails here, the last commit stays.
+    def _add(self, file: h5py.File, group: Group, between: Callable[[], None]) -> None:
+        """Add a group whose size is known now, and copy its rows into it."""
+        columns = {about.name: self._columns[group.name, about.name] for about in group.columns}
+        add_group(file, group, columns[group.columns[0].name].rows, self._about.compression)
+        for name, column in columns.items():
+            dataset = file[group.name][name]
+            for first, values in column.pieces():
+                dataset[first : first + values.size] = values
+                between()
+
+
+class _Column:
+    """One column at its place in an open file, hashed as its rows come."""
+
+    def __init__(self, dtype: np.dtype[np.generic], descriptor: int, place: int, most: int | None) -> None:
+        self.most = most
+        """Number of rows for which there is space; None if it grows."""
+        self.rows = 0
+        self._dtype = dtype
+        self._descriptor = descriptor
+        self._place = place
+        self._hash: xxhash.xxh3_128 | None = xxhash.xxh3_128()
+
+    def write(self, first_row: int, values: NDArray[np.generic]) -> None:
+        """Write rows that follow those written before, or replace some of them.
+
+        Raises TypeError for another dtype than the schema's, ValueError for rows that leave a gap or do not fit.
         """
-        with suppress(OSError):
-            if self._safe and self.state is not None:
-                self._commit(self.state, durable=False)
-        if self._keep_part:
-            stopped.kept = f"{self._path}{SUFFIX}"
+        if values.dtype != self._dtype or values.ndim != 1:
+            raise TypeError(f"rows of {values.dtype} in {values.ndim} dimensions for a column of {self._dtype}")
+        end = first_row + values.size
+        if not 0 <= first_row <= self.rows or (self.most is not None and end > self.most):
+            raise ValueError(f"rows {first_row} to {end} of {self.most}, after {self.rows}")
+        data = np.ascontiguousarray(values).view(np.uint8).data
+        if first_row < self.rows:
+            self._hash = None  # that of the rows before does not count any more
+        elif self._hash is not None:
+            self._hash.update(data)
+        disk.write_all(self._descriptor, data, self._place + first_row * self._dtype.itemsize)
+        self.rows = max(self.rows, end)
 
-    def _discard(self) -> None:
-        """Remove the remaining files, but not a file of another process that has the name of the part."""
-        if not self._keep_part:
-            self._paths.remove_beside()
-            if disk.is_file(self._paths.part, self._own):
-                disk.remove(self._paths.part)
+    def digest(self) -> str:
+        """Return the xxh3_128 of all rows in hexadecimal; a column of which rows were replaced is read once more."""
+        if self._hash is None:
+            self._hash = xxhash.xxh3_128()
+            for _, values in self.pieces():
+                self._hash.update(values.data)
+        return str(self._hash.hexdigest())
 
-    @contextmanager
-    def _naming_file(self) -> Iterator[None]:
-        """Turn an error of the disk into one that names the file and a remedy."""
-        try:
-            yield
-        except (OSError, disk.NotAsWritten) as problem:
-            text = f"{self._paths.final}: writing failed: {reason_of(problem)}"
-            if self._keep_part:
-                text += f"; after you fix this, {resume_hint(f'{self._path}{SUFFIX}')}"
-            raise RubnoiseError(text) from problem
+    def pieces(self) -> Iterator[tuple[int, NDArray[np.generic]]]:
+        """Yield first row and values of one piece of the column after the other, read back."""
+        for part in slices(0, self.rows, CHUNK_ROWS):
+            values = np.empty(part.stop - part.start, dtype=self._dtype)
+            place = self._place + part.start * self._dtype.itemsize
+            if disk.read_into(self._descriptor, values.view(np.uint8).data, place) != values.nbytes:
+                raise RubnoiseError("a file of the run was cut short meanwhile")
+            yield part.start, values

@@ -220,9 +220,6 @@
   $("holds").textContent = whole && all
     ? `This page holds ${lives} and every tick of the run.`
     : `This page holds ${lives}${all ? ", " : " "}and every tick ${stretch}. Elsewhere it shows the lowest and highest values of cells.`;
-  if (data.planned !== null) {
-    $("holds").textContent += ` The run is unfinished: it has reached ${view.number(data.distance)} of ${view.number(data.planned)} µm.`;
-  }
   $("slider-part").hidden = !view.groups.slider;
   $("sticks-sign").hidden = !data.landmarks;
   $("flights-sign").hidden = !data.flights;

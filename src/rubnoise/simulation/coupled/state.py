@@ -1,6 +1,5 @@
-"""The state of a two-way slider between two ranges of ticks, explicit and storable."""
+"""The state of a two-way slider between two ranges of ticks."""
 
-import struct
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -29,7 +28,7 @@ from rubnoise.simulation.coupled.layout import (
     X_TIME,
     XX_TIME,
 )
-from rubnoise.simulation.state import CENTRED, LiveRows
+from rubnoise.simulation.state import LiveRows
 
 _INTEGRALS: Final = {
     "time_stuck": TIME_STUCK,
@@ -39,8 +38,6 @@ _INTEGRALS: Final = {
     "friction_work": FRICTION_WORK,
     "reverse_work": REVERSE_WORK,
 }
-
-_HEADER: Final = struct.Struct("<qd")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,32 +109,3 @@ class CoupledState:
         int G |ds| over slip; and reverse_work, its part in reversal.
         """
         return {name: float(self.numbers[place]) for name, place in _INTEGRALS.items()}
-
-    def pack(self) -> bytes:
-        """Return the state as bytes, from which ``unpack`` restores it to the bit."""
-        columns = [getattr(self.rows, name) for name in CENTRED]
-        arrays = [self.whole, self.numbers, *columns, self.birth_time, self.death_time]
-        return _HEADER.pack(len(self.rows), self.covered) + b"".join(
-            array.astype("<i8" if array.dtype.kind == "i" else "<f8").tobytes() for array in arrays
-        )
-
-    @classmethod
-    def unpack(cls, data: bytes) -> Self:
-        """Return the state from the bytes of ``pack``."""
-        count, covered = _HEADER.unpack_from(data)
-        sizes = [WHOLE, NUMBERS] + [count] * (len(CENTRED) + 2)
-        found, place = [], _HEADER.size
-        for n, size in enumerate(sizes):
-            kind = "<i8" if n in (0, 2) else "<f8"
-            column = np.frombuffer(data, dtype=kind, count=size, offset=place)
-            found.append(column.astype(column.dtype.newbyteorder("=")))
-            place += 8 * size
-        whole, numbers, *columns, birth_time, death_time = found
-        return cls(
-            whole=whole,
-            numbers=numbers,
-            rows=LiveRows(**dict(zip(CENTRED, columns, strict=True))),
-            birth_time=birth_time,
-            death_time=death_time,
-            covered=covered,
-        )

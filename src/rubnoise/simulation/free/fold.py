@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Final, Self
+from typing import Final
 
 import numpy as np
 
@@ -58,19 +58,6 @@ class FreeState:
     fresh: int
     numbers: Doubles
     contacts: Doubles
-
-    def pack(self) -> bytes:
-        """Return the state as bytes, from which ``unpack`` restores it to the bit."""
-        whole = np.array([self.block, self.sliding, self.fresh], "<i8")
-        return whole.tobytes() + self.numbers.astype("<f8").tobytes() + self.contacts.astype("<f8").tobytes()
-
-    @classmethod
-    def unpack(cls, data: bytes) -> Self:
-        """Return the state from the bytes of ``pack``."""
-        block, sliding, fresh = np.frombuffer(data, "<i8", 3).tolist()
-        numbers = np.frombuffer(data, "<f8", offset=24).astype(float)
-        contacts = numbers[held.NUMBERS :].reshape(held.COLUMNS, -1)
-        return cls(block=block, sliding=sliding, fresh=fresh, numbers=numbers[: held.NUMBERS], contacts=contacts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
