@@ -26,7 +26,7 @@ from rubnoise.storage.layout import expected_bytes
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import SLACK_BYTES, make_part, open_part
 from rubnoise.storage.provenance import gather, now, package_version
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import open_unfinished
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 from tests.format.runs import EVERYTHING, Compression, attempt, describe, names, random_rows, write_run
@@ -91,7 +91,7 @@ def test_after_a_kill_the_part_is_readable_and_force_starts_over(tmp_path: Path)
     )
     assert ended.returncode == -signal.SIGKILL
     assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
-    with open_run(tmp_path / "run.h5.part") as part:
+    with open_unfinished(tmp_path / "run.h5.part") as part:
         assert part.provenance["finished"] == ""
     with pytest.raises(OutputRefused, match="running or stopped run"):
         attempt(tmp_path / "run.h5")
@@ -149,13 +149,13 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     with make_part(paths, describe()) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
         assert part.marks(dict.fromkeys(rows, 0))
-    with open_run(paths.part) as found, open_part(paths, found) as part:
+    with open_unfinished(paths.part) as found, open_part(paths, found) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
         ending = part.completion({}, "2026-01-02T03:05:00Z")
         part.carry_out(ending)
         part.check(ending)
-    with open_run(paths.part) as run:
+    with open_unfinished(paths.part) as run:
         assert run.damaged() == ()
         assert run.column("trace", "distance").tobytes() == rows["trace"]["distance"].tobytes()
 
@@ -190,7 +190,7 @@ def test_a_file_that_appears_during_the_run_is_spared(tmp_path: Path) -> None:
         attempt(tmp_path / "run.h5", meanwhile=lambda: (tmp_path / "run.h5").write_bytes(b"of somebody"))
     assert (tmp_path / "run.h5").read_bytes() == b"of somebody"
     assert names(tmp_path) == ["run.h5", "run.h5.part"]
-    with open_run(tmp_path / "run.h5.part") as run:
+    with open_unfinished(tmp_path / "run.h5.part") as run:
         assert run.damaged() == ()
 
 

@@ -16,7 +16,7 @@ from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
 from rubnoise.storage.output import OutputPaths, OutputSwappedError, give_final_name, whole_file
 from rubnoise.storage.part import open_part
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import open_run, open_unfinished
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import Compression, attempt, names
 from tests.unit.test_storage_resuming import GZIP, WHOLE, datasets, stop_after
@@ -295,7 +295,7 @@ def test_the_last_changes_in_the_journal_mend_all_that_is_no_row(
 def test_a_part_is_resumed_only_as_it_was_read(tmp_path: Path) -> None:
     stop_after(tmp_path / "x.h5", WHOLE, 2)
     paths = OutputPaths.of(tmp_path / "x.h5")
-    with open_run(paths.part) as run:
+    with open_unfinished(paths.part) as run:
         open_part(paths, run).__exit__(None, None, None)
         turned(paths.part, 9)
         with pytest.raises(RunFileRefused, match=r"x\.h5\.part: was changed just now"):

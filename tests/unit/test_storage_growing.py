@@ -26,7 +26,7 @@ from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.journal import Ending, History
 from rubnoise.storage.layout import ByteRange, RunDescription
 from rubnoise.storage.output import OutputPaths, sole_writer
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import open_run, open_unfinished
 from rubnoise.storage.resume import look, publish_complete
 from rubnoise.storage.sync_many import clear_unsynced
 from rubnoise.storage.writer import RunWriter
@@ -150,16 +150,6 @@ def test_rows_that_grow_end_in_the_file(
     assert_whole(tmp_path / "x.h5")
 
 
-def test_a_run_knows_its_own_file_whose_rows_have_grown(tmp_path: Path) -> None:
-    with RunWriter(tmp_path / "x.h5", description_of()) as file:
-        play(file, START, file.commit)
-        file.publish({})
-    assert file.written is not None
-    with open_run(tmp_path / "x.h5", own=file.written) as own, open_run(tmp_path / "x.h5") as other:
-        assert own.places == other.places
-        assert own.damaged() == ()
-
-
 def test_a_run_without_a_row_that_grows_is_whole(tmp_path: Path) -> None:
     rows = random_rows(describe(4, 3, 1, 0))
     with RunWriter(tmp_path / "x.h5", describe(4, 3, 1, None)) as file:
@@ -178,7 +168,7 @@ def test_before_the_end_the_rows_lie_beside_the_part(tmp_path: Path) -> None:
     assert (tmp_path / "x.h5.part.rows").stat().st_size % growing.STEP_BYTES == 0
     found = look(tmp_path / "x.h5.part")
     assert (found.ticks, found.grown) == (24, {"slider": 340})
-    with open_run(tmp_path / "x.h5.part") as run:
+    with open_unfinished(tmp_path / "x.h5.part") as run:
         assert run.rows("slider") == 0
         assert run.extent.slider is None
     gone_on(tmp_path, description_of())
@@ -361,8 +351,8 @@ def test_a_part_that_was_whole_and_is_damaged_is_made_again(tmp_path: Path) -> N
             folder = tmp_path / f"{kept}"
             folder.mkdir()
             recording.after_kill(folder, moment + kept)
-            with open_run(folder / "x.h5.part") as run:
-                place = run.places["slider", "velocity"].offset
+            with open_unfinished(folder / "x.h5.part") as run:
+                place = run.stored["slider"]["velocity"].offset
             with (folder / "x.h5.part").open("r+b") as file:
                 file.seek(place + 800)
                 file.write(b"\xff")

@@ -15,7 +15,7 @@ from rubnoise.errors import OutputRefused
 from rubnoise.storage import disk
 from rubnoise.storage.lock import Held, holding, is_held, remove_stale
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import open_run, open_unfinished
 from rubnoise.storage.sync_many import clear_unsynced
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import attempt, describe, names, random_rows
@@ -155,7 +155,7 @@ def test_a_relative_path_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.
 def test_the_part_is_whole_in_structure_from_the_start(tmp_path: Path) -> None:
     with RunWriter(tmp_path / "run.h5", describe()):
         assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
-        with open_run(tmp_path / "run.h5.part") as part:
+        with open_unfinished(tmp_path / "run.h5.part") as part:
             assert part.extent == describe().extent
             assert part.provenance["scenario_toml"] == describe().scenario_toml
             assert part.provenance["finished"] == ""

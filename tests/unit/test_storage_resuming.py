@@ -23,7 +23,7 @@ from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
 from rubnoise.storage.journal import History, state_at
 from rubnoise.storage.output import OutputPaths, sole_writer
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import open_unfinished
 from rubnoise.storage.resume import look
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import names
@@ -253,7 +253,7 @@ def test_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(
     stop_after(path, WHOLE, 4)
     paths = OutputPaths.of(path)
     states = [state_at(paths.journal, commit) for commit in History.read(paths.journal).commits]
-    with open_run(paths.part) as part:
+    with open_unfinished(paths.part) as part:
         assert part.rows("slider") > states[2].ticks > states[1].ticks
     with h5py.File(paths.part, "r") as file:
         offset = file["slider/velocity"].id.get_offset()

@@ -2,8 +2,6 @@
 
 import json
 import os
-import signal
-import threading
 from collections.abc import Iterator
 from errno import EIO
 from pathlib import Path
@@ -17,7 +15,6 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Point, run_id
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage import disk, writer
-from rubnoise.storage import read_structure as structure_module
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep import index
 from rubnoise.sweep.folder import Shard, SweepFolder
@@ -363,20 +360,6 @@ def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
     assert not paths.part.exists()
     assert not alone.exists()
     assert not truncated.part.exists()
-
-
-def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(
-    points: tuple[Point, ...], claimed: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ledger.begin(points)
-    path = _left(points[0], claimed)
-    with monkeypatch.context() as patches:
-        # If an earlier test has left threads behind, another process looks, which knows nothing of this patch.
-        patches.setattr(threading, "active_count", lambda: 1)
-        patches.setattr(structure_module, "read_structure", lambda _: os.kill(os.getpid(), signal.SIGKILL))
-        assert _recovered(points[0], claimed, ledger) is None
-    assert path.exists()
-    assert _recovered(points[0], claimed, ledger) is not None
 
 
 def test_a_sweep_without_room_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

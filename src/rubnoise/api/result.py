@@ -1,16 +1,13 @@
 """A run in a file."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from copy import deepcopy
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
-
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Self
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.column_group import Columns, columns_by_group
@@ -49,35 +46,6 @@ class Opened:
         self._file.close()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FinishedRows:
-    """The rows of a file; those of an unfinished run are refused, since some of them are not computed yet."""
-
-    file: RunFile
-
-    @property
-    def columns(self) -> Mapping[str, Sequence[str]]:
-        """Names of the columns of each group."""
-        return self.file.columns
-
-    def rows(self, group: str) -> int:
-        """Return the number of rows of a group."""
-        return self.file.rows(group)
-
-    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Read rows of a column (see RunFile); raises RunFileRefused for an unfinished run."""
-        return finished(self.file).column(group, name, start, stop)
-
-
-def finished(file: RunFile) -> RunFile:
-    """Return a file; raises RunFileRefused if its run did not finish."""
-    if file.is_unfinished:
-        from rubnoise.storage.resume import refusal
-
-        raise refusal(file.path)
-    return file
-
-
 class Run(Opened, Contents):
     """An open result file; a context manager. Opening reads its structure, asking for rows reads those rows.
 
@@ -90,7 +58,7 @@ class Run(Opened, Contents):
     def __init__(self, file: RunFile) -> None:
         """Take over an open run file."""
         self._file: RunFile = file
-        self._groups = columns_by_group(FinishedRows(file))
+        self._groups = columns_by_group(file)
 
     @property
     def path(self) -> Path:
@@ -111,7 +79,7 @@ class Run(Opened, Contents):
     @cached_property
     def summary(self) -> list[Agreement]:
         """The measured figures beside the exact ones."""
-        return from_attributes(finished(self._file).summary)
+        return from_attributes(self._file.summary)
 
     @property
     def attributes(self) -> dict[str, float | int | str]:
@@ -126,19 +94,14 @@ class Run(Opened, Contents):
     def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
         if self._file.closed:
             return f"{self.path}: a run, closed", {}
-        if self._file.is_unfinished:
-            from rubnoise.storage.resume import progress
-
-            return f"{self.path}: {self.attributes['title']}, {progress(self.path)}", {}
         return f"{self.path}: {self.attributes['title']}", self._groups
 
     def reader(self) -> Reader:
-        """Return the open file; raises RunFileRefused for an unfinished run."""
-        return finished(self._file)
+        """Return the open file."""
+        return self._file
 
     @contextmanager
     def _file_of(self) -> Iterator[RunFile]:
-        self.reader()
         yield self._file
 
     @property
@@ -160,8 +123,8 @@ class Run(Opened, Contents):
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
     """Open a result file for reading, its structure alone, however long the run.
 
-    Raises RunFileRefused with the reason if it is not a result of rubnoise or is damaged. The part file of an
-    unfinished run says how far it is; its rows and what follows from them are refused.
+    Raises RunFileRefused with the reason if it is not a result of rubnoise, is damaged, or is the part of a run that
+    has not finished.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:

@@ -26,7 +26,7 @@ from rubnoise.storage.index import POINTS, RUNS, seal_of_index
 from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, name_of, open_index
 from rubnoise.storage.inventory import expected_index
-from rubnoise.storage.reader import Unseen, open_run
+from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH
 from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text
 from rubnoise.sweep.index import index_of
@@ -294,8 +294,6 @@ def index_checks(
                 left_out.append(LeftOut(name="index", reason="sweep.json differs, and the index is made from it"))
                 return [hashes], run_ids
             return [hashes, _index_check(folder, sweep, index, left_out)], run_ids
-    except Unseen:
-        raise  # it could not be read, which is not its fault
     except (RunFileRefused, KeyError) as refusal:
         missing = "missing" if not folder.index.exists() else str(refusal).removeprefix(f"{folder.index}: ")
         return [_one("index", INDEX, missing, "the index; the same sweep writes it again")], frozenset()

@@ -40,7 +40,7 @@ def command(
 
     Example: rubnoise info fig5.h5
     """
-    from rubnoise.storage.resume import SUFFIX, refusal
+    from rubnoise.storage.resume import SUFFIX
 
     if is_folder(file):
         _show_sweep(file, figures, over, as_json=as_json)
@@ -52,8 +52,6 @@ def command(
         print(json_text(answer) if as_json else "\n".join(format_part(answer)))
         return
     with rubnoise.open(file) as run:
-        if not run.provenance["finished"]:
-            raise refusal(file)
         answer = run_as_json(run, file)
         print(json_text(answer) if as_json else "\n".join(format_run(run, answer)))
 

@@ -71,24 +71,14 @@ def is_result(file: Path) -> bool:
 
 
 @contextmanager
-def complete_run(path: Path) -> Iterator["RunFile"]:
-    """Open a result file; raises RunFileRefused if it is unfinished or open_run refuses it."""
-    from rubnoise.storage.reader import open_run
-    from rubnoise.storage.resume import refusal
-
-    with open_run(path) as file:
-        if not file.provenance["finished"]:
-            raise refusal(path)
-        yield file
-
-
-@contextmanager
 def finished_run(path: Path) -> Iterator["RunFile"]:
     """Open a result file; the message of a refusal begins with its name.
 
-    Raises RunFileRefused if it is unfinished, if open_run refuses it, or if its values cannot be used.
+    Raises RunFileRefused if open_run refuses it, or if its values cannot be used.
     """
-    with complete_run(path) as file:
+    from rubnoise.storage.reader import open_run
+
+    with open_run(path) as file:
         try:
             yield file
         except OutputRefused:

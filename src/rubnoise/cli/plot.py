@@ -140,10 +140,11 @@ def _plot_run(
 ) -> None:
     from rubnoise.api.pictures import measured_spectrum
     from rubnoise.api.trace import Trace
-    from rubnoise.cli.loading import complete_run, finished_run
+    from rubnoise.cli.loading import finished_run
     from rubnoise.figures.catalogue import HEARD, OVERLAID, picture
     from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
+    from rubnoise.storage.reader import open_run
 
     heard = _heard(of)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
@@ -161,7 +162,7 @@ def _plot_run(
         if beside is not None and has_measured:
             measured = measured_spectrum(Trace.from_csv(beside), heard)
         elif beside is not None:
-            file_beside = opened.enter_context(complete_run(beside))
+            file_beside = opened.enter_context(open_run(beside))
             with prefix_refusals(f"--with {beside}"):
                 other = Stretch.of(file_beside)
         draw = partial(picture, what, stretch, heard=heard, beside=other, measured=measured, look=look)

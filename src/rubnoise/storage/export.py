@@ -15,7 +15,6 @@ from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.output import check_output, naming_file, whole_files
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile
-from rubnoise.storage.resume import refusal
 from rubnoise.storage.schema import CONVENTIONS, Dataset, Group, Scalar
 
 Kind = Literal["csv", "parquet", "netcdf"]
@@ -199,11 +198,9 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
     """Write files from an open run; they get their names when all are complete. Memory does not grow with its length.
 
     ``between`` is called after each chunk of rows and may raise to stop. Raises, before anything is created, Refused
-    for a run that is not finished, an output that exists already (unless ``force``) or is the run itself, and
+    for an output that exists already (unless ``force``) or is the run itself, and
     ExtraMissing; RubnoiseError if the disk fails.
     """
-    if not file.provenance["finished"]:
-        raise refusal(file.path)
     for each in exports:
         _check(file, each, force=force)
     with whole_files([each.path for each in exports], force=force) as parts:
@@ -214,9 +211,7 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
 
 
 def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[], None]) -> None:
-    """Write one group of an open run as CSV to a text stream, such as standard output; Refused as by ``export``."""
-    if not file.provenance["finished"]:
-        raise refusal(file.path)
+    """Write one group of an open run as CSV to a text stream, such as standard output."""
     write_lines(stream, ExportTable.of(file, group), between)
 
 

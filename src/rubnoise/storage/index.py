@@ -14,13 +14,24 @@ from numpy.typing import NDArray
 from rubnoise.arrays import slices
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.layout import stored_columns
+from rubnoise.storage.objects import has_hard_link, read_attribute, read_integer, read_text, sound_group
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.provenance import now, package_version
-from rubnoise.storage.read_structure import has_hard_link, read_attribute, read_integer, read_text, sound_group
-from rubnoise.storage.schema import CONVENTIONS, HASH, LOAD, SLIDER, TRACE, Dataset, Feature, Group, Scalar
+from rubnoise.storage.schema import (
+    CONVENTIONS,
+    HASH,
+    INDEX_FORMAT,
+    LOAD,
+    SLIDER,
+    TRACE,
+    Dataset,
+    Feature,
+    Group,
+    Scalar,
+)
 from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text, text_bytes
 
-FORMAT: Final = "rubnoise-sweep"
+FORMAT: Final = INDEX_FORMAT
 FORMAT_VERSION: Final = 1
 RUNS: Final = "runs"
 SUMMARIES: Final = "summaries"
@@ -242,9 +253,11 @@ def _put_hash(dataset: h5py.Dataset) -> None:
 
 def index_structure(file: h5py.File, size: int) -> dict[str, Any]:
     """Return the places of an index's columns and its attributes; raises RunFileRefused for an invalid index."""
+    if not h5py.h5a.exists(file.id, b"format") or read_attribute(file, "format") != FORMAT:
+        raise RunFileRefused("is not the index of a sweep")
     version = read_integer(file, "format_version")
     if version > FORMAT_VERSION:
-        return {"too_new": version, "source": read_text(file, "source")}
+        return {"too_new": f"has format version {version}; this one reads versions up to {FORMAT_VERSION}"}
     attributes: dict[str, Scalar] = {name: read_text(file, name) for name in TEXTS}
     groups = {name: dict(_index_columns(sound_group(file, name), size)) for name in (POINTS, RUNS)}
     if has_hard_link(file, SUMMARIES):

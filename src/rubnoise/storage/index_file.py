@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from math import prod
 from typing import Any
 
+import h5py
 import numpy as np
 import xxhash
 from numpy.typing import NDArray
@@ -12,9 +13,9 @@ from numpy.typing import NDArray
 from rubnoise.arrays import slices
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
-from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
-from rubnoise.storage.reader import OpenFile, RunFile, open_run, opened
-from rubnoise.storage.rows import StoredColumn
+from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES, index_structure
+from rubnoise.storage.objects import Place
+from rubnoise.storage.reader import OpenFile, RunFile, TooNew, open_run, opened
 from rubnoise.storage.schema import HASH, Dataset
 
 
@@ -23,10 +24,11 @@ class IndexFile(OpenFile):
 
     called = "index"
 
-    def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of an open file, and the structure that was read from it."""
-        if "index" not in found:
-            raise RunFileRefused("is the result of one run, not the index of a sweep")
+    def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
+        """Take over the descriptor of a file, and read its structure, which HDF5 has opened."""
+        found = index_structure(file, os.fstat(descriptor).st_size)
+        if "too_new" in found:
+            raise TooNew(found["too_new"])
         self.attributes: Mapping[str, str] = found["index"]
         self._places: Mapping[str, Mapping[str, Any]] = {POINTS: {}, RUNS: {}, SUMMARIES: {}} | found["columns"]
         self._seal: str | None = found["seal"]
@@ -67,9 +69,9 @@ class IndexFile(OpenFile):
         rows, *others = place["shape"]
         width, kind = prod(others), np.dtype(place["dtype"])
         first, last, _ = slice(start, stop).indices(rows)
-        column = StoredColumn(dtype=kind, rows=rows * width, offset=place["offset"])
+        column = Place(dtype=kind.str, rows=rows * width, offset=place["offset"])
         with self._reading():
-            values = column.read(self.descriptor, first * width, max(first, last) * width)
+            values = self.stored_rows(column, first * width, max(first, last) * width)
         return values.reshape(-1, *others)
 
     def _hash(self, group: str, name: str) -> str | None:

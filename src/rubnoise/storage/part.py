@@ -26,7 +26,7 @@ from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stor
 from rubnoise.storage.output import OutputPaths, new_file, reserve
 from rubnoise.storage.pages import PagedFile, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
-from rubnoise.storage.run_description import check_structure
+from rubnoise.storage.run_description import check_structure, places_of, rest_digest
 from rubnoise.storage.schema import CHUNK_ROWS, Feature, Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, Words, Written, complete, compose, enlarge
 
@@ -76,11 +76,11 @@ def open_part(paths: OutputPaths, run: RunFile) -> "Part":
         opening.callback(disk.close, descriptor)
         structure = _structure(paths.part, descriptor, run)
         growing = None
-        if groups := _growing_groups(run.places, run.features, run.extent):
+        if groups := _growing_groups(places_of(run), run.features, run.extent):
             growing = GrowingFile.found(paths.growing, groups)
             opening.callback(growing.close)
         pulse = stored_pulse(run.provenance["scenario_resolved"])
-        part = Part(descriptor, run.places, structure, Words(run.attributes, run.provenance), pulse, growing)
+        part = Part(descriptor, places_of(run), structure, Words(run.attributes, run.provenance), pulse, growing)
         opening.pop_all()
     return part
 
@@ -95,13 +95,13 @@ def _structure(path: Path, descriptor: int, run: RunFile) -> PagedFile:
     """Return everything of an open part except its rows."""
     if not all(disk.is_file(path, os.fstat(each)) for each in (run.descriptor, descriptor)):
         raise RunFileRefused("another file has taken its place just now")
-    for (group, name), place in run.places.items():
+    for (group, name), place in places_of(run).items():
         if place.rows and not place.offset:
             raise RunFileRefused(f"/{group}/{name} is compressed: nothing can be written to it any more")
     size = os.fstat(descriptor).st_size
-    rest = between(run.places.values(), size)
+    rest = between(places_of(run).values(), size)
     pieces = [(place.start, disk.read(descriptor, len(place), place.start)) for place in rest]
-    if digest_of(pieces) != run.structure:
+    if digest_of(pieces) != rest_digest(run):
         raise RunFileRefused("was changed just now")
     return PagedFile.of(pieces, size)
 

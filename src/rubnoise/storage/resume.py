@@ -23,7 +23,7 @@ from rubnoise.storage.life_curve import LIFE_TABLES
 from rubnoise.storage.output import OutputPaths, give_final_name, naming_file, reserve, sole_writer
 from rubnoise.storage.part import Part, open_part
 from rubnoise.storage.provenance import TIME
-from rubnoise.storage.reader import RunFile, open_run, refusing
+from rubnoise.storage.reader import RunFile, open_unfinished, refusing
 from rubnoise.storage.run_description import check_structure, description_of
 
 SUFFIX: Final = ".part"
@@ -69,10 +69,10 @@ def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
 def look(part: str | os.PathLike[str]) -> Unfinished:
     """Return the progress of an unfinished run, also while it is being written.
 
-    Raises RunFileRefused as open_run does.
+    Raises RunFileRefused as open_unfinished does.
     """
     paths = paths_of(part)
-    with open_run(part) as run:
+    with open_unfinished(part) as run:
         description, source = description_of(run), str(run.attributes["source"])
     growing = [group.name for group in stored_groups(description.features) if grows(group, description.extent)]
     history = _history_or_refusal(paths.journal)
@@ -131,7 +131,7 @@ def committed_run(part: Path) -> Iterator[CommittedRun]:
     if "junctions" in found.grown:
         hint = "a process is writing it" if found.being_written else resume_hint(str(part))
         raise RunFileRefused(f"{part}: an unfinished run in free motion holds no junctions yet; {hint}")
-    with open_run(part) as run:
+    with open_unfinished(part) as run:
         yield CommittedRun(run, found)
 
 
@@ -217,7 +217,7 @@ def mended(paths: OutputPaths) -> Iterator[RunFile]:
     history = History.read(paths.journal)
     if history.ending is not None:
         _mend(paths, history.run, history.ending)
-    with open_run(paths.part) as run:
+    with open_unfinished(paths.part) as run:
         check_structure(run)
         yield run
 
@@ -225,7 +225,7 @@ def mended(paths: OutputPaths) -> Iterator[RunFile]:
 def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
     """Complete interrupted changes, unless part and journal are of different runs."""
     try:
-        with open_run(paths.part) as found:
+        with open_unfinished(paths.part) as found:
             of_another = identity(description_of(found)) != run
     except RunFileRefused:
         of_another = False
@@ -247,7 +247,7 @@ def _is_result_of(paths: OutputPaths, description: RunDescription) -> bool:
     if paths.final.samefile(paths.part):
         return True
     try:
-        with open_run(paths.final) as run:
+        with open_unfinished(paths.final) as run:
             is_of_it = bool(run.provenance["finished"]) and identity(description_of(run)) == identity(description)
             return is_of_it and not run.damaged()
     except RunFileRefused:

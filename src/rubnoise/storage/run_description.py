@@ -1,18 +1,21 @@
 """Read the description of a run back from the attributes of its file, and compare the file's structure with it."""
 
 import json
+import os
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from itertools import islice
 from typing import Any, Final, Literal
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
+from rubnoise.storage import disk
 from rubnoise.storage.inventory import OF_HDF5, Inventory, expected_inventory
-from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.layout import ByteRange, Name, RunDescription, between, digest_of
 from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.provenance import Provenance
-from rubnoise.storage.read_structure import INTERVENTION
 from rubnoise.storage.reader import RunFile, refusing
+from rubnoise.storage.run_structure import INTERVENTION
 from rubnoise.storage.schema import HASH, Feature, Scalar
 
 SHOWN = 40
@@ -101,7 +104,7 @@ def check_structure(run: RunFile) -> None:
     columns, an additional group.
     Its ``structure`` is read before the inspection, so that any later change is seen.
     """
-    _ = run.structure
+    _ = rest_digest(run)
     ending = None
     if finished := str(run.provenance["finished"]):
         names = [(group, name) for group, columns in run.columns.items() for name in columns]
@@ -110,6 +113,34 @@ def check_structure(run: RunFile) -> None:
     with refusing(run.path):
         if wrong := list(islice(_differences(run.inventory(), expected), 3)):
             raise RunFileRefused(f"damaged: {'; '.join(wrong)}")
+
+
+STRUCTURE_LIMIT: Final = 8 * 1024**2
+"""Bytes that are no rows, at most: a part has some 100 kB of them, and the texts of its scenario."""
+
+
+def places_of(run: RunFile) -> dict[Name, ByteRange]:
+    """Return the places of the columns of a file; compressed columns have no place of their own."""
+    return {
+        (group, name): ByteRange(offset=place.offset, rows=place.rows, dtype=place.dtype)
+        for group, columns in run.stored.items()
+        for name, place in columns.items()
+    }
+
+
+@lru_cache(maxsize=4)
+def rest_digest(run: RunFile) -> str:
+    """Return a hash of everything in a file except its rows, taken at the first request; empty for a compressed file.
+
+    Raises RunFileRefused if it is larger than that of any run.
+    """
+    if run.is_compressed:
+        return ""
+    with refusing(run.path):
+        rest = between(places_of(run).values(), os.fstat(run.descriptor).st_size)
+        if sum(map(len, rest)) > STRUCTURE_LIMIT:
+            raise RunFileRefused(f"holds {sum(map(len, rest)):,} bytes that are no rows")
+        return digest_of((place.start, disk.read(run.descriptor, len(place), place.start)) for place in rest)
 
 
 def _differences(there: Inventory, right: Inventory) -> Iterator[str]:

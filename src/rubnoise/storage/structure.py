@@ -15,7 +15,7 @@ from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import ByteRange, Name, RunDescription, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
-from rubnoise.storage.read_structure import INTERVENTION, seal_of
+from rubnoise.storage.run_structure import INTERVENTION, seal_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,

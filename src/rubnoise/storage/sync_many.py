@@ -9,7 +9,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
 from rubnoise.storage.journal import History
 from rubnoise.storage.output import OutputInUse, OutputPaths, sole_writer
-from rubnoise.storage.reader import InUse, TooNew, Unseen
+from rubnoise.storage.reader import InUse, TooNew
 from rubnoise.storage.resume import mended
 from rubnoise.storage.run_description import description_of
 
@@ -58,7 +58,7 @@ def clear_unsynced(path: Path, state: FileState | None) -> None:
 
 def is_of_truncated(refusal: RunFileRefused) -> bool:
     """Whether a file was refused for its content, as one truncated by a power cut, and not because reading failed."""
-    return not isinstance(refusal, InUse | TooNew | Unseen) and not isinstance(refusal.__cause__, OSError)
+    return not isinstance(refusal, InUse | TooNew) and not isinstance(refusal.__cause__, OSError)
 
 
 def _is_lost(paths: OutputPaths) -> bool:

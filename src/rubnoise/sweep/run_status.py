@@ -19,8 +19,8 @@ from rubnoise.record.reader import HashedReader
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep_table import Precision
 from rubnoise.storage import disk
-from rubnoise.storage.read_structure import INTERVENTION
 from rubnoise.storage.reader import open_run
+from rubnoise.storage.run_structure import INTERVENTION
 from rubnoise.storage.sync_many import FileState, clear_unsynced, is_of_truncated, sync_many
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.folder import SweepFolder
