@@ -16,9 +16,8 @@ import pytest
 import rubnoise
 from rubnoise.errors import RubnoiseError
 from rubnoise.simulation import ticks
-from rubnoise.storage import disk, sandbox
+from rubnoise.storage import disk
 from rubnoise.storage.output import NO_LOCKS
-from rubnoise.storage.sandbox import TOO_MUCH, looked_at_by_another
 from tests.cli.tampered import TABLE, tampered
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, command, names, start
 from tests.frozen import examples
@@ -276,18 +275,6 @@ def test_results_are_read_in_threads_and_runs_are_kept_in_memory(folder: Path) -
         assert one == two == kept == [len(run.junctions), area, float(run.trace["friction_force"][7])]
     cut = "cut.h5: cut short; copy it again, or run its scenario again"
     assert refused == [cut]
-
-
-def test_a_look_that_fails_or_lasts_is_a_refusal(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with (folder / "slider.h5").open("rb") as file:
-        assert json.loads(looked_at_by_another(file.fileno(), ("structure",), patience=0.0)) == {
-            "refused": TOO_MUCH,
-            "unseen": True,
-        }
-        monkeypatch.setattr(sandbox, "LOOK_ALONE", "import os; os.abort()")
-        assert json.loads(looked_at_by_another(file.fileno(), ("structure",)))["refused"].startswith(
-            "damaged: HDF5 fails"
-        )
 
 
 # Whatever a folder of a sweep says, every command answers in a sentence: no internal error, no memory for nothing.

@@ -26,8 +26,8 @@ from rubnoise.cli.layout import cut, groups_that_fit, line, remark, sentence, ta
 from rubnoise.cli.progress import Watcher, announce_compilation_by_workers, watching, watching_reads
 from rubnoise.errors import RunStopped
 from rubnoise.simulation.kernels import coarse
+from rubnoise.storage.objects import REMEDY
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.rows import REMEDY
 from tests.cli.terminal import (
     LONGEST,
     WITH_SLIDER,

@@ -2,7 +2,6 @@
 
 import json
 import struct
-import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from scipy.io import savemat, wavfile
 import rubnoise
 from rubnoise.api.inferring import infer
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage import measured, text_lines
+from rubnoise.storage import foreign_dataset, text_lines
 from rubnoise.storage.measured import read_measured
 from tests.cli.terminal import call, spawn
 from tests.inference.traces import contact, signal
@@ -147,7 +146,7 @@ def test_a_text_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_a_dataset_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(measured, "_PIECE_VALUES", 7)
+    monkeypatch.setattr(foreign_dataset, "PIECE_VALUES", 7)
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         file["force"] = FORCE
@@ -186,7 +185,7 @@ def test_a_matlab_file_has_its_variables(tmp_path: Path) -> None:
         read_measured(written(tmp_path / "b.mat", "text"))
 
 
-def test_a_dataset_of_any_file_is_read_in_the_sandbox(tmp_path: Path) -> None:
+def test_a_dataset_of_any_file_is_read(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         file["m/force"] = FORCE
@@ -210,27 +209,28 @@ def test_a_dataset_of_any_file_is_read_in_the_sandbox(tmp_path: Path) -> None:
         read_measured(f"{path}:/m/force")
 
 
-def test_a_program_with_threads_reads_it_too(tmp_path: Path) -> None:
-    path = tmp_path / "a.h5"
-    with h5py.File(path, "w") as file:
-        file["force"] = FORCE
-    done = threading.Event()
-    thread = threading.Thread(target=done.wait)
-    thread.start()
-    try:
-        assert read_measured(f"{path}:force").values.tolist() == FORCE.tolist()
-    finally:
-        done.set()
-        thread.join()
-
-
-def test_a_system_without_fork_reads_datasets_and_vectors_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dataset_in_another_file_is_not_read(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["force"] = FORCE
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["force"] = FORCE
-    savemat(tmp_path / "a.mat", {"force": FORCE})
-    monkeypatch.delattr("os.fork")
-    assert read_measured(f"{tmp_path / 'a.h5'}:force").values.tolist() == FORCE.tolist()
-    assert read_measured(tmp_path / "a.mat").values.tolist() == FORCE.tolist()
+        file["soft"] = h5py.SoftLink("group/force")
+        file.create_group("group")["force"] = h5py.SoftLink("/force")
+        file["round"] = h5py.SoftLink("round")
+        file["elsewhere"] = h5py.ExternalLink("other.h5", "/force")
+        file["led"] = h5py.SoftLink("elsewhere")
+        file.create_dataset("outside", (40,), "<f8", external=[(str(tmp_path / "other.h5"), 0, 320)])
+        layout = h5py.VirtualLayout((40,), "<f8")
+        layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "force", (40,))
+        file.create_virtual_dataset("virtual", layout)
+    for name in ("force", "soft", "group/force"):
+        assert read_measured(f"{tmp_path}/a.h5:{name}").values.tolist() == FORCE.tolist()
+    for name, problem in (
+        *((name, "is no dataset in it") for name in ("elsewhere", "led", "round", "elsewhere/x")),
+        *((name, "has its values in other files") for name in ("outside", "virtual")),
+    ):
+        with pytest.raises(Refused, match=problem):
+            read_measured(f"{tmp_path}/a.h5:{name}")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.storage.read_structure import INTERVENTION
+from rubnoise.storage.run_structure import INTERVENTION
 from rubnoise.storage.schema import LANDMARKS
 from tests.docs.test_plain_words import listed
 

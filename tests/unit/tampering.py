@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 import rubnoise
 from rubnoise.record.rows import junction_columns
 from rubnoise.scenario import Scenario, build
-from rubnoise.storage.read_structure import read_provenance, read_root, read_summary, seal_of
 from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.run_structure import read_provenance, read_root, read_summary, seal_of
 from rubnoise.storage.schema import HASH, Feature
 from tests.format.runs import BARE, describe, random_rows, write_run
 from tests.format.runs import EVERYTHING as EVERY_FEATURE

@@ -306,9 +306,10 @@ def test_what_was_read_outlives_the_run(path: Path, tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "nine.nc") as nine:
         assert nine["real_contact_area"].attrs["units"] == "um^2"
     with rubnoise.open(path) as run:
-        unread = run.trace.to_xarray()
+        trace, column = run.trace, run.trace["real_contact_area"]
+    np.testing.assert_array_equal(column, area)
     with pytest.raises(ValueError, match=r"x\.h5: the run file is closed"):
-        unread["real_contact_area"].load()
+        trace["real_contact_area"]
 
 
 def test_pandas_gets_a_frame_over_the_first_column(run: rubnoise.Run) -> None:

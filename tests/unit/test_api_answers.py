@@ -243,7 +243,7 @@ def test_what_was_read_may_be_changed_and_the_run_remains(record: rubnoise.Recor
     first = force[0]
     found = DOORS[door](force)
     found /= 1000.0
-    assert force[0] == first
+    assert record.trace["friction_force"][0] == record["trace"]["friction_force"][0] == first
 
 
 def test_a_run_in_memory_cannot_be_changed(record: rubnoise.Record) -> None:
@@ -251,13 +251,10 @@ def test_a_run_in_memory_cannot_be_changed(record: rubnoise.Record) -> None:
     first = force[0]
     loaded = record.trace.to_xarray().load()
     loaded["friction_force"].values[0] = 5.0
-    assert force[0] == first
+    np.add.at(force, 0, 5.0)
+    assert record.trace["friction_force"][0] == first
     with pytest.raises(ValueError, match="read-only"):
         record["trace"]["friction_force"][0] = 5.0
-    with pytest.raises(TypeError, match="NotImplemented"):
-        np.add.at(force, 0, 5.0)
-    nothing = force[[]]
-    nothing += 1.0
 
 
 def test_rows_are_chosen_as_the_command_line_does(record: rubnoise.Record, path: Path) -> None:

@@ -1,6 +1,10 @@
-"""Columns of a result: arrays to look at, read as far as they are looked at."""
+"""Columns of a result: arrays with a unit, which is kept by choosing, sorting and copying rows, and by nothing else."""
 
+import pickle
+import subprocess
 import sys
+from collections.abc import Callable
+from copy import copy, deepcopy
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -10,53 +14,97 @@ import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy import signal
 
 import rubnoise
-from rubnoise import arrays
-from rubnoise.api import columns as module
 from rubnoise.errors import ExtraMissing
+from rubnoise.storage import reader
 from rubnoise.storage.schema import TRACE, Dataset
-from tests.format.runs import describe, random_rows, write_run
+from tests.format.runs import Compression, describe, random_rows, write_run
 
-AREA = TRACE.columns[1]
+PLACE, AREA = TRACE.columns[:2]
 ROWS = 1000
 STOPS = (None, 0, 9, -1, -2000, 1000, 5000)
-STEPS = (None, 1, 2, 63, 64, 65, 700, -1, -3, -100)
+STEPS = (None, 1, 2, 63, 700, -1, -3, -100)
 VALUES = np.random.default_rng(1).normal(size=ROWS)
-
-
-class Source:
-    """Rows that remember how many of them were read."""
-
-    def __init__(self, values: NDArray[Any] = VALUES) -> None:
-        self.values = values
-        self.read = 0
-        self.most = 0
-
-    def __call__(self, start: int, stop: int) -> NDArray[Any]:
-        assert 0 <= start <= stop <= self.values.size
-        self.read += stop - start
-        self.most = max(self.most, stop - start)
-        return self.values[start:stop].copy()
-
-
-@pytest.fixture(autouse=True)
-def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    for place in (module, arrays):
-        monkeypatch.setattr(place, "CHUNK_ROWS", 64)
-    monkeypatch.setattr(module.Column.chunks, "__defaults__", (64,))
+PLACES = np.arange(ROWS) / 10.0
 
 
 @pytest.fixture
-def source() -> Source:
-    return Source()
+def column() -> rubnoise.Column:
+    return rubnoise.Column(VALUES.copy(), AREA, lambda: rubnoise.Column(PLACES.copy(), PLACE))
 
 
-@pytest.fixture
-def column(source: Source) -> rubnoise.Column:
-    return rubnoise.Column(AREA, ROWS, source)
+KEEPS: dict[str, Callable[[rubnoise.Column], Any]] = {
+    "slice": lambda column: column[3:900:7],
+    "backwards": lambda column: column[::-1],
+    "mask": lambda column: column[column > 1.0],
+    "rows": lambda column: column[[4, -996, 4, 8]],
+    "axis": lambda column: column[:, None],
+    "sorted": np.sort,
+    "copy": lambda column: column.copy(),
+    "copied": copy,
+    "deep copy": deepcopy,
+    "pickle": lambda column: pickle.loads(pickle.dumps(column)),  # noqa: S301  (made here)
+    "pickle of now": lambda column: pickle.loads(pickle.dumps(column, protocol=5)),  # noqa: S301  (made here)
+    "twice": lambda column: column[10:][column[10:] > 0.0].copy(),
+    "chunk": lambda column: next(column.chunks(64)),
+}
+LOSES: dict[str, Callable[[rubnoise.Column], Any]] = {
+    "argsort": lambda column: column.argsort(),
+    "astype": lambda column: column.astype(int),
+    "same type": lambda column: column.astype(float),
+    "product": lambda column: 2.0 * column,
+    "difference": lambda column: column - column.mean(),
+    "function": np.sqrt,
+    "sums": np.cumsum,
+    "steps": np.diff,
+    "comparison": lambda column: column > 1.0,
+    "shape": lambda column: column.reshape(10, -1),
+    "flat": np.ravel,
+    "joined": lambda column: np.concatenate([column, column]),
+    "where": lambda column: np.where(column > 0.0, column, 0.0),
+    "interpolated": lambda column: np.interp([0.5], np.arange(column.size), column),
+    "values": lambda column: column.values,
+    "asarray": np.asarray,
+    "to_numpy": lambda column: column.to_numpy(),
+    "of something computed": lambda column: (2.0 * column)[:5],
+    "of a view": lambda column: column.ravel()[:5].copy(),
+}
+
+
+@pytest.mark.parametrize("way", KEEPS)
+def test_a_unit_stays_with_rows(column: rubnoise.Column, way: str) -> None:
+    found, wanted = KEEPS[way](column), KEEPS[way](column).values
+    assert isinstance(found, rubnoise.Column)
+    assert (found.name, found.units, found.long_name, found.symbol) == (AREA.name, "um^2", AREA.long_name, "A_r")
+    np.testing.assert_array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("way", LOSES)
+def test_a_unit_is_lost_by_anything_else(column: rubnoise.Column, way: str) -> None:
+    with np.errstate(invalid="ignore"):
+        found = LOSES[way](column)
+    assert not hasattr(found, "units")
+    assert repr(found) == repr(np.asarray(found))
+    again = pickle.loads(pickle.dumps(found))  # noqa: S301  (made here)
+    np.testing.assert_array_equal(again, found)
+
+
+def test_a_number_is_a_number(column: rubnoise.Column) -> None:
+    for value in (column[3], column.mean(), column.std(ddof=1), column.max(), np.sum(column), np.median(column)):
+        assert isinstance(value, np.float64)
+
+
+def test_rows_keep_their_places(column: rubnoise.Column) -> None:
+    for rows in (slice(3, 900, 7), VALUES > 1.0, [5, 3]):
+        chosen = column[rows]
+        assert chosen.beside is not None
+        np.testing.assert_array_equal(chosen.beside, PLACES[rows])
+        assert chosen.copy().beside.units == "um"
+    assert np.sort(column).beside is None
+    assert isinstance(column[:9].plot(), Figure)
+    assert isinstance(np.sort(column).plot(), Figure)
 
 
 @pytest.mark.parametrize("start", [None, 0, 7, -3, -1001, 999, 1000, 5000])
@@ -69,100 +117,11 @@ def test_slices_are_those_of_an_array(column: rubnoise.Column, start: int | None
 
 
 @pytest.mark.parametrize(
-    ("where", "rows"),
-    [
-        (slice(100), 100),
-        (slice(-5, None), 5),
-        (17, 1),
-        (-1, 1),
-        (np.int64(3), 1),
-        (slice(None, None, 500), 2),
-        (slice(None, 64, 9), 64),
-        ([4, -996, 4, 8], 5),
-        (slice(5, 5), 0),
-        ([], 0),
-        ((), ROWS),
-    ],
+    "where", [1000, -1001, [0, 1000], "0", 1.5, (0, 0), (..., ...), np.ones(7, dtype=bool)], ids=str
 )
-def test_no_more_is_read_than_holds_what_was_asked_for(
-    column: rubnoise.Column, source: Source, where: Any, rows: int
-) -> None:
-    np.testing.assert_array_equal(column[where], VALUES[where])
-    assert source.read == rows
-
-
-def test_a_mask_picks_rows(column: rubnoise.Column) -> None:
-    np.testing.assert_array_equal(column[column > 1.0], VALUES[VALUES > 1.0])
-
-
-@pytest.mark.parametrize("where", [1000, -1001, [0, 1000], [-1001]])
-def test_rows_there_are_none_of_are_refused(column: rubnoise.Column, where: Any) -> None:
-    with pytest.raises(IndexError, match="real_contact_area has 1000 rows"):
-        column[where]
-
-
-@pytest.mark.parametrize("where", ["0", 1.5, [0.0]])
-def test_what_is_no_row_number_is_refused(column: rubnoise.Column, where: Any) -> None:
-    with pytest.raises(IndexError, match="numbered 0 to 999"):
-        column[where]
-
-
-def test_chosen_rows_are_read_panel_by_panel(column: rubnoise.Column, source: Source) -> None:
-    rows = np.array([3, 5, 200, 201, 999])
-    taken = column.taken(rows)
-    assert source.read == 0
-    np.testing.assert_array_equal(taken[:], VALUES[rows])
-    np.testing.assert_array_equal(taken[1:4], VALUES[rows[1:4]])
-    assert source.most <= 64
-    assert column.taken(rows[:0])[:].size == 0
-
-
-@pytest.mark.parametrize(
-    "where",
-    [
-        (slice(3),),
-        (slice(None), None),
-        (None, slice(None, None, -2)),
-        None,
-        ...,
-        (..., None),
-        (3, None),
-        (None, 3),
-        (VALUES > 1.0, None),
-        (..., slice(5, 1, -1)),
-        (None, ..., None),
-        np.array([[1, 2], [3, -4]]),
-        VALUES > 2.0,
-        [True] * 3 + [False] * (ROWS - 3),
-    ],
-    ids=str,
-)
-def test_tuples_none_and_masks_are_those_of_an_array(column: rubnoise.Column, where: Any) -> None:
-    assert column[where].shape == VALUES[where].shape
-    np.testing.assert_array_equal(column[where], VALUES[where])
-
-
-@pytest.mark.parametrize("where", [(0, 0), (slice(None), slice(None)), (..., ...), np.ones(7, dtype=bool)])
 def test_what_an_array_refuses_is_refused(column: rubnoise.Column, where: Any) -> None:
     with pytest.raises(IndexError):
-        VALUES[where]
-    with pytest.raises(IndexError):
         column[where]
-
-
-def test_reductions_of_numpy_hold_no_whole_column(column: rubnoise.Column, source: Source) -> None:
-    for function, options in (
-        (np.sum, {}),
-        (np.mean, {}),
-        (np.var, {"ddof": 1}),
-        (np.std, {}),
-        (np.min, {}),
-        (np.max, {}),
-    ):
-        assert function(column, **options) == pytest.approx(function(VALUES, **options), rel=1e-12)
-    assert source.most == 64
-    assert np.mean(column, axis=0) == pytest.approx(VALUES.mean(), rel=1e-12)
-    assert source.most == ROWS  # an option that a column does not have reads all of it
 
 
 def test_polars_takes_a_column_as_it_stands(column: rubnoise.Column) -> None:
@@ -184,48 +143,83 @@ def test_libraries_take_a_column_as_it_stands(column: rubnoise.Column) -> None:
     assert column.astype(np.float32).dtype == np.float32
 
 
-def test_whole_column_figures_are_those_of_the_array_in_chunks(column: rubnoise.Column, source: Source) -> None:
-    assert column.mean() == pytest.approx(VALUES.mean(), rel=1e-12)
-    assert column.std() == pytest.approx(VALUES.std(), rel=1e-12)
-    assert (column.min(), column.max()) == (VALUES.min(), VALUES.max())
-    assert list(column) == VALUES.tolist()
-    assert source.most == 64
-
-
-def test_without_rows_there_is_no_mean(source: Source) -> None:
-    empty = rubnoise.Column(AREA, 0, Source(VALUES[:0]))
-    assert np.isnan([empty.mean(), empty.std()]).all()
+def test_without_rows_there_is_no_largest() -> None:
+    empty = rubnoise.Column(VALUES[:0], AREA)
     assert (len(empty), empty[:].size, list(empty)) == (0, 0, [])
-    with pytest.raises(ValueError, match="empty"):
+    with pytest.raises(ValueError, match="zero-size"):
         empty.max()
 
 
-def test_numpy_takes_a_column_for_an_array(column: rubnoise.Column) -> None:
-    assert (column.shape, column.size, column.ndim, column.dtype) == ((ROWS,), ROWS, 1, VALUES.dtype)
-    np.testing.assert_array_equal(np.asarray(column), VALUES)
-    assert np.asarray(column, dtype=np.float32).dtype == np.float32
-    np.testing.assert_array_equal(2.0 * column - column / 4.0, 2.0 * VALUES - VALUES / 4.0)
-    np.testing.assert_array_equal(np.concatenate([column, column]), np.tile(VALUES, 2))
-    assert np.mean(column) == pytest.approx(VALUES.mean(), rel=1e-12)
-    assert np.interp(0.5, np.arange(2), column[:2]) == VALUES[:2].mean()
-    assert (column == VALUES).all()
-    with pytest.raises(ValueError, match="no array to share"):
-        np.asarray(column, copy=False)
-    with pytest.raises(TypeError):
-        np.add(VALUES, VALUES, out=column)
-
-
-def test_looking_at_a_column_reads_four_rows(column: rubnoise.Column, source: Source) -> None:
+def test_a_column_is_shown_in_a_line(column: rubnoise.Column) -> None:
     shown = repr(column)
     assert shown.startswith("<real_contact_area (um^2), 1,000 rows of float64: 0.345584 0.821618 0.330437 ... ")
-    assert source.read == 4
-
-
-def test_a_short_column_is_shown_whole() -> None:
-    assert repr(rubnoise.Column(AREA, 2, Source(np.array([1.0, 2.5])))).endswith("2 rows of float64: 1 2.5>")
+    assert repr(rubnoise.Column(np.array([1.0, 2.5]), AREA)).endswith("2 rows of float64: 1 2.5>")
     words = np.array(["done", "failed", "x" * 99])
-    states = rubnoise.Column(Dataset(name="state", units="", long_name="", symbol="", dtype="<U99"), 3, Source(words))
+    states = rubnoise.Column(words, Dataset(name="state", units="", long_name="", symbol="", dtype="<U99"))
     assert repr(states) == f"<state, 3 rows of text: done failed {'x' * 40}>"
+
+
+# An open run shows the rows that it had when it was opened, or refuses.
+@pytest.fixture(params=["none", "gzip"])
+def compression(request: pytest.FixtureRequest) -> Compression:
+    found: Compression = request.param
+    return found
+
+
+@pytest.mark.parametrize("read_bytes", [reader.READ_BYTES, 16], ids=["read", "mapped"])
+def test_an_open_run_has_its_rows_after_another_took_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression, read_bytes: int
+) -> None:
+    monkeypatch.setattr(reader, "READ_BYTES", read_bytes)
+    first, second = (describe(700, n, compression=compression, scenario_toml=f"# {n}") for n in (5000, 9000))
+    rows = random_rows(first)
+    write_run(tmp_path / "x.h5", first, rows)
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        held = run.trace["distance"]
+        write_run(tmp_path / "y.h5", second, random_rows(second))
+        (tmp_path / "y.h5").replace(tmp_path / "x.h5")
+        np.testing.assert_array_equal(held, rows["trace"]["distance"])
+        np.testing.assert_array_equal(run.trace["real_contact_area"], rows["trace"]["real_contact_area"])
+        np.testing.assert_array_equal(run.junctions["diameter"][5:9], rows["junctions"]["diameter"][5:9])
+        with pytest.raises(rubnoise.Refused, match="has changed since it was opened"):
+            pickle.loads(pickle.dumps(run))  # noqa: S301  (made here)
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        assert len(run.trace) == len(run.trace["distance"]) == 9000
+
+
+@pytest.mark.parametrize("read_bytes", [reader.READ_BYTES, 16], ids=["read", "mapped"])
+def test_a_column_outlives_its_run_and_changes_in_memory_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, read_bytes: int
+) -> None:
+    monkeypatch.setattr(reader, "READ_BYTES", read_bytes)
+    description = describe(700, 5000)
+    rows = random_rows(description)
+    write_run(tmp_path / "x.h5", description, rows)
+    content = (tmp_path / "x.h5").read_bytes()
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        area, other = run.trace["real_contact_area"], run.trace["real_contact_area"]
+        area[:] = 7.0
+        np.testing.assert_array_equal(other, run.trace["real_contact_area"])
+    (tmp_path / "x.h5").unlink()
+    np.testing.assert_array_equal(other, rows["trace"]["real_contact_area"])
+    assert (area == 7.0).all()
+    (tmp_path / "x.h5").write_bytes(content)
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        np.testing.assert_array_equal(run.trace["real_contact_area"], other)
+
+
+def test_other_processes_get_columns_with_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By pickle, as pools of processes and joblib pass them on; one of the columns is mapped."""
+    monkeypatch.setattr(reader, "READ_BYTES", 16)
+    description = describe(700, 5000)
+    write_run(tmp_path / "x.h5", description, random_rows(description))
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        columns = [run.trace["real_contact_area"], run.junctions["diameter"][:99]]
+    program = "import pickle, sys; print([(float(c.mean()), c.units) for c in pickle.load(sys.stdin.buffer)])"
+    done = subprocess.run(
+        [sys.executable, "-c", program], input=pickle.dumps(columns), capture_output=True, check=True, timeout=120
+    )
+    assert done.stdout.decode().strip() == str([(float(each.mean()), each.units) for each in columns])
 
 
 def test_groups_show_names_units_and_meaning(tmp_path: Path) -> None:
@@ -239,7 +233,7 @@ def test_groups_show_names_units_and_meaning(tmp_path: Path) -> None:
         assert set(dict(run.trace)) == set(run.trace.names)
         area = run.trace["real_contact_area"]
     assert repr(run).endswith("x.h5: a run, closed")
-    assert repr(area).endswith("closed>")
+    assert repr(area).startswith("<real_contact_area (um^2), 11 rows of float64: ")
 
 
 def test_a_record_in_memory_has_the_same_face(tmp_path: Path) -> None:
@@ -276,11 +270,7 @@ def test_a_record_in_memory_has_the_same_face(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("library", "method"), [("xarray", "to_xarray"), ("pandas", "to_pandas")])
-def test_a_missing_library_is_named_with_its_extra(
-    column: rubnoise.Column, monkeypatch: pytest.MonkeyPatch, library: str, method: str
-) -> None:
+def test_a_missing_library_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch, library: str, method: str) -> None:
     monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.delitem(sys.modules, "rubnoise.api.labelled", raising=False)
-    monkeypatch.delattr("rubnoise.api.labelled", raising=False)
     with pytest.raises(ExtraMissing, match=rf"{method} needs {library}: python3 .*tools/dev.py sync$"):
-        getattr(rubnoise.Columns(TRACE, {AREA.name: column}), method)()
+        getattr(rubnoise.Columns(TRACE, {AREA.name: AREA}, ROWS, lambda *_: VALUES), method)()

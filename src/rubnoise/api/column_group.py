@@ -1,26 +1,51 @@
 """The columns of one group of a result, by name."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column
 from rubnoise.api.keywords import shown
+from rubnoise.api.table import Table
 from rubnoise.arrays import slices
-from rubnoise.errors import Refused, needing
+from rubnoise.errors import Refused
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
 from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
     from matplotlib.figure import Figure
 
 
-class Columns:
+class Read(Protocol):
+    """Reads rows of a column by its name, all of them without ends, as an array of their own."""
+
+    def __call__(self, name: str, start: int = 0, stop: int | None = None, /) -> NDArray[Any]:
+        """Return the rows."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChosenRows:
+    """Reads rows of a group that were chosen, in ascending order."""
+
+    read: Read
+    numbers: NDArray[np.int64]
+
+    def __call__(self, name: str, start: int = 0, stop: int | None = None, /) -> NDArray[Any]:
+        """Return chosen rows ``start`` to ``stop`` of a column, from the stretch that has them."""
+        numbers = self.numbers[start:stop]
+        first, last = (int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else (0, 0)
+        rows: NDArray[Any] = self.read(name, first, last)[numbers - first]
+        return rows
+
+
+class Columns(Table):
     """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``.
 
     ``len`` is the number of rows; iteration gives the names, the column first on which the others depend.
@@ -31,24 +56,27 @@ class Columns:
     (('distance', 'real_contact_area', 'junction_count', 'friction_force'), 200001)
     """
 
-    def __init__(self, about: schema.Group, columns: Mapping[str, Column]) -> None:
-        """Take the columns of a group of a result."""
+    def __init__(self, about: schema.Group, columns: Mapping[str, schema.Dataset], rows: int, read: Read) -> None:
+        """Take descriptions of the columns of a group, the number of their rows, and what reads some of them."""
         self.name = about.name
         self.long_name = about.long_name
         self._about = about
         self._columns = dict(columns)
-        for each in self._columns.values():
-            each.beside = self._columns[next(iter(self._columns))]
+        self._rows, self._read = rows, read
 
     def __getitem__(self, name: str) -> Column:
-        """Return one column without reading it; raises KeyError, which lists the names."""
+        """Read one column; raises KeyError, which lists the names."""
         if not isinstance(name, str):
             raise KeyError(f"/{self.name} has columns by name, {', '.join(self.names)}; {self._instead_of(name)}")
         if name not in self._columns:
             homes = [group.name for group in schema.GROUPS if any(each.name == name for each in group.columns)]
             other = f"; run.{homes[0]}[{name!r}] has it, if the run has it" if homes else ""
             raise KeyError(f"/{self.name} has no column {name!r}; it has {', '.join(self.names)}{other}")
-        return self._columns[name]
+        place = None if name == self.names[0] else partial(self.__getitem__, self.names[0])
+        return Column(self._read(name), self._columns[name], place)
+
+    def _described(self, name: str) -> Column:
+        return self[name]
 
     def _instead_of(self, index: Any) -> str:
         if isinstance(index, list | tuple) and all(isinstance(each, str) for each in index):
@@ -59,7 +87,7 @@ class Columns:
         """Return a column by its name, as `[name]` does; use that for a column with the name of a method."""
         columns = self.__dict__.get("_columns", {})
         if name in columns:
-            return columns[name]
+            return self[name]
         hint = "; .names lists the columns, len() counts the rows" if name in ("columns", "shape", "size") else ""
         known = f"it has {', '.join(columns)}{hint}"
         raise AttributeError(f"/{self.__dict__.get('name', '')} has no column {name!r}; {known}")
@@ -71,7 +99,7 @@ class Columns:
         return list(self.names)
 
     def __len__(self) -> int:
-        return len(next(iter(self._columns.values())))
+        return self._rows
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -90,7 +118,16 @@ class Columns:
 
     def items(self) -> Iterable[tuple[str, Column]]:
         """Return names and columns."""
-        return self._columns.items()
+        return ((name, self[name]) for name in self.names)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each column by its name."""
+        return {name: about.units for name, about in self._columns.items()}
+
+    def row(self, number: int) -> dict[str, Any]:
+        """Read one row, from 0 on: its numbers by the names of their columns."""
+        return {name: self._read(name, number, number + 1)[0].item() for name in self.names}
 
     def where(self, condition: str) -> "Columns":
         """Return the rows for which a condition holds: ``run.junctions.where("diameter > 6 um and not alive_at_end")``.
@@ -112,48 +149,22 @@ class Columns:
         if not isinstance(condition, str):
             raise Refused(f'where: {shown(condition)}: is no text; right form: where("diameter > 6 um")')
         try:
-            node = understood(condition, [each.about for each in self._columns.values()])
+            node = understood(condition, list(self._columns.values()))
         except ConditionRefused as refused:
             raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
         rows = [np.zeros(0, dtype=np.int64)]
         for part in slices(0, len(self)):
-            right = node.chosen({name: self[name][part] for name in node.columns})
+            right = node.chosen({name: self._read(name, part.start, part.stop) for name in node.columns})
             rows.append(part.start + np.flatnonzero(right))
         chosen = np.concatenate(rows)
-        return Columns(self._about, {name: each.taken(chosen) for name, each in self._columns.items()})
+        return Columns(self._about, self._columns, chosen.size, ChosenRows(self._read, chosen))
 
     def plot(self, name: str) -> "Figure":
         """Draw a column over the first one, and return the figure."""
         from rubnoise.api.pictures import drawn_columns
 
-        first = self[self.names[0]]
-        labels = [f"{each.long_name} ({each.units})" for each in (first, self[name])]
-        return drawn_columns((first[:], labels[0]), [(self[name][:], labels[1])])
-
-    def to_xarray(self, *, index: bool = True) -> "xr.Dataset":
-        """Return the group as an xarray Dataset with units, its variables read when they are needed.
-
-        The first column becomes the coordinate. With ``index`` that one is read now (8 bytes a row; row numbers need
-        no reading), so that ``.sel`` finds rows by it; without, nothing is. Raises ExtraMissing without xarray.
-        """
-        with needing("analysis", "to_xarray"):
-            from rubnoise.api import labelled
-        return labelled.dataset(self._columns, index=index)
-
-    def to_pandas(self, names: Sequence[str] | None = None) -> "pd.DataFrame":
-        """Read the group, or the columns (or the one) named, into a pandas DataFrame whose index is the first column.
-
-        Units are in ``frame.attrs["units"]``, by name. Raises KeyError for an unknown name, ExtraMissing without
-        pandas.
-        """
-        with needing("analysis", "to_pandas"):
-            import pandas as pd
-        scale, *rest = self.names
-        asked = rest if names is None else [names] if isinstance(names, str) else names
-        chosen = [name for name in asked if name != scale]
-        frame = pd.DataFrame({name: self[name][:] for name in chosen}, index=pd.Index(self[scale][:], name=scale))
-        frame.attrs["units"] = {name: self[name].units for name in (scale, *chosen)}
-        return frame
+        first, column = self[self.names[0]], self[name]
+        return drawn_columns((first.values, first.label), [(column.values, column.label)])
 
     def __repr__(self) -> str:
         width = max(map(len, self.names))
@@ -172,12 +183,35 @@ def columns_by_group(rows: Rows) -> dict[str, Columns]:
 
 
 def _columns(rows: Rows, group: schema.Group) -> Columns:
-    found = {
-        about.name: Column(about, rows.rows(group.name), partial(rows.column, group.name, about.name))
-        for about in group.columns
-        if about.name in rows.columns[group.name]
-    }
-    return Columns(group, found)
+    found = {about.name: about for about in group.columns if about.name in rows.columns[group.name]}
+    return Columns(group, found, rows.rows(group.name), partial(_own_rows, rows, group.name))
+
+
+def _own_rows(rows: Rows, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+    """Return rows that a user may change, also if they are those of a run in memory."""
+    found = rows.column(group, name, start, stop)
+    return found.copy() if isinstance(found.base, np.ndarray) or not found.flags.writeable else found
+
+
+SHORT: Final[Mapping[str, str]] = MappingProxyType({"area": "real_contact_area", "force": "friction_force"})
+"""Columns of /trace by the words that pictures have for them."""
+
+MAIN: Final = ("junctions", "trace", "slider", "load")
+"""The groups in which a name is looked for first: their rows are the run, those of others are about it."""
+
+
+def homes_of(groups: Mapping[str, Columns], name: str) -> list[str]:
+    """Return the groups in which a column stands, of the main ones if it stands in any of them."""
+    if name in SHORT:
+        return ["trace"] if SHORT[name] in groups["trace"] else []
+    homes = [group for group in groups if name in groups[group]]
+    return [group for group in homes if group in MAIN] or homes
+
+
+def names_alone(groups: Mapping[str, Columns]) -> set[str]:
+    """Return the names by which a run has a column without its group."""
+    names = {*SHORT, *(name for columns in groups.values() for name in columns)}
+    return {name for name in names if len(homes_of(groups, name)) == 1}
 
 
 GROUP_HEADS: Final = ("group", "rows", "columns")

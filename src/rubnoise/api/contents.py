@@ -10,7 +10,8 @@ from numbers import Integral, Real
 from operator import index
 from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.api.column_group import GROUP_HEADS, Columns, group_rows, listed
+from rubnoise.api.column_group import GROUP_HEADS, SHORT, Columns, group_rows, homes_of, listed, names_alone
+from rubnoise.api.columns import Column
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import shown
 from rubnoise.contact.pulses import Pulse
@@ -40,6 +41,9 @@ INSIDE: Final = frozenset(
     {"reader", "write", "groups_by_name", "extent", "pulse", "columns", "rows", "column", "known_scenario", "protect"}
 )
 """Names of a run that no user needs."""
+
+
+GROUP_NAMES: Final = frozenset(group.name for group in schema.GROUPS)
 
 
 class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
@@ -79,8 +83,22 @@ class Contents(ABC):
 
     def __dir__(self) -> list[str]:
         """Return the names that an editor completes, without groups that the run lacks and methods for internal use."""
-        lacking = {group.name for group in schema.GROUPS} - set(self.groups_by_name())
-        return sorted(set(super().__dir__()) - INSIDE - lacking)
+        groups = self.groups_by_name()
+        return sorted((set(super().__dir__()) - INSIDE - (GROUP_NAMES - set(groups))) | names_alone(groups))
+
+    def __getattr__(self, name: str) -> Column:
+        """Return a column whose name stands in one group alone: ``run.diameter``, ``run.area``, ``run.force``."""
+        if name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        if name in GROUP_NAMES:
+            self._group(name)  # which says what the run has
+        groups = self.groups_by_name()
+        homes = homes_of(groups, name)
+        if len(homes) == 1:
+            return groups[homes[0]][SHORT.get(name, name)]
+        where = f"{name} stands in {' and '.join(homes)}" if homes else f"a run has no {name!r}"
+        hint = f"run.{homes[0]}.{name} is one of them" if homes else f"its groups are {', '.join(groups)}"
+        raise AttributeError(f"{where}; {hint}", name=name, obj=self)
 
     @property
     def junctions(self) -> Columns:
@@ -138,7 +156,8 @@ class Contents(ABC):
         if not 0 <= number < len(columns):
             there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
             raise IndexError(f"junction {number}: the run has {there}")
-        values = {name: columns[name][number].item() for name in columns if name != "junction"}
+        values = columns.row(number)
+        del values["junction"]
         return Junction(number=number, pulse=self._pulse, **values | {"state": JunctionState(values["state"])})
 
     def compare(self, bound: float | None = None) -> "Comparison":
@@ -260,13 +279,15 @@ class Contents(ABC):
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
 
-        Variables are read when they are needed, as long as the run is open; ``index`` is as in Columns.to_xarray.
-        Raises ExtraMissing without xarray.
+        Columns above 64 MB are read when they are needed; ``index`` is as in Columns.to_xarray. Raises ExtraMissing
+        without xarray.
         """
         with needing("analysis", "to_xarray"):
-            from rubnoise.api import labelled
-        groups = {name: columns.to_xarray(index=index) for name, columns in self.groups_by_name().items()}
-        return labelled.tree(groups, self._attributes())
+            import xarray as xr
+        groups = {f"/{name}": columns.to_xarray(index=index) for name, columns in self.groups_by_name().items()}
+        found = xr.DataTree.from_dict(groups)
+        found.attrs.update(self._attributes())
+        return found
 
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""

@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.analysis.spectra import SEGMENTS, WelchSum
+from rubnoise.api.column_group import SHORT
+from rubnoise.api.columns import Column, with_units
+from rubnoise.api.table import Table
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused, needing
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import number_in
 from rubnoise.units import LENGTH, TIME
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
     from matplotlib.figure import Figure
 
     from rubnoise.api.contents import Contents
@@ -29,15 +30,9 @@ SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
 )
 """The units of spectra over frequency, and how many of them a working unit is."""
 
-LabelledColumns = tuple[str, str, Doubles, Mapping[str, tuple[Doubles, str]]]
-"""Name, unit and values of places, and by name the values at them with their unit."""
-
-SHORT: Final[Mapping[str, str]] = MappingProxyType({"area": "real_contact_area", "force": "friction_force"})
-"""Quantities by the words that pictures have for them."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PowerSpectrum:
+class PowerSpectrum(Table):
     """Welch's estimate of a power spectral density, with Hann windows that overlap by half.
 
     Of a record in time: one-sided, over ``frequency`` in Hz, in SI units such as (m/s)^2/Hz. Of a record along the
@@ -75,28 +70,30 @@ class PowerSpectrum:
             raise Refused(f"this spectrum is over {self.place_units}: it has .{other}")
         return self.place
 
-    def to_pandas(self) -> "pd.DataFrame":
-        """Return density, standard error and, if theory knows it, the exact density, over the places."""
-        return frame_of(*self._labelled_columns())
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Place, density, standard error and, if theory knows it, the exact density."""
+        place = "frequency" if self.place_units == "Hz" else "wavenumber"
+        return (place, "density", "standard_error", *(["exact"] if self.exact is not None else []))
 
-    def to_xarray(self) -> "xr.Dataset":
-        """Return the same as an xarray Dataset with units."""
-        return dataset_of(*self._labelled_columns(), {"title": self.name})
+    def _described(self, name: str) -> Column:
+        if name not in self.names:
+            raise KeyError(f"this spectrum has {', '.join(self.names)}, not {name!r}")
+        if name == self.names[0]:
+            return with_units(self.place, name, self.place_units)
+        return with_units(getattr(self, name), name, self.units)
+
+    @property
+    def _title(self) -> str:
+        return self.name
 
     def plot(self) -> "Figure":
         """Draw the density with the exact one, if theory knows it, on logarithmic axes, and return the figure."""
         from rubnoise.api.pictures import drawn_estimate
 
         curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
-        place = "frequency" if self.place_units == "Hz" else "wavenumber"
-        labels = f"{place} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
+        labels = f"{self.names[0]} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
         return drawn_estimate(self.place[1:], curves, labels, logarithmic=True)
-
-    def _labelled_columns(self) -> LabelledColumns:
-        columns = {"density": (self.density, self.units), "standard_error": (self.standard_error, self.units)}
-        if self.exact is not None:
-            columns["exact"] = (self.exact, self.units)
-        return ("frequency" if self.place_units == "Hz" else "wavenumber"), self.place_units, self.place, columns
 
     def __repr__(self) -> str:
         sides = "one-sided" if self.place_units == "Hz" else "two-sided"
@@ -107,7 +104,7 @@ class PowerSpectrum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Autocovariance:
+class Autocovariance(Table):
     """The autocovariance of a record at lags from 0 on: ``covariance`` in ``units``, ``lag`` in ``lag_units``.
 
     >>> import rubnoise
@@ -127,13 +124,18 @@ class Autocovariance:
         """The covariance over its value at lag 0, which is the variance."""
         return self.covariance / self.covariance[0]
 
-    def to_pandas(self) -> "pd.DataFrame":
-        """Return covariance and correlation over the lags."""
-        return frame_of(*self._labelled_columns())
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Lag, covariance and correlation."""
+        return "lag", "covariance", "correlation"
 
-    def to_xarray(self) -> "xr.Dataset":
-        """Return the same as an xarray Dataset with units."""
-        return dataset_of(*self._labelled_columns(), {"title": self.name})
+    def _described(self, name: str) -> Column:
+        units = {"lag": self.lag_units, "covariance": self.units, "correlation": "1"}
+        return with_units(getattr(self, name), name, units[name])
+
+    @property
+    def _title(self) -> str:
+        return self.name
 
     def plot(self) -> "Figure":
         """Draw the covariance over the lag, and return the figure."""
@@ -142,34 +144,11 @@ class Autocovariance:
         labels = f"lag ({self.lag_units})", f"autocovariance of {self.name}\n({self.units})"
         return drawn_estimate(self.lag, {"estimated": self.covariance}, labels, logarithmic=False)
 
-    def _labelled_columns(self) -> LabelledColumns:
-        columns = {"covariance": (self.covariance, self.units), "correlation": (self.correlation, "1")}
-        return "lag", self.lag_units, self.lag, columns
-
     def __repr__(self) -> str:
         return (
             f"<autocovariance of {self.name} in {self.units} at {self.lag.size:,} lags up to"
             f" {self.lag[-1]:.6g} {self.lag_units}>"
         )
-
-
-def frame_of(place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]]) -> "pd.DataFrame":
-    """Return columns over their places as a pandas DataFrame; units are in ``attrs["units"]``."""
-    with needing("analysis", "to_pandas"):
-        import pandas as pd
-    frame = pd.DataFrame({name: values for name, (values, _) in columns.items()}, index=pd.Index(places, name=place))
-    frame.attrs["units"] = {place: units, **{name: unit for name, (_, unit) in columns.items()}}
-    return frame
-
-
-def dataset_of(
-    place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]], attributes: Mapping[str, str]
-) -> "xr.Dataset":
-    """Return columns over their places as an xarray Dataset."""
-    with needing("analysis", "to_xarray"):
-        import xarray as xr
-    variables = {name: xr.Variable((place,), values, {"units": unit}) for name, (values, unit) in columns.items()}
-    return xr.Dataset(variables, coords={place: xr.Variable((place,), places, {"units": units})}, attrs=attributes)
 
 
 def power_spectrum(

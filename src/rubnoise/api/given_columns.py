@@ -12,18 +12,19 @@ _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")
 
 
-def given_columns(source: Any) -> dict[str, Any] | None:
+def given_columns(source: Any, *, sampled: bool = False) -> dict[str, Any] | None:
     """Return columns by headers with units, time or distance first; None if the object is not such a table.
 
     A table is a DataFrame, a Series whose index has a name or holds times, a DataArray or Dataset of one dimension, a
     group of columns of a run or one of its columns, or a run, which means its trace.
+    ``sampled``: the caller says how often samples were taken, so that a column of a run is an array like any other.
     """
     if hasattr(source, "groups_by_name"):
         source = source.trace
     if isinstance(source, Column):
-        return _of_column(source)
+        return None if sampled or source.about is None else _of_column(source)
     if isinstance(source, Columns):
-        return {_header(name, column.units): column[:] for name, column in source.items()}
+        return {_header(name, column.units): column.values for name, column in source.items()}
     if hasattr(source, "dims") and hasattr(source, "coords"):
         return _of_xarray(source)
     if hasattr(source, "index") and hasattr(source, "to_numpy"):
@@ -36,7 +37,7 @@ def _of_column(source: Column) -> dict[str, Any] | None:
     place = source.beside
     if place is None or place.name == source.name or place.units not in _PLACES:
         return None
-    return {_header(each.name, each.units): each[:] for each in (place, source)}
+    return {_header(each.name, each.units): each.values for each in (place, source)}
 
 
 def _of_xarray(source: Any) -> dict[str, Any] | None:

@@ -130,7 +130,7 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
         values = real_numbers(trace.columns[name], name)
         check_values(values, name)
         return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
-    if (columns := given_columns(trace)) is not None:
+    if (columns := given_columns(trace, sampled=rate is not None)) is not None:
         return _of_columns(columns, column, ours=hasattr(trace, "groups_by_name"))
     if column is not None:
         raise Refused(f"column=: {keywords.shown(column)}: an array has one column; leave column= out")

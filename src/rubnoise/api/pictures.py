@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 from rubnoise.api import keywords
-from rubnoise.api.estimates import SHORT
+from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.errors import OutputRefused, Refused

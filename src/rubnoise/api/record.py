@@ -54,8 +54,8 @@ class Record(MemoryRecord, Contents):
         """
         from rubnoise.runs.making import save
 
-        written = save(self, path, force=force)
-        return Run(open_run(path, own=written))
+        save(self, path, force=force)
+        return Run(open_run(path))
 
     @property
     def provenance(self) -> Mapping[str, float | int | str]:

@@ -102,7 +102,6 @@ class Run(Opened, Contents):
 
     @contextmanager
     def _file_of(self) -> Iterator[RunFile]:
-        self.reader()
         yield self._file
 
     @property

@@ -106,7 +106,7 @@ def run(
         watch(0.0, 0, 0)
     with RunWriter(path, description, force=force, durable=durable) as writer:
         play(writer, scenario, watch=watch, observe=observe, intervene=intervene)
-    return Run(open_run(path, own=writer.written))
+    return Run(open_run(path))
 
 
 def exact(scenario: Scenario | str | os.PathLike[str]) -> Exact:

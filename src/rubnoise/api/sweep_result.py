@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Columns
-from rubnoise.api.columns import Column
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
@@ -290,12 +289,9 @@ class SweepResult:
 
     def _columns(self, group: str) -> Columns:
         rows = self._file.rows(group)
-        found = {
-            about.name: Column(about, rows, partial(self._file.read, group, about.name))
-            for about in self._file.columns(group)
-        }
+        found = {about.name: about for about in self._file.columns(group)}
         about = Group(name=group, long_name=f"the {group} of a sweep", length="curve", columns=(), plotted="")
-        return Columns(about, found)
+        return Columns(about, found, rows, partial(self._file.read, group))
 
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:

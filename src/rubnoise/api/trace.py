@@ -16,15 +16,10 @@ from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.api import keywords
-from rubnoise.api.estimates import (
-    Autocovariance,
-    LabelledColumns,
-    PowerSpectrum,
-    dataset_of,
-    frame_of,
-    power_spectrum,
-)
+from rubnoise.api.columns import Column, with_units
+from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.api.given_columns import given_columns
+from rubnoise.api.table import Table
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
@@ -37,8 +32,6 @@ from rubnoise.tables import as_html, shortened
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
-    import xarray as xr
     from matplotlib.figure import Figure
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
@@ -46,7 +39,7 @@ CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)
-class Trace:
+class Trace(Table):
     """Columns over a uniform ``place``, such as a time in s or a sliding distance in um.
 
     ``columns`` are arrays by name and ``units`` their units, the place among them; ``step`` is the spacing of places.
@@ -80,7 +73,7 @@ class Trace:
         if isinstance(source, str | os.PathLike):
             _refuse(f"of a file, which says it: {source}", unit=unit, name=name)
             made = type(self).from_csv(source, place=place, rate=rate)
-        elif (columns := given_columns(source)) is not None or isinstance(source, Mapping):
+        elif (columns := given_columns(source, sampled=rate is not None)) is not None or isinstance(source, Mapping):
             _refuse("of columns, which say it by their place and their names", rate=rate, unit=unit)
             made = type(self).from_arrays(columns or source, place=place, name=name or "trace")
         else:
@@ -265,17 +258,17 @@ class Trace:
                 return short.estimate
             raise
 
-    def to_pandas(self) -> "pd.DataFrame":
-        """Return a DataFrame over the place, its units in ``frame.attrs["units"]``; else raises ExtraMissing."""
-        return frame_of(*self._labelled_columns())
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns, first the place."""
+        return (self.place, *(name for name in self.columns if name != self.place))
 
-    def to_xarray(self) -> "xr.Dataset":
-        """Return an xarray Dataset over the place, each variable with its unit; else raises ExtraMissing."""
-        return dataset_of(*self._labelled_columns(), {"title": self.name})
+    def _described(self, name: str) -> Column:
+        return with_units(self[name], name, self.units[name])
 
-    def _labelled_columns(self) -> LabelledColumns:
-        rest = {name: (values, self.units[name]) for name, values in self.columns.items() if name != self.place}
-        return self.place, self.units[self.place], self.columns[self.place], rest
+    @property
+    def _title(self) -> str:
+        return self.name
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column over the place, all of them without a name, and return the figure."""

@@ -21,7 +21,6 @@ from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
 from rubnoise.storage.provenance import gather
-from rubnoise.storage.structure import Written
 from rubnoise.storage.writer import RunWriter
 
 
@@ -116,8 +115,8 @@ def play(
     return figures
 
 
-def save(record: Kept, path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
-    """Write a run from memory into a result file, and return that file (see Record.save)."""
+def save(record: Kept, path: str | os.PathLike[str], *, force: bool = False) -> None:
+    """Write a run from memory into a result file (see Record.save)."""
     scenario = record.known_scenario()
     check_output(path, force=force)
     check_disk_space(scenario, expected(scenario), path)
@@ -125,7 +124,6 @@ def save(record: Kept, path: str | os.PathLike[str], *, force: bool = False) -> 
     with RunWriter(path, describe(scenario, path, command, record.intervention), force=force) as writer:
         _play_again(record, writer)
         writer.publish(figures_of(record, scenario.model()))
-    return writer.written
 
 
 def figures_of(record: Kept, model: Model) -> dict[str, float | int | str]:

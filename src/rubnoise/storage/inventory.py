@@ -1,6 +1,6 @@
 """List everything in a file by name, with every attribute, and what the file of a correct run would have.
 
-Files from elsewhere are read in the sandbox; no row is read.
+Objects are counted before they are listed; no row is read.
 """
 
 import json
@@ -14,8 +14,8 @@ import xxhash
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.layout import Name, RunDescription, row_count, stored_groups
+from rubnoise.storage.objects import ATTRIBUTE_BYTES, ATTRIBUTES_LIMIT
 from rubnoise.storage.pages import PagedFile
-from rubnoise.storage.read_structure import ATTRIBUTE_BYTES, structure_read_by
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, add_group, complete, compose, put_text
 
@@ -36,11 +36,6 @@ OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
 
 Ended = tuple[Mapping[Name, str], Mapping[str, Scalar], str]
 """What only the end of a run shows: the hashes of its columns, its summary, and the time."""
-
-
-def inventory(descriptor: int) -> bytes:
-    """Return everything that an open file holds as JSON, or the reason why it is refused."""
-    return structure_read_by(descriptor, lambda file: {"objects": inventory_of(file)})
 
 
 def expected_inventory(
@@ -89,6 +84,8 @@ def inventory_of(file: h5py.File) -> dict[str, dict[str, Any]]:
 
 def _links(owner: h5py.Group) -> Iterator[tuple[str, str, Any]]:
     """Yield name, kind and object of everything in a group; the object only for hard links."""
+    if owner.id.get_num_objs() > OBJECTS_LIMIT:
+        raise RunFileRefused(f"holds more than {OBJECTS_LIMIT} groups and columns")
     names: list[bytes] = []
     owner.id.links.iterate(names.append)
     for raw in names:
@@ -108,13 +105,13 @@ def _links(owner: h5py.Group) -> Iterator[tuple[str, str, Any]]:
 def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
     creation = dataset.id.get_create_plist()
     layout = creation.get_layout()
-    # The shape of a virtual dataset may be found in other files only, which cannot be opened here.
-    space = dataset.id.get_space()
-    shape = dataset.id.shape if layout != h5py.h5d.VIRTUAL else space.shape
+    # HDF5 would look into other files for the shape of a virtual dataset.
+    virtual = layout == h5py.h5d.VIRTUAL and creation.get_virtual_count()
+    space = creation.get_virtual_vspace(0) if virtual else dataset.id.get_space()
     return {
         "kind": DATASET,
         "type": _type(dataset.id.get_type()),
-        "shape": list(shape),
+        "shape": list(space.shape),
         "grows_to": list(space.get_simple_extent_dims(maxdims=True)),
         "storage": _storage(creation, layout),
         "sources": _sources(creation) if layout == h5py.h5d.VIRTUAL else "none",
@@ -152,6 +149,8 @@ def _selection(space: h5py.h5s.SpaceID) -> str:
 
 
 def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
+    if (count := h5py.h5a.get_num_attrs(owner.id)) > ATTRIBUTES_LIMIT:
+        raise RunFileRefused(f"{owner.name} has {count} attributes")
     found: dict[str, Any] = {}
     names: list[bytes] = []
     h5py.h5a.iterate(owner.id, names.append)

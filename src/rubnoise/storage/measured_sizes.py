@@ -10,7 +10,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
-from rubnoise.storage.measured import pieces_of_dataset, refusing_files
+from rubnoise.storage.foreign_dataset import pieces_of_dataset
+from rubnoise.storage.measured import refusing_files
 from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import check_values, chosen_column
 from rubnoise.units import LENGTH, QuantityError, parse_unit
@@ -52,7 +53,7 @@ def _of_dataset(path: Path, name: str | None) -> Iterator[Doubles]:
     what, before = f"{path}: {name}", 0
     for head, values, _ in pieces_of_dataset(path, name):
         places = [f"value {at:,}" for at in range(before + 1, before + 1 + values.size)]
-        yield _diameters(values, _size_of(head["unit"], what), what, places)
+        yield _diameters(values, _size_of(head.unit, what), what, places)
         before += values.size
 
 

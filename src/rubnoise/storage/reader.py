@@ -1,20 +1,21 @@
 """The reader of result files: it opens a file or refuses it with one sentence, and reads columns on demand.
 
-A file may come from anywhere. Its structure is read in the sandbox (see read_structure), its rows with plain
-reads from places that were checked: in this process HDF5 never opens it. Both use one descriptor, so the file cannot
-be replaced in between.
+A file may come from anywhere. HDF5 reads its structure once, and only what our schema names (see objects). Rows are
+then read, or mapped where they are many, from the places that were checked. All goes through one descriptor: where
+another file takes the name meanwhile, an open run shows the rows of the old one.
 """
 
-import json
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from mmap import ACCESS_COPY, ALLOCATIONGRANULARITY, mmap
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeVar
 from weakref import finalize
 
+import h5py
 import numpy as np
 import xxhash
 from numpy.typing import NDArray
@@ -24,16 +25,19 @@ from rubnoise.record.reader import column_chunks
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk, lock
-from rubnoise.storage.layout import DTYPES, row_count, stored_extent
-from rubnoise.storage.rows import REMEDY, StoredColumn
-from rubnoise.storage.schema import FORMAT_VERSION, GROUPS, Feature, Scalar
+from rubnoise.storage.chunks import rows_of_chunks
+from rubnoise.storage.layout import row_count, stored_extent
+from rubnoise.storage.objects import REMEDY, Place, naming_damage, opened_by_hdf5
+from rubnoise.storage.run_structure import Answer, RunStructure, structure_of
+from rubnoise.storage.schema import GROUPS, Feature, Scalar
 
 if TYPE_CHECKING:
     from rubnoise.storage.inventory import Inventory
-    from rubnoise.storage.sandbox import LookName
-    from rubnoise.storage.structure import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
+
+READ_BYTES: Final = 64 * 1024**2
+"""Longer columns are mapped: the system then reads the rows that are used."""
 
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
@@ -45,10 +49,6 @@ class TooNew(RunFileRefused):
 
 class InUse(RunFileRefused):
     """A file that another program is writing."""
-
-
-class Unseen(RunFileRefused):
-    """A file whose content is unknown, because the process that read it was killed or took too long."""
 
 
 class OpenFile(ABC):
@@ -94,8 +94,28 @@ class OpenFile(ABC):
 
     def inventory(self) -> "Inventory":
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
-        with self._reading():
-            return looked_at(self.descriptor, "inventory")["objects"]
+        from rubnoise.storage.inventory import inventory_of
+
+        with self._reading(), naming_damage(), opened_by_hdf5(self._place, self.descriptor) as file:
+            return inventory_of(file)
+
+    def stored_rows(self, place: Place, first: int, last: int) -> NDArray[Any]:
+        """Return rows that lie in one piece of the file, as an array that the caller may change.
+
+        Raises RunFileRefused if the file does not have them any more.
+        """
+        dtype = np.dtype(place.dtype)
+        start, size = place.offset + first * dtype.itemsize, max(last - first, 0) * dtype.itemsize
+        if os.fstat(self.descriptor).st_size < start + size:
+            raise RunFileRefused(f"cut short; {REMEDY}")
+        if size > READ_BYTES:
+            page = start - start % ALLOCATIONGRANULARITY
+            mapped = mmap(self.descriptor, start + size - page, access=ACCESS_COPY, offset=page)
+            return np.frombuffer(mapped, dtype, last - first, start - page)
+        values: NDArray[Any] = np.empty(size // dtype.itemsize, dtype)
+        if disk.read_into(self.descriptor, values.view(np.uint8).data, start) < size:
+            raise RunFileRefused(f"cut short; {REMEDY}")
+        return values
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
@@ -117,116 +137,137 @@ class RunFile(OpenFile):
 
     called = "run file"
 
-    def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of an open file, and the structure that was read from it."""
-        if "index" in found:
-            raise RunFileRefused("is the index of a sweep, not the result of a run")
-        self._found = found
-        self.features: frozenset[Feature] = frozenset(found["features"])
-        self._columns = {group: _stored(group, columns) for group, columns in found["columns"].items()}
-        self.extent = stored_extent({group: self.rows(group) for group in self._columns}, self.features)
-        _check_lengths(self._columns, self.extent)
+    def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
+        """Take over the descriptor of a file, and read its structure, which HDF5 has opened."""
+        self._found: RunStructure = structure_of(file, os.fstat(descriptor).st_size)
+        if self._found.later:
+            raise TooNew(self._found.later)
+        self.features: frozenset[Feature] = self._found.features
+        self.extent = stored_extent({group: self.rows(group) for group in self.columns}, self.features)
+        _check_lengths(self._found, self.extent)
         self.watch: Watch | None = None
+        self._unpacking: h5py.File | None = None
+        self._datasets: dict[tuple[str, str], h5py.Dataset] = {}
         super().__init__(path, descriptor)
 
     @property
     def columns(self) -> Mapping[str, tuple[str, ...]]:
         """Names of the columns in each group, the dimension scale first."""
-        return {group: tuple(columns) for group, columns in self._columns.items()}
+        return {group: tuple(columns) for group, columns in self._found.columns.items()}
 
+    @property
     @property
     def is_compressed(self) -> bool:
         """Whether the columns are stored in compressed chunks."""
-        return any(column.chunk_rows for columns in self._columns.values() for column in columns.values())
+        return any(
+            place.rows and not place.offset for group in self._found.columns.values() for place in group.values()
+        )
 
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
-        return next(iter(self._columns[group].values())).rows
+        return next(iter(self._found.columns[group].values())).rows
 
     def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Read rows ``start`` to ``stop`` (to the end when None) of a column, in the units of the schema.
 
-        Raises KeyError for a name that the file does not have, RunFileRefused if its bytes cannot be read.
+        More than 64 MB of them are mapped. The caller may change them; the file stays as it is. Raises KeyError for a
+        name that the file does not have, RunFileRefused if its bytes cannot be read.
         """
-        column = self._columns[group][name]
-        first, last, _ = slice(start, stop).indices(column.rows)
+        place = self._found.columns[group][name]
+        first, last, _ = slice(start, stop).indices(place.rows)
         if self.watch is not None:
-            self.watch(f"/{group}/{name}", last, column.rows)
+            self.watch(f"/{group}/{name}", last, place.rows)
         with self._reading():
-            return column.read(self.descriptor, first, max(first, last))
+            if place.offset or not place.rows:
+                return self.stored_rows(place, first, max(first, last))
+            return self._unpacked(group, name, first, max(first, last))
+
+    def _unpacked(self, group: str, name: str, first: int, last: int) -> NDArray[Any]:
+        """Return rows of a compressed column, whose chunks HDF5 finds; it keeps the file open from the first one on."""
+        with naming_damage():
+            if self._unpacking is None:
+                self._unpacking = opened_by_hdf5(self._place, self.descriptor)
+            if (group, name) not in self._datasets:
+                self._datasets[group, name] = self._unpacking[group][name]
+            return rows_of_chunks(self._datasets[group, name], first, last)
+
+    def close(self) -> None:
+        """Close the file; nothing can be read any more."""
+        if self._unpacking is not None:
+            self._unpacking.close()
+        super().close()
 
     @property
     def attributes(self) -> dict[str, Scalar]:
         """Format, title, source and the formula of a junction's area."""
-        return self._value(self._found["attributes"])
+        return dict(self._value(self._found.attributes))
 
     @property
     def summary(self) -> dict[str, Scalar]:
         """Measured and exact figures by name."""
-        return self._value(self._found["summary"])
+        return dict(self._value(self._found.summary))
 
     @property
     def provenance(self) -> dict[str, Scalar]:
         """Scenario, software, seed, command and times."""
-        return self._value(self._found["provenance"])
+        return dict(self._value(self._found.provenance))
 
     @property
     def seal(self) -> str | None:
         """The stored hash of the file's attributes; None if it has none."""
-        return self._value(self._found["seal"])
+        return self._value(self._found.seal)
 
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
         return tuple(
             f"/{group}/{name}"
-            for group, columns in self._columns.items()
+            for group, columns in self.columns.items()
             for name in columns
             if not self._is_intact(group, name)
         )
 
     def digest(self, group: str, name: str) -> str:
         """Return the stored hash of a column; raises RunFileRefused if it cannot be read."""
-        return str(self._value(self._found["columns"][group][name]["digest"]))
+        return self._value(self._found.digests[group, name])
 
-    def _value(self, answer: Mapping[str, Any]) -> Any:
-        """Return a copy of what was read at one place; raises RunFileRefused if it could not be read."""
+    def _value(self, answer: Answer) -> Any:
+        """Return what was read at one place; raises RunFileRefused if it could not be read."""
         with self._reading():
-            if "refused" in answer:
-                raise RunFileRefused(answer["refused"])
-            return dict(answer["value"]) if isinstance(answer["value"], dict) else answer["value"]
+            if isinstance(answer, RunFileRefused):
+                raise RunFileRefused(str(answer))
+            return answer
 
     def _is_intact(self, group: str, name: str) -> bool:
+        digest = xxhash.xxh3_128()
         try:
-            return self._hash(group, name) == self.digest(group, name)
+            for values in column_chunks(self, group, name):
+                digest.update(values.data)
+            return bool(digest.hexdigest() == self.digest(group, name))
         except RunFileRefused:
             return False
 
-    def _hash(self, group: str, name: str) -> str:
-        digest = xxhash.xxh3_128()
-        for values in column_chunks(self, group, name):
-            digest.update(values.data)
-        return digest.hexdigest()
 
+def open_run(path: str | os.PathLike[str]) -> RunFile:
+    """Open the file of a finished run for reading, also one from elsewhere.
 
-def open_run(path: str | os.PathLike[str], own: "Written | None" = None) -> RunFile:
-    """Open a run file for reading, also one from elsewhere.
-
-    ``own`` is the file that this process has just written: it is not read in the sandbox. Raises RunFileRefused, with
-    the reason in one sentence, for a path that is missing or not a regular file, a file that is not HDF5, not a run,
-    cut short or damaged; TooNew for a later format.
+    Raises RunFileRefused, with the reason in one sentence, for a path that is missing or not a regular file, a file
+    that is not HDF5, not a run, unfinished, cut short or damaged; TooNew for a later format.
     """
-    return opened(RunFile, path, own)
+    return opened(RunFile, path)
 
 
-def opened(kind: type[Opened], path: str | os.PathLike[str], own: "Written | None" = None) -> Opened:
+def opened(kind: type[Opened], path: str | os.PathLike[str]) -> Opened:
     """Open a file of ours of one kind; raises as `open_run` does."""
-    descriptor, found = examined(path, own)
-    try:
-        with refusing(path):
-            return kind(path, descriptor, found)  # type: ignore[call-arg]
-    except BaseException:
-        os.close(descriptor)
-        raise
+    with refusing(path):
+        descriptor = open_regular(path)
+        try:
+            _check_signature(descriptor, path)
+            _share(descriptor)
+            with naming_damage(), opened_by_hdf5(path, descriptor) as file:
+                return kind(path, descriptor, file)  # type: ignore[call-arg]
+        except BaseException:
+            os.close(descriptor)
+            raise
 
 
 def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
@@ -236,19 +277,6 @@ def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
         return file
     file.close()
     raise RunFileRefused(f"{path}: has changed since it was opened")
-
-
-def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
-    """Return a descriptor of a file, locked for reading, and its structure; raises as `open_run` does."""
-    with refusing(path):
-        descriptor = open_regular(path)
-        try:
-            _check_signature(descriptor, path)
-            _share(descriptor)
-            return descriptor, _found(descriptor, own)
-        except BaseException:
-            os.close(descriptor)
-            raise
 
 
 @contextmanager
@@ -263,7 +291,7 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
-    """Check the first bytes, which show most wrong files, before a child process is made."""
+    """Check the first bytes, which show most wrong files, before HDF5 is asked."""
     try:
         found = disk.read(descriptor, len(SIGNATURE), 0)
     except BlockingIOError as problem:
@@ -285,49 +313,8 @@ def _share(descriptor: int) -> None:
         raise InUse("is being written by another program")
 
 
-def _found(descriptor: int, own: "Written | None") -> dict[str, Any]:
-    """Return the structure that a child process found in the file; raises RunFileRefused if the file is damaged."""
-    known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
-    if known is not None and known.found is not None:
-        return dict(known.found)
-    found = looked_at(descriptor, "structure", own=known is not None)
-    if "too_new" in found:
-        version, source = found["too_new"], found["source"]
-        raise TooNew(
-            f"has format version {version}, written by {source}; this one reads versions up to {FORMAT_VERSION}."
-            f" {source} or later is needed"
-        )
-    return found
-
-
-def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
-    """Return what the sandbox finds in an open file; raises RunFileRefused if the file is not valid."""
-    from rubnoise.storage.sandbox import look_at, look_of
-
-    try:
-        found: dict[str, Any] = json.loads(look_of((look,))(descriptor) if own else look_at(descriptor, (look,)))
-    except (ValueError, RecursionError) as problem:
-        raise RunFileRefused(f"damaged: its structure cannot be read; {REMEDY}") from problem
-    if "refused" in found:
-        raise (Unseen if found.get("unseen") else RunFileRefused)(found["refused"])
-    return found
-
-
-def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:
-    return {
-        name: StoredColumn(
-            dtype=np.dtype(DTYPES[group, name]),
-            rows=place["rows"],
-            offset=place.get("offset", 0),
-            chunk_rows=place.get("chunk_rows", 0),
-            chunks=tuple(map(tuple, place.get("chunks", ()))),
-        )
-        for name, place in columns.items()
-    }
-
-
-def _check_lengths(columns: Mapping[str, Mapping[str, StoredColumn]], extent: Extent) -> None:
+def _check_lengths(found: RunStructure, extent: Extent) -> None:
     for group in GROUPS:
-        for name, column in columns.get(group.name, {}).items():
+        for name, column in found.columns.get(group.name, {}).items():
             if column.rows != row_count(group, extent):
                 raise RunFileRefused(f"/{group.name}/{name} has another number of rows than its group")

@@ -15,6 +15,7 @@ Scalar = float | int | str
 """What an attribute holds."""
 
 FORMAT: Final = "rubnoise-run"
+INDEX_FORMAT: Final = "rubnoise-sweep"
 FORMAT_VERSION: Final = 2
 CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused

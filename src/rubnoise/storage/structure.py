@@ -5,9 +5,7 @@ or of bytes, only the end of the run shows; `complete` writes what else is known
 """
 
 import json
-import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any, Final
 
@@ -18,7 +16,7 @@ from numpy.typing import NDArray
 from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import package_version
-from rubnoise.storage.read_structure import INTERVENTION, seal_of
+from rubnoise.storage.run_structure import INTERVENTION, seal_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -243,16 +241,3 @@ def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
         name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
         for name, value in values.items()
     }
-
-
-@dataclass(frozen=True, slots=True)
-class Written:
-    """A file as this process has just written it, which it may open without the sandbox."""
-
-    file: os.stat_result
-    found: Mapping[str, Any] | None = None
-
-    def is_still(self, now: os.stat_result) -> bool:
-        """Whether a file is this one, unchanged."""
-        before = self.file
-        return os.path.samestat(before, now) and (before.st_size, before.st_mtime_ns) == (now.st_size, now.st_mtime_ns)

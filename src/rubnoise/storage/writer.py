@@ -25,7 +25,7 @@ from rubnoise.storage.output import naming_file, part_file, reason_of
 from rubnoise.storage.pages import Unfailing
 from rubnoise.storage.provenance import now
 from rubnoise.storage.schema import Group, Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, Written, add_group, complete, compose
+from rubnoise.storage.structure import LIBRARY_VERSIONS, add_group, complete, compose
 
 SLACK_BYTES: Final = 1 << 16
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
@@ -55,7 +55,6 @@ class RunWriter:
         self._durable = durable
         self._groups = stored_groups(description.features)
         self._columns: dict[Name, _Column] = {}
-        self.written: Written | None = None
 
     def __enter__(self) -> Self:
         with ExitStack() as opening:
@@ -83,7 +82,6 @@ class RunWriter:
 
         ``between`` is called now and then while rows are copied, and may raise to stop. Raises RubnoiseError if a
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
-        ``written`` is then that file.
         """
         with naming_file(self._part.final):
             for group in self._groups:
@@ -94,7 +92,6 @@ class RunWriter:
                     self._add(file, group, between)
                 complete(file, self._about, digests, summary, now())
             self._part.finish(durable=self._durable)
-            self.written = Written(self._part.about)
 
     def _begin(self, opening: ExitStack) -> None:
         """Make the file with its final structure and size, and the files for rows whose place is not known yet."""

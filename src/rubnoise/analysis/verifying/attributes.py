@@ -23,7 +23,7 @@ from rubnoise.simulation.run import slider_constants
 from rubnoise.storage.inventory import DATASET, OF_HDF5, Inventory, expected_inventory, stored_texts
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.provenance import TIME, Provenance, environment, software
-from rubnoise.storage.read_structure import INTERVENTION
+from rubnoise.storage.run_structure import INTERVENTION
 from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.streams import STREAM_VERSION
 

@@ -21,7 +21,7 @@ from rubnoise.record.tally import Moments, Tally
 from rubnoise.simulation.free.scales import Scales
 from rubnoise.simulation.kernels import peak_areas
 from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.read_structure import seal_of
+from rubnoise.storage.run_structure import seal_of
 from rubnoise.storage.schema import HASH
 
 SEAL: Final = f"/provenance {HASH}"
