@@ -35,7 +35,7 @@ from rubnoise.sweep.execution import (
     run_points,
 )
 from rubnoise.sweep.pool import Pool, Worker, WorkerDied
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
 from tests.unit.scenarios import sweep_of

@@ -23,7 +23,8 @@ from rubnoise.simulation import load as engine
 from rubnoise.simulation import run
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
-from rubnoise.theory.load import THIRD, load_errors, load_motion
+from rubnoise.theory.load import THIRD, load_motion
+from rubnoise.theory.sampling import load_errors
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of
 from tests.verification.scores import BOUND, REJECTED, seed_of
