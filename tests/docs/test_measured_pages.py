@@ -21,7 +21,7 @@ from rubnoise.storage.schema import GROUPS
 from rubnoise.streams import STREAM_VERSION, Stream
 from rubnoise.theory.coupling import coupling
 from rubnoise.theory.load import load_motion
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 from tests.architecture.sources import ROOT
 from tools.parts import filled, parts_of
 from tools.studies import detection, free_motion, load, surface_levels, two_way_reference

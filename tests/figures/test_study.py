@@ -19,7 +19,7 @@ from rubnoise.figures.study_picture import draw_study, study_picture
 from rubnoise.figures.style import house_style
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from tests.verification.scores import seed_of
 
 # Pictures of sweeps: what goes along the axis, what theory draws through the points, and what is refused.

@@ -30,7 +30,7 @@ from rubnoise.figures.study_picture import draw_study
 from rubnoise.figures.style import house_style
 from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.storage.reader import open_run
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 from tests.architecture.sources import ROOT
 from tests.figures.papers import band_of
 

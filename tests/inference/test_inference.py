@@ -26,8 +26,8 @@ from rubnoise.inference.populations import POPULATIONS, energy_table, life_energ
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal, strokes
 from rubnoise.scenario.scenario import RAYLEIGH
-from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.transform import mean_energy
+from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.size_averages import mean_energy
 from tests.inference.traces import contact, signal
 
 SHAPES = {"fixed": 0.0, "normal": 0.2, "lognormal": 0.5, "exponential": 1.0, "gamma": 0.4}

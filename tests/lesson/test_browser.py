@@ -13,7 +13,7 @@ from rubnoise.inference.signal import half_width_of
 from rubnoise.lesson.page import LAWS, half_lag, readings
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
-from rubnoise.theory.occupancy import mean_count_error
+from rubnoise.theory.live_count import mean_count_error
 from rubnoise.theory.sampling import mean_area_error
 from tests.lesson.node import answer, lessons, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, painted, until

@@ -20,7 +20,7 @@ from rubnoise.contact.laws import Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE, LensPulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
-from rubnoise.theory.campbell import Cumulants
+from rubnoise.theory.cumulants import Cumulants
 from tests.models import bare, model, recorded
 from tests.verification.scores import Held, Made, made, seed_of
 

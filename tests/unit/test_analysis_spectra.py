@@ -31,8 +31,8 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.storage.wave_file import MOST as MOST_SAMPLES
 from rubnoise.storage.wave_file import STEPS, check_length, write_wave
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.periodogram import expected_periodogram
 from tests.models import bare, recorded
 from tests.unit.theory_models import memory, white
 from tests.verification.scores import seed_of

@@ -12,10 +12,10 @@ from rubnoise.contact.laws import Spread
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.asperities import height_integral
-from rubnoise.theory.base_excitation import base_response
-from rubnoise.theory.response import response
-from rubnoise.theory.velocity_weakening import velocity_weakening
-from rubnoise.theory.white_noise import white_displacement_spectrum, white_force_spectrum, white_noise
+from rubnoise.theory.ancestors import base_response
+from rubnoise.theory.motion import response
+from rubnoise.theory.ancestors import velocity_weakening
+from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum, white_noise
 from tests.cli.terminal import call
 from tests.models import model
 from tests.unit.scenarios import WHOLE, refusal

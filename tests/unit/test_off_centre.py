@@ -22,17 +22,18 @@ from rubnoise.contact.pulses import LENS, PARABOLA, TRIANGLE, Pulse
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.theory import off_centre
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance, joint_cumulants
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.correlation import joint_cumulants
+from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.estimated_spectrum import estimated_spectrum
+from rubnoise.theory.periodogram import estimated_spectrum
 from rubnoise.theory.motion_cumulants import crossing_rate
-from rubnoise.theory.occupancy import area_from_empty, count_covariance, count_from_empty, mean_count
-from rubnoise.theory.quadrature import panels
-from rubnoise.theory.response import response
+from rubnoise.theory.live_count import area_from_empty, count_covariance, count_from_empty, mean_count
+from rubnoise.theory.sizes import panels
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import standard_errors
-from rubnoise.theory.spectrum import density_at_zero, half_power_wavenumber, spectral_density, tail
+from rubnoise.theory.second_order import density_at_zero, half_power_wavenumber, spectral_density, tail
 from rubnoise.theory.transform import energy_of, transform_of
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call

@@ -17,10 +17,10 @@ from rubnoise.simulation.kernels.grid import Grid
 from rubnoise.simulation.kernels.taylor import BLOCK
 from rubnoise.simulation.slider import propagator
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.correlation import life_overlaps
 from rubnoise.theory.live_area import unit_density
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import spectral_density
 from rubnoise.theory.transform import transform_of
 from tests.frozen import frozen
 from tests.models import model

@@ -26,7 +26,7 @@ from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Slips, Tally
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from tests.models import bare, model, recorded
 from tests.verification.scores import seed_of
 

@@ -31,7 +31,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import mean_area_error, motion_errors
 from tests.models import FIG5_SLIDER, bare, model, recorded
 from tests.unit.theory_models import model_of

@@ -24,7 +24,7 @@ from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
 from rubnoise.runs.measuring import Measurement, measured, run_points
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import expand
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
 from tests.unit.scenarios import sweep_of

@@ -16,13 +16,13 @@ from rubnoise.contact.laws import Fixed, Law, Lognormal, Normal, Weibull
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants, force_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
+from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import exact
 from rubnoise.theory.inversion import area_tails
 from rubnoise.theory.live_area import live_area
-from rubnoise.theory.occupancy import (
+from rubnoise.theory.live_count import (
     count_covariance,
     count_from_empty,
     expected_births,
@@ -32,7 +32,7 @@ from rubnoise.theory.occupancy import (
     mean_count_error,
     zero_share,
 )
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import spectral_density
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 from tests.verification.scores import seed_of
 

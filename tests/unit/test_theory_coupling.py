@@ -12,12 +12,12 @@ from rubnoise.contact.laws import Fixed, Normal
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.theory.campbell import force_cumulants
+from rubnoise.theory.cumulants import force_cumulants
 from rubnoise.theory.coupling import coupling, weak_coupling_change
-from rubnoise.theory.drive import drive_of
+from rubnoise.theory.motion import drive_of
 from rubnoise.theory.motion_cumulants import crossing_rate, gaussian_crossing_rate, junction_response, motion_cumulants
-from rubnoise.theory.response import response
-from rubnoise.theory.spectrum import density_at_zero
+from rubnoise.theory.motion import response
+from rubnoise.theory.second_order import density_at_zero
 from tests.models import model as scenario_model
 from tests.models import recorded
 from tests.unit.theory_models import FIG5_SLIDER, model_of, one_size, paper_model, regular

@@ -23,10 +23,10 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import distribution as module
 from rubnoise.theory import inversion
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import Distribution, characteristic_function, distribution
-from rubnoise.theory.occupancy import mean_count
-from rubnoise.theory.quadrature import panels
+from rubnoise.theory.live_count import mean_count
+from rubnoise.theory.sizes import panels
 from tests.oracle.slow_contact import brackets, davies
 from tests.unit.theory_models import model_of
 

@@ -16,18 +16,12 @@ from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import LENS, PARABOLA, PULSES, TRIANGLE, Pulse
 from rubnoise.contact.pulses import PULSES as SIDES
 from rubnoise.errors import Refused
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import pair_area
 from rubnoise.theory.live_area import live_area
-from rubnoise.theory.quadrature import panels
-from rubnoise.theory.spectrum import (
-    density_at_zero,
-    half_power_wavenumber,
-    one_sided_density,
-    one_sided_density_per_cycle,
-    spectral_density,
-    tail,
-)
+from rubnoise.theory.sizes import panels
+from rubnoise.theory.second_order import density_at_zero, half_power_wavenumber, spectral_density, tail
+from rubnoise.theory.spectrum import one_sided_density, one_sided_density_per_cycle
 from tests.oracle.slow_contact import level
 from tests.unit.theory_models import model_of, one_size, paper_model
 

@@ -13,18 +13,14 @@ from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory import regular_births
-from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.correlation import (
-    autocovariance,
-    force_autocovariance,
-    lag_edges,
-    unphased_covariance,
-)
+from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
+from rubnoise.theory.correlation import force_autocovariance, lag_edges, unphased_covariance
+from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.exact import exact
-from rubnoise.theory.occupancy import count_covariance, count_variance, mean_count, mean_count_error
-from rubnoise.theory.quadrature import longest_life, panels
+from rubnoise.theory.live_count import count_covariance, count_variance, mean_count, mean_count_error
+from rubnoise.theory.sizes import longest_life, panels
 from rubnoise.theory.regular_births import line_covariance, spectral_lines
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import (
     mean_area_error,
     mean_displacement_error,
@@ -32,7 +28,8 @@ from rubnoise.theory.sampling import (
     standard_errors,
     variance_of_time_mean,
 )
-from rubnoise.theory.spectrum import density_at_zero, force_spectral_density, spectral_density
+from rubnoise.theory.motion import force_spectral_density
+from rubnoise.theory.second_order import density_at_zero, spectral_density
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, drawn, regular
 from tests.verification.scores import seed_of
 

@@ -13,19 +13,15 @@ from rubnoise.contact.laws import Lognormal, Normal
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.theory.campbell import area_cumulants, force_cumulants
-from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.drive import drive_of
-from rubnoise.theory.quadrature import panels
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
+from rubnoise.theory.second_order import autocovariance
+from rubnoise.theory.motion import drive_of
+from rubnoise.theory.sizes import panels
 from rubnoise.theory.regular_births import spectral_lines
-from rubnoise.theory.response import (
-    displacement_spectrum,
-    displacement_spectrum_per_hertz,
-    response,
-    velocity_spectrum,
-)
+from rubnoise.theory.motion import displacement_spectrum, response, velocity_spectrum
+from rubnoise.theory.response import displacement_spectrum_per_hertz
 from rubnoise.theory.sampling import expected_mean_displacement, mean_force_error, motion_errors, standard_errors
-from rubnoise.theory.spectrum import density_at_zero, spectral_density
+from rubnoise.theory.second_order import density_at_zero, spectral_density
 from tests.unit.theory_models import FIG5_SLIDER, excess, model_of, one_size, paper_model
 
 Doubles = NDArray[np.float64]

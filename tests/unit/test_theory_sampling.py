@@ -12,23 +12,17 @@ from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal, Po
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance, covariance_reach, lag_edges
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.correlation import lag_edges
+from rubnoise.theory.second_order import autocovariance, covariance_reach
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.mean_life import age_table
-from rubnoise.theory.occupancy import area_from_empty, count_covariance, mean_count, mean_count_error
-from rubnoise.theory.quadrature import (
-    complementary_error,
-    cut_size_rule,
-    longest_life,
-    panels,
-    size_edges,
-    size_range,
-    size_rule,
-)
-from rubnoise.theory.response import response
+from rubnoise.theory.live_count import area_from_empty, count_covariance, mean_count, mean_count_error
+from rubnoise.theory.quadrature import complementary_error, cut_size_rule, size_edges, size_rule
+from rubnoise.theory.sizes import longest_life, panels, size_range
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
-from rubnoise.theory.spectrum import density_at_zero, spectral_density
+from rubnoise.theory.second_order import density_at_zero, spectral_density
 from rubnoise.theory.transform import largest_swinging_wavenumber, transform_of
 from rubnoise.theory.transform_lens import hankel_modulus, hankel_without_swing, y1
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model

@@ -12,14 +12,17 @@ from rubnoise.contact.laws import Exponential, Normal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import Powers, autocovariance, force_autocovariance, joint_cumulants, life_overlaps
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.correlation import force_autocovariance, joint_cumulants, life_overlaps
+from rubnoise.theory.sampling import Powers
+from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.coupling import force_slope_std
 from rubnoise.theory.inversion import point_transform
 from rubnoise.theory.live_area import NODES, Piecewise, series
-from rubnoise.theory.occupancy import area_from_empty, expected_mean_area, expected_mean_count, mean_count
-from rubnoise.theory.quadrature import panels
-from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
+from rubnoise.theory.live_count import area_from_empty, expected_mean_area, expected_mean_count, mean_count
+from rubnoise.theory.sizes import panels
+from rubnoise.theory.second_order import density_at_zero, spectral_density
+from rubnoise.theory.spectrum import mean_spectral_density
 from rubnoise.theory.transform import transform_of
 from tests.unit.theory_models import model_of, one_size, paper_model, regular
 

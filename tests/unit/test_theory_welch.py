@@ -10,21 +10,18 @@ from rubnoise.contact.laws import Exponential, Fixed, Normal
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.estimated_spectrum import (
     Segments,
     bin_covariances,
     correlation_reach,
-    cross_spectrum,
-    expected_periodogram,
-    through_window,
     tick_covariance,
     welch_covariance,
-    welch_errors,
 )
-from rubnoise.theory.quadrature import size_range
-from rubnoise.theory.spectrum import density_at_zero, spectral_density, visible_lines
+from rubnoise.theory.periodogram import cross_spectrum, expected_periodogram, through_window, welch_errors
+from rubnoise.theory.sizes import size_range
+from rubnoise.theory.second_order import density_at_zero, spectral_density, visible_lines
 from tests.unit.theory_models import Doubles, drawn_trace, model_of, one_size, periodograms
 from tests.verification.scores import seed_of
 

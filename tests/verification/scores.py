@@ -23,8 +23,8 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.occupancy import mean_count, mean_count_error
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.live_count import mean_count, mean_count_error
 from rubnoise.theory.sampling import StandardErrors, standard_errors
 from tests.models import bare
 

@@ -19,9 +19,9 @@ from rubnoise.model import Model
 from rubnoise.pages.report_words import in_words, motion_in_words
 from rubnoise.scenario import Scenario
 from rubnoise.simulation import draws
-from rubnoise.theory.base_excitation import base_response
+from rubnoise.theory.ancestors import base_response
 from rubnoise.theory.exact import exact
-from rubnoise.theory.response import displacement_spectrum, response
+from rubnoise.theory.motion import displacement_spectrum, response
 from rubnoise.theory.sampling import motion_errors
 from tests.cli.terminal import call
 from tests.models import contents, recorded

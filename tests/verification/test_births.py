@@ -20,13 +20,14 @@ from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.writing import text_of
 from rubnoise.simulation import draws
 from rubnoise.theory import birth_noise, correlation
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.second_order import autocovariance
+from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.exact import exact
-from rubnoise.theory.quadrature import panels, size_rule
+from rubnoise.theory.quadrature import size_rule
+from rubnoise.theory.sizes import panels
 from rubnoise.theory.sampling import variance_of_time_mean
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import spectral_density
 from rubnoise.theory.transform import transform_of
 from tests.models import bare, contents, recorded
 from tests.unit.scenarios import BARE, refusal

@@ -18,9 +18,9 @@ from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.occupancy import mean_count
+from rubnoise.theory.live_count import mean_count
 from tests.models import bare, recorded
 from tests.verification.scores import REJECTED, Made, made, seed_of
 from tools import right_runs

@@ -22,9 +22,11 @@ from rubnoise.model import Model, Slider
 from rubnoise.record.rows import ContactKind, JunctionState
 from rubnoise.scenario import loads
 from rubnoise.simulation.free.scales import Scales
-from rubnoise.theory.free_motion import free_motion, height_exponent
-from rubnoise.theory.load import load_errors, load_motion
-from rubnoise.theory.response import response
+from rubnoise.theory.free_motion import height_exponent
+from rubnoise.theory.load import free_motion
+from rubnoise.theory.load import load_motion
+from rubnoise.theory.sampling import load_errors
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import motion_errors
 from tests.cli.terminal import call
 from tests.models import bouncing, contents, recorded

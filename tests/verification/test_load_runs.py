@@ -22,7 +22,8 @@ from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import load as engine
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import THIRD, load_errors, load_motion
+from rubnoise.theory.load import THIRD, load_motion
+from rubnoise.theory.sampling import load_errors
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of
 from tests.verification.scores import BOUND, REJECTED, seed_of

@@ -17,7 +17,7 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import birth_distances, draw_blocks, first_birth, start
 from rubnoise.simulation.observer import Observer
-from rubnoise.theory.occupancy import length_biased_mean_diameter, mean_count, mean_count_error
+from rubnoise.theory.live_count import length_biased_mean_diameter, mean_count, mean_count_error
 from tests.models import bare, model, recorded, run_to_end
 from tests.verification.scores import BOUND, REJECTED, seed_of
 

@@ -16,11 +16,11 @@ from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.simulation.draws import birth_distances, births_per_block, first_birth, start
-from rubnoise.theory.campbell import area_cumulants, force_cumulants
-from rubnoise.theory.occupancy import length_biased_mean_diameter, mean_count
-from rubnoise.theory.response import response
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
+from rubnoise.theory.live_count import length_biased_mean_diameter, mean_count
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import standard_errors
-from rubnoise.theory.spectrum import density_at_zero, spectral_density
+from rubnoise.theory.second_order import density_at_zero, spectral_density
 from tests.models import bare, recorded
 from tests.unit.theory_models import paper_model
 from tests.verification.scores import seed_of

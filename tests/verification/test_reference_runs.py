@@ -26,8 +26,8 @@ from rubnoise.scenario import load
 from rubnoise.simulation import draws, junctions
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.reader import open_run
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.response import response
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import mean_force_error, motion_errors, standard_errors
 from tests.models import bare, model, recorded
 from tests.unit.tampering import change, run_of

@@ -19,7 +19,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import slider_constants
 from rubnoise.simulation.slider import propagator
-from rubnoise.theory.quadrature import panels
+from rubnoise.theory.sizes import panels
 from tests.models import UNEQUAL, bare, model, recorded
 from tests.oracle.second import slips, sums, two_way
 from tests.oracle.second.contact import FORMULA, contact_checks

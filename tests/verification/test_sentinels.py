@@ -12,7 +12,7 @@ from scipy.special import ndtri
 import rubnoise
 from rubnoise.api.record import Record
 from rubnoise.scenario import Scenario
-from rubnoise.theory.occupancy import mean_count_error
+from rubnoise.theory.live_count import mean_count_error
 from rubnoise.theory.sampling import standard_errors
 from tests.oracle.sliders import Oscillator, theta_motion
 from tests.oracle.slow_contact import Rows, lens_area, traces, triangle_area

@@ -22,7 +22,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.simulation.extent import extent
 from rubnoise.storage.forecast import rows_at_most
 from rubnoise.theory.coupling import coupling, weak_motion
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import mean_force_error
 from tests.models import UNEQUAL, coupled, model, recorded
 from tests.verification.scores import Held, seed_of

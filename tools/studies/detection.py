@@ -38,8 +38,8 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import load
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.response import Response, response
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.motion import Response, response
 from rubnoise.theory.sampling import (
     MotionErrors,
     StandardErrors,

@@ -15,7 +15,8 @@ from parts import table
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import load_errors, load_motion
+from rubnoise.theory.load import load_motion
+from rubnoise.theory.sampling import load_errors
 from studies.study import Study
 from tests.models import loaded
 

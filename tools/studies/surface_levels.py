@@ -16,7 +16,8 @@ import rubnoise
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import loads
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import level, load_errors, load_motion
+from rubnoise.theory.load import level, load_motion
+from rubnoise.theory.sampling import load_errors
 from studies.study import Study
 
 POINTS: Final = 1024

@@ -11,7 +11,7 @@ from parts import table
 import rubnoise
 from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.theory.coupling import coupling
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 STUDY: Final = ROOT / "scenarios" / "studies" / "coupling_reference.toml"

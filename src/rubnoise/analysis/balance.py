@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model, Slider
-from rubnoise.theory.drive import drive_of
+from rubnoise.theory.motion import drive_of
 
 
 class FrictionIntegral:

@@ -26,7 +26,7 @@ from rubnoise.analysis.records import RecordTooShort
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 
 COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "lateral_offset", "shear_strength", "state")
 

@@ -8,8 +8,8 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
-from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.quadrature import longest_life, size_rule
+from rubnoise.theory.second_order import autocovariance
+from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
 
 FEWEST_LIVES = 50
 FEWEST_BIRTHS = 1000
@@ -41,7 +41,6 @@ def needed_for_mean(model: Model) -> float:
 
 
 _GRID = 1024
-_SIZES = 32
 
 
 def covariance_errors(model: Model, lag: Doubles, length: float, tick: float) -> Doubles:
@@ -62,7 +61,7 @@ def covariance_errors(model: Model, lag: Doubles, length: float, tick: float) ->
 
     u = step * np.arange(-2 * reach, 2 * reach + 1, dtype=np.float64)
     gaussian = [step * float((at(u) ** 2 + at(u + tau) * at(u - tau)).sum()) for tau in lag.tolist()]
-    diameters, probabilities = size_rule(model.sizes, _SIZES)
-    alike = [replace(model, sizes=Fixed(value=d)) for d in diameters.tolist()]
+    sizes = sizes_of(model.sizes, COARSE)
+    alike = [replace(model, sizes=Fixed(value=d)) for d in sizes.diameter.tolist()]
     shared = np.stack([autocovariance(each, lag) for each in alike]) / model.birth_rate
-    return np.sqrt((np.array(gaussian) + model.birth_rate * (probabilities @ np.square(shared))) / length)
+    return np.sqrt((np.array(gaussian) + model.birth_rate * (sizes.probability @ np.square(shared))) / length)

@@ -24,13 +24,11 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.record.tally import Tally
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.estimated_spectrum import expected_periodogram, segment_wavenumbers
-from rubnoise.theory.regular_births import are_at_random
+from rubnoise.theory.periodogram import expected_periodogram, segment_wavenumbers
 from rubnoise.theory.sampling import variance_of_time_mean
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import are_at_random, autocovariance, spectral_density
 
 BINS: Final = 64
 BANDS: Final = 128

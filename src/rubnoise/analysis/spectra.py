@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
-from rubnoise.theory.off_centre import offset_probabilities, pass_energies
-from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.transform import energy_of
+from rubnoise.theory.sizes import COARSE, sizes_of
+from rubnoise.theory.unit_pulse import energy, pass_energies
 
 FEWEST_SEGMENTS = 30
 """Segments from which a spectrum has standard errors of its own, from the differences between them."""
@@ -137,7 +136,6 @@ def shared_variance(ticks: int, segments: int, neighbours: int = _NEIGHBOURS) ->
 
 
 _FIRST_BIN = 3
-_SIZES, _SIZES_OFF_CENTRE = 32, 8
 _MOST_OF_A_BAND = 256
 
 
@@ -161,7 +159,7 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     the bins of S_i S_j times their covariance (`shared_variance`), and (lam / T) E[(sum of |A^(k_i)|^2)^2] over
     (sum of S_i)^2, the fourth cumulant of shot noise, the same for all bins: junctions are few. The bins next to k = 0,
     which contain the mean, and next to the last are left out. The skewness is that of the second part alone.
-    Source: as for `rubnoise.theory.correlation.autocovariance`, for four places at once.
+    Source: as for `rubnoise.theory.second_order.autocovariance`, for four places at once.
     """
     shared = shared_variance(seen.ticks, seen.segments)
     power, births = float(seen.wavenumber[1]) / pi, model.birth_rate * length
@@ -221,19 +219,17 @@ def _energies(
 
     Off the centre line the energy also depends on the offset, more for shorter waves; there some bins represent many.
     """
+    sizes = sizes_of(model.sizes, COARSE)
     if model.pulse.offset == "none":
-        diameters, probabilities = size_rule(model.sizes, _SIZES)
         if not bands:
-            return probabilities, ()
+            return sizes.probability, ()
         # Bands follow each other without a gap.
         starts, inside = [int(part[0] - bands[0][0]) for part in bands], wavenumber[bands[0][0] : bands[-1][-1] + 1]
-        square = energy_of(model.pulse).square
-        sums = [np.add.reduceat(square(inside * d), starts) * d**6 for d in diameters.tolist()]
-        return probabilities, list(np.stack(sums, axis=1))
-    diameters, probabilities = size_rule(model.sizes, _SIZES_OFF_CENTRE)
-    energies = []
+        sums = [np.add.reduceat(energy(model.pulse, inside * d), starts) * d**6 for d in sizes.diameter.tolist()]
+        return sizes.probability, list(np.stack(sums, axis=1))
+    energies, shares = [], pass_energies(model.pulse, np.zeros(1))[1]
     for part in bands:
         some = wavenumber[part[:: -(-part.size // _MOST_OF_A_BAND)]]
-        sums = [pass_energies(model.pulse, some * d).sum(axis=1) * d**6 for d in diameters.tolist()]
+        sums = [pass_energies(model.pulse, some * d)[0].sum(axis=1) * d**6 for d in sizes.diameter.tolist()]
         energies.append(np.concatenate(sums))
-    return np.multiply.outer(probabilities, offset_probabilities()).ravel(), energies
+    return np.multiply.outer(sizes.probability, shares).ravel(), energies

@@ -14,24 +14,23 @@ from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model, Slider
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import Tally
-from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
-from rubnoise.theory.drive import separation_of
-from rubnoise.theory.free_motion import free_motion
-from rubnoise.theory.load import load_errors, load_motion
-from rubnoise.theory.occupancy import count_variance, mean_count, mean_count_error
-from rubnoise.theory.regular_births import are_at_random
-from rubnoise.theory.response import Response, response
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
+from rubnoise.theory.live_count import count_variance, mean_count, mean_count_error
+from rubnoise.theory.load import free_motion, load_motion
+from rubnoise.theory.motion import Response, response, separation_of
 from rubnoise.theory.sampling import (
     StandardErrors,
     expected_mean_displacement,
     force_standard_errors,
+    load_errors,
     mean_area_error,
     mean_displacement_error,
     mean_force_error,
     motion_errors,
     standard_errors,
 )
+from rubnoise.theory.second_order import are_at_random
 
 FEWEST_DECAYS = 10
 """Least decay times of the slider in a run with standard errors of its motion."""

@@ -231,9 +231,8 @@ def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpe
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
     """Return the exact density at the places of a spectrum; None if theory has none."""
-    from rubnoise.theory.drive import drive_of
-    from rubnoise.theory.response import displacement_spectrum, velocity_spectrum
-    from rubnoise.theory.spectrum import force_spectral_density, spectral_density
+    from rubnoise.theory.motion import displacement_spectrum, drive_of, force_spectral_density, velocity_spectrum
+    from rubnoise.theory.second_order import spectral_density
 
     try:
         if seen.place_units == "rad/um":

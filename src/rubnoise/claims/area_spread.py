@@ -10,7 +10,7 @@ from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 
 SCENARIO = "claims/area_spread.toml"
 _PRINTED = ((100.0, 22.0, 1.0), (500.0, 110.0, 10.0))

@@ -8,9 +8,9 @@ from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, nearness
 from rubnoise.claims.evidence import Evidence, Found, Report, gather, quotient
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.campbell import force_cumulants
+from rubnoise.theory.cumulants import force_cumulants
 from rubnoise.theory.exact import exact
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 
 SCENARIO = "claims/vibration.toml"
 

@@ -11,7 +11,7 @@ from rubnoise.claims.evidence import Evidence, Found, Report, gather, quotient
 from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 
 FAST = "claims/field_fast.toml"
 SLOW = "claims/field_slow.toml"

@@ -13,7 +13,7 @@ from rubnoise.claims.evidence import Found, Report, gather
 from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import spectral_density
 
 CONTACT = "claims/field_contact.toml"
 FREE = "claims/field_free_mass.toml"

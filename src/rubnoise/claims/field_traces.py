@@ -16,8 +16,8 @@ from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.second_order import autocovariance
 
 CONTACT = "claims/field_contact.toml"
 _LENS = 2.25 * (2.0 * pi / 3.0 - 64.0 / 45.0)

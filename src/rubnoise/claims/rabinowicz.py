@@ -6,7 +6,7 @@ from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 
 SCENARIO = "claims/rabinowicz.toml"
 _CONSTANT = 1e-12

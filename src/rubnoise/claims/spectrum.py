@@ -12,8 +12,8 @@ from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.spectrum import density_at_zero, spectral_density
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.second_order import density_at_zero, spectral_density
 
 SCENARIO = "claims/spectrum.toml"
 TAIL = "claims/spectrum_tail.toml"

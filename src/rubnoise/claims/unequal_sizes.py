@@ -9,8 +9,8 @@ from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.spectrum import SAME, in_bands, power_ratio
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.spectrum import density_at_zero
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.second_order import density_at_zero
 
 SCENARIO = "claims/size_spread.toml"
 _EQUAL, _PAPER, _WIDE, _WIDEST = "0 um", "0.2 um", "1 um", "2 um"

@@ -78,7 +78,7 @@ def comparison_as_json(found: "Comparison", file: Path) -> dict[str, Any]:
 
 def _white_noise(model: "Model") -> dict[str, float] | None:
     """Return Kilburn's white noise beside a one-way slider, by name; None if the contact drives none."""
-    from rubnoise.theory.white_noise import white_noise
+    from rubnoise.theory.ancestors import white_noise
 
     if model.is_two_way or model.separation is not None:
         return None

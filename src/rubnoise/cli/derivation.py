@@ -96,6 +96,7 @@ SIZES: Final[tuple[LineWords, ...]] = (
 MOTION: Final[tuple[LineWords, ...]] = (
     ("displacement", "mean {displacement_mean}, std {displacement_std} um"),
     ("velocity", "std {velocity_std} um/s"),
+    ("upward passages", "{upcrossing_rate} of the mean in a second, of a Gaussian displacement"),
     ("one-way validity", "{one_way_validity:.6g} (std of velocity over sliding speed)"),
     ("coupling strength", "{coupling_strength} (Pi; weak below 0.03)", "not known: {change_unknown}"),
     ("stick number", "{stick_number} (theta; a slow slider sticks above 1)"),
@@ -192,6 +193,7 @@ def motion_as_json(theory: Exact) -> dict[str, Any]:
         "displacement_mean": motion.mean_displacement,
         "displacement_std": motion.displacement_std,
         "velocity_std": motion.velocity_std,
+        "upcrossing_rate": motion.upcrossing_rate,
     }
     if slider.excitation == "base":
         return figures  # a base lifts: it does not feel the motion, and sliding speed is no measure of it

@@ -136,7 +136,7 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     from rubnoise.analysis.summary import missing_for_motion
     from rubnoise.cli.load import load_as_json, load_warnings
     from rubnoise.theory.exact import exact
-    from rubnoise.theory.response import response
+    from rubnoise.theory.motion import response
 
     if scenario.too_large:
         return []  # it has no run, and says why

@@ -47,10 +47,6 @@ def command(
     areas: Annotated[
         list[str] | None, typer.Option("--at-area", help="Areas of the distribution, in um^2.", metavar="A,...")
     ] = None,
-    levels: Annotated[
-        list[str] | None,
-        typer.Option("--at-level", help="Levels for the slider's upward passages, in um.", metavar="X,..."),
-    ] = None,
     distances: Annotated[
         list[str] | None,
         typer.Option("--at-distance", help="Distances for the means after an empty start, in um.", metavar="S,..."),
@@ -84,7 +80,7 @@ def command(
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")
-    points_given = bool(wavenumbers or lags or areas or levels or distances or segment is not None or white)
+    points_given = bool(wavenumbers or lags or areas or distances or segment is not None or white)
     if plot and points_given:
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     if plot:
@@ -105,7 +101,6 @@ def command(
         wavenumbers=wavenumbers,
         lags=lags,
         areas=areas,
-        levels=levels,
         distances=distances,
         brief=brief,
     )
@@ -170,14 +165,6 @@ CURVES: Final = {
             ("wavenumber", "k ({})", "rad/um"),
             ("density", "S ({})", "um^4/(rad/um)"),
             ("standard_error", "std error", "um^4/(rad/um)"),
-        ),
-    ),
-    "crossings": CurveTable(
-        heading="passages of the displacement upwards, whose skewness is {displacement_skewness}",
-        columns=(
-            ("level", "level ({})", "um"),
-            ("rate", "rate ({})", "1/s"),
-            ("gaussian_rate", "if Gaussian ({})", "1/s"),
         ),
     ),
     "from_empty": CurveTable(

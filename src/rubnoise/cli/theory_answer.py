@@ -15,16 +15,13 @@ from rubnoise.cli.layout import finite, printable
 from rubnoise.cli.load import load_as_json
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.base_excitation import base_response
-from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.correlation import autocovariance, covariance_reach
+from rubnoise.theory.ancestors import base_response, velocity_weakening, white_noise
+from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.load import third_octaves
-from rubnoise.theory.quadrature import longest_life
-from rubnoise.theory.spectrum import spectral_density, visible_lines
-from rubnoise.theory.velocity_weakening import velocity_weakening
-from rubnoise.theory.white_noise import white_noise
+from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, visible_lines
+from rubnoise.theory.sizes import longest_life
 
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 LONGEST_SHOWN: Final = 40
@@ -43,14 +40,13 @@ REACH: Final = 6.0
 class Points:
     """Wavenumbers in rad/um, lags in um and areas in um^2, in the order of the options.
 
-    ``levels`` of the displacement and ``distances`` from an empty start are in um; None if no option names any.
+    ``distances`` from an empty start are in um; None if no option names any.
     ``areas_given``: whether an option names areas; ``brief``: whether default points are for a terminal.
     """
 
     wavenumbers: Doubles
     lags: Doubles
     areas: Doubles
-    levels: Doubles | None
     distances: Doubles | None
     areas_given: bool
     brief: bool
@@ -63,7 +59,6 @@ class Points:
         wavenumbers: Sequence[str] | None,
         lags: Sequence[str] | None,
         areas: Sequence[str] | None,
-        levels: Sequence[str] | None,
         distances: Sequence[str] | None,
         brief: bool,
     ) -> Self:
@@ -79,17 +74,10 @@ class Points:
             wavenumbers=_wavenumbers(model, brief=brief) if given[0] is None else given[0],
             lags=_lags(model, brief=brief) if given[1] is None else given[1],
             areas=_areas(model, brief=brief) if given[2] is None else given[2],
-            levels=_read("--at-level", levels),
             distances=_read("--at-distance", distances),
             areas_given=given[2] is not None,
             brief=brief,
         )
-
-    def levels_about(self, mean: float, std: float) -> Doubles:
-        """Return the given levels, or some that cover the range of a displacement with that mean and spread."""
-        if self.levels is not None:
-            return self.levels
-        return mean + std * (np.arange(-3.0, 4.0) if self.brief else np.linspace(-REACH, REACH, MANY))
 
     def distances_up_to(self, longest: float) -> Doubles:
         """Return the given distances, or some from 0 to the longest life."""
@@ -178,7 +166,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None, *, 
     # The square of a far point may overflow: what is left there is 0.
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         answer |= _at(model, points)
-        answer |= _estimated(theory, segment) | _crossings(theory, points) | _from_empty(theory, points)
+        answer |= _estimated(theory, segment) | _from_empty(theory, points)
     return dict(finite(answer))
 
 
@@ -259,25 +247,6 @@ def _estimated(theory: Exact, segment: int | None) -> dict[str, Any]:
     group = {"wavenumber": seen.wavenumber, "density": seen.density, "ticks": seen.ticks, "segments": seen.segments}
     known = not np.isnan(seen.standard_error).any()
     return {"estimated_spectrum": group | ({"standard_error": seen.standard_error} if known else {})}
-
-
-def _crossings(theory: Exact, points: Points) -> dict[str, Any]:
-    """Return how often the slider passes levels, and its deviation from a Gaussian law."""
-    try:
-        motion = theory.motion_cumulants()
-    except Refused as refusal:
-        if points.levels is None:
-            return {}
-        raise Refused(f"--at-level: {refusal}") from refusal
-    levels = points.levels_about(motion.mean, motion.displacement_std)
-    crossings = {
-        "level": levels,
-        "rate": theory.crossing_rate(levels),
-        "gaussian_rate": theory.gaussian_crossing_rate(levels),
-        "displacement_skewness": motion.skewness,
-        "displacement_excess_kurtosis": motion.excess_kurtosis,
-    }
-    return {"crossings": crossings}
 
 
 def _from_empty(theory: Exact, points: Points) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from rubnoise.figures.stage import Stage, stage_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import AREA, BLUE, DISTANCE, add_title, exact_band, house_style, legend_above, new_figure
 from rubnoise.record.rows import Phase
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import exact
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from rubnoise.figures.style import (
     legend_above,
     new_figure,
 )
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import Exact, exact
 
 if TYPE_CHECKING:

@@ -29,11 +29,10 @@ from rubnoise.figures.style import (
     logarithmic,
     new_figure,
 )
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.spectrum import density_at_zero, spectral_density, visible_lines
+from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.second_order import autocovariance, density_at_zero, spectral_density, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -30,12 +30,17 @@ from rubnoise.figures.style import (
     new_figure,
 )
 from rubnoise.model import Model
-from rubnoise.theory.drive import drive_of, separation_of
-from rubnoise.theory.estimated_spectrum import through_window
+from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum
 from rubnoise.theory.load import load_spectrum
-from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
-from rubnoise.theory.spectrum import force_spectral_density
-from rubnoise.theory.white_noise import white_displacement_spectrum, white_force_spectrum
+from rubnoise.theory.motion import (
+    displacement_spectrum,
+    drive_of,
+    force_spectral_density,
+    response,
+    separation_of,
+    velocity_spectrum,
+)
+from rubnoise.theory.periodogram import through_window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

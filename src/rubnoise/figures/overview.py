@@ -10,7 +10,7 @@ from rubnoise.figures.area import COUNT
 from rubnoise.figures.motion import Motion
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import AREA, BLUE, DISTANCE, FAINT, INK, exact_band, file_label, legend_above, new_figure
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import exact
 
 if TYPE_CHECKING:

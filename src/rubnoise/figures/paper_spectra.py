@@ -13,9 +13,9 @@ from rubnoise.figures.style import BLUE, INK, SERIES, VERMILION, logarithmic, ne
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.runs.measuring import Measurement
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.second_order import spectral_density
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

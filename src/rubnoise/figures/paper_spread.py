@@ -17,7 +17,7 @@ from rubnoise.record.sink import Extent
 from rubnoise.record.tally import Tally
 from rubnoise.runs.measuring import Measurement
 from rubnoise.scenario.points import Point
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 
 if TYPE_CHECKING:

@@ -22,9 +22,9 @@ from rubnoise.figures.style import (
     new_figure,
     widen_if_constant,
 )
-from rubnoise.theory.campbell import area_cumulants, force_cumulants
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.load import load_motion
-from rubnoise.theory.response import response
+from rubnoise.theory.motion import response
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.second_order import autocovariance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,11 +22,10 @@ from rubnoise.figures.style import (
     shortened,
 )
 from rubnoise.model import Model, Slider
-from rubnoise.theory.campbell import Cumulants, area_cumulants
-from rubnoise.theory.correlation import autocovariance, covariance_reach
+from rubnoise.theory.cumulants import Cumulants, area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.response import displacement_spectrum_per_hertz, response
-from rubnoise.theory.spectrum import spectral_density, tail, visible_lines
+from rubnoise.theory.motion import displacement_spectrum, response
+from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, tail, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -165,7 +164,7 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
     frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
     frequency *= slider.natural_frequency
     try:
-        density = displacement_spectrum_per_hertz(model, frequency)
+        density = 2.0 * displacement_spectrum(model, 2.0 * pi * frequency)
     except Refused:
         _write_note(axes, "its spectrum is known for births at random")
         return

@@ -26,7 +26,7 @@ from rubnoise.figures.style import (
     put_title,
     shortened,
 )
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import spectral_density
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

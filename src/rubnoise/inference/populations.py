@@ -15,7 +15,8 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import LAWS, Law
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.theory.transform import energy_of
+from rubnoise.theory.unit_pulse import energy as unit_energy
+from rubnoise.theory.unit_pulse import settled_energy
 
 STEP: Final = 1.0 / 1024.0
 """Of ln(k d) and of ln d. At k d = 300 a swing of the transform has ten places."""
@@ -156,14 +157,13 @@ def mean_life_energy(log_phase: Doubles, width: Doubles, pulse: Pulse = LENS) ->
 
 def life_energy(phase: Doubles, pulse: Pulse = LENS) -> Doubles:
     """Return a^(z)^2 of a life of unit diameter at z = k d; its oscillation fades out from z = 400 to 700."""
-    spectrum = energy_of(pulse)
     near = np.minimum(phase, _SETTLED)
-    energy = spectrum.square(near)
+    energy = unit_energy(pulse, near)
     far = phase > _FOLLOWED
     beyond = phase[far]
     faded = np.minimum((beyond - _FOLLOWED) / (_SETTLED - _FOLLOWED), 1.0)
     kept = 0.5 * (1.0 + np.cos(pi * faded))
-    energy[far] = kept * energy[far] + (1.0 - kept) * spectrum.mean_square(beyond)
+    energy[far] = kept * energy[far] + (1.0 - kept) * settled_energy(pulse, beyond)
     return energy
 
 

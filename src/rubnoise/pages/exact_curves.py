@@ -13,12 +13,11 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.drive import separation_of
-from rubnoise.theory.estimated_spectrum import expected_periodogram, through_window
 from rubnoise.theory.load import load_spectrum
-from rubnoise.theory.response import velocity_spectrum
+from rubnoise.theory.motion import separation_of, velocity_spectrum
+from rubnoise.theory.periodogram import expected_periodogram, through_window
 
 LIVES: Final = 8.0
 PERIODS: Final = 16.0

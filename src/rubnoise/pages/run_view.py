@@ -22,7 +22,7 @@ from rubnoise.pages.page import packed, page
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import ContactKind, LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
 
 CELLS: Final = 4096

@@ -20,8 +20,8 @@ from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, machine_spe
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.output import part_of
-from rubnoise.theory.campbell import force_cumulants
-from rubnoise.theory.response import response
+from rubnoise.theory.cumulants import force_cumulants
+from rubnoise.theory.motion import response
 
 FAR: Final = 10.0
 """Standard deviations beyond which nothing is taken to lie."""

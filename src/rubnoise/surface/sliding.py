@@ -18,9 +18,9 @@ from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap
 from rubnoise.surface.normal_motion import NormalMotion, gap_slope, normal_motion
 from rubnoise.surface.waves import Waves, band_limited, check_wavelengths
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.load import load_motion, overlap_scale
+from rubnoise.theory.second_order import autocovariance
 
 LIVES: Final = 1000
 """Mean lives in the scenario's distance, if none is given."""

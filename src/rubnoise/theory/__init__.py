@@ -1,5 +1,5 @@
-"""Shot-noise theory: exact averages of a contact and its slider, and how far a finite run may differ from them.
+"""Exact results for the stationary contact and the motions that it drives, without any run.
 
-No simulation is imported here, so each can be tested with the other. Begin with `campbell`, the cumulants of area and
-force, then `spectrum` and `sampling`; `exact` collects all of it for one model.
+`sizes` and `unit_pulse` hold what is averaged; `second_order`, `cumulants`, `live_count` and `distribution` say what
+the contact does, `motion` and `load` what it moves, `sampling` and `periodogram` how far a finite run errs.
 """

@@ -1,82 +1,46 @@
-"""The numbers that judge one-way coupling: how strongly the slider acts back on the contact that drives it.
+"""The numbers that judge one-way coupling: how strongly the slider acts back on the contact that drives it."""
 
-They follow from how steeply the friction force rises and falls along the sliding distance.
-"""
-
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, hypot, inf, nan, sqrt
+from math import hypot, inf, nan, pi, sqrt
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.birth_noise import excess_of_area, has_noise_of_its_own
-from rubnoise.theory.campbell import strengths_of
-from rubnoise.theory.drive import Drive, drive_of
-from rubnoise.theory.log_table import log_table
-from rubnoise.theory.quadrature import cut_size_rule, longest_life, size_edges
-from rubnoise.theory.regular_births import are_at_random, phase_rule, spectral_lines
-from rubnoise.theory.response import Response, response
+from rubnoise.theory.cumulants import strengths_of
+from rubnoise.theory.motion import Drive, Response, drive_of, force_spectral_density, response
 from rubnoise.theory.sampling import MotionErrors, motion_errors
-from rubnoise.theory.spectrum import force_spectral_density
+from rubnoise.theory.second_order import are_at_random, area_noise
+from rubnoise.theory.size_averages import is_one_life
+from rubnoise.theory.sizes import panels
 
-_SIZES = 24
-_YOUNGEST = 1e-9  # age over diameter below which there is no junction to speak of
-_TABLE_ERROR = 1e-12  # of the mean diameter
 _ROUNDING = 1e-12  # of the variance for births at random, below which a variance is none
+_FASTEST = 3000.0  # phase k times the mean life to which the slope of the force is followed
 
 
 def force_slope_std(model: Model) -> float:
     """Return the standard deviation of F' = dF/ds in uN/um, F the stationary friction force; its mean is 0.
 
-    Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, which is finite for the lens (A' ends as a
-    root), triangle and parabola (A' jumps). Regular births add E[psi]^2 times the mean over their phase of
-    (sum g)^2 - sum g^2, g = E[A'] at the ages that the phase leaves; others the integral of k^2 times what
-    `rubnoise.theory.birth_noise` adds to the spectrum. Raises Refused without a strength.
+    Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, finite for every pulse; births that are not at
+    random add E[psi]^2 times the integral of k^2 of their part of the spectrum and of their lines (right to 1e-4, since
+    a slope jumps). Raises Refused without a strength.
     Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse psi A'.
     """
-    psi = strengths_of(model)
+    psi, noise = strengths_of(model), area_noise(model)
     at_random = model.birth_rate * psi.moment(2) * model.pulse.squared_slope * model.sizes.moment(3)
     if are_at_random(model):
         return sqrt(at_random)
-    if has_noise_of_its_own(model):
-        excess, (lines, power) = excess_of_area(model), spectral_lines(model)
-        squares = excess.power @ np.square(excess.wavenumber) + 2.0 * power @ np.square(lines)
-        return sqrt(at_random + psi.mean**2 * float(squares))
-    variance = at_random + psi.mean**2 * _together(model)
+    lines, power = noise.lines
+    births = 2.0 * float(power @ lines**2)
+    if is_one_life(model) and isinstance(model.births, RegularBirths):
+        births -= at_random / psi.moment(2)  # equal lives leave nothing between lines
+    else:
+        k, weight = panels(np.linspace(0.0, _FASTEST / model.mean_life_distance, 401), 16)
+        births += float((weight / pi * noise.together(k)) @ k**2)
+    variance = at_random + psi.mean**2 * births
     return sqrt(variance) if variance > _ROUNDING * at_random else 0.0
-
-
-def _together(model: Model) -> float:
-    """Return the products of mean slopes of different junctions, summed, in um^2, for regular births."""
-    phases, probabilities = phase_rule(model)
-    slope, spacing = _mean_slope(model), model.births.mean
-    total, squares = np.zeros_like(phases), np.zeros_like(phases)
-    for number in range(ceil(longest_life(model) / spacing)):
-        each = slope(phases + number * spacing)
-        total += each
-        squares += np.square(each)
-    return float(probabilities @ (np.square(total) - squares))
-
-
-def _mean_slope(model: Model) -> Callable[[Doubles], Doubles]:
-    """Return E[A'(a; d)] in um as a function of age a in um: that of one size, or a table."""
-    law, pulse = model.sizes, model.pulse
-    edges = size_edges(law)[0]
-    if edges.size == 1:
-        return lambda age: pulse.slope(age, edges[0])
-
-    def slope(age: Doubles) -> Doubles:
-        # Sizes are cut where the age is mid-life, and where it is the end.
-        diameters, probabilities = cut_size_rule(law, age[..., None] * (0.5, 1.0), _SIZES, rooted=True)
-        return np.sum(pulse.slope(age[..., None], diameters) * probabilities, axis=-1)[None]
-
-    turns = np.append(_YOUNGEST * edges[0], np.union1d(edges, 2.0 * edges))
-    table = log_table(slope, turns, np.array([_TABLE_ERROR * law.moment(1)]))
-    return lambda age: table(age)[0]
 
 
 WEAK = 0.1
@@ -115,11 +79,10 @@ def coupling(model: Model) -> Coupling:
     drive = drive_of(model)
     strength = _strength(model, drive)
     unknown = _unknown(model, drive, strength)
-    change = nan if unknown else weak_coupling_change(strength, _kick(model, drive))
     return Coupling(
         strength=strength,
         stick_number=force_slope_std(model) / drive.slider.stiffness,
-        expected_change=change,
+        expected_change=nan if unknown else weak_coupling_change(strength, _kick(model, drive)),
         unknown=unknown,
     )
 

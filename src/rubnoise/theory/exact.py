@@ -1,6 +1,5 @@
 """All exact results for one model, in one frozen object."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from math import isfinite, sqrt
@@ -14,15 +13,10 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.real_numbers import at_each, real_number, real_numbers
 from rubnoise.tables import as_html, fields_as_text, in_short
-from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.coupling import Coupling, coupling
+from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.estimated_spectrum import EstimatedSpectrum, estimated_spectrum
-from rubnoise.theory.free_motion import FreeMotion, free_motion
-from rubnoise.theory.load import LoadMotion, load_motion
-from rubnoise.theory.motion_cumulants import MotionCumulants, crossing_rate, gaussian_crossing_rate, motion_cumulants
-from rubnoise.theory.occupancy import (
+from rubnoise.theory.live_count import (
     area_from_empty,
     count_from_empty,
     count_variance,
@@ -33,8 +27,10 @@ from rubnoise.theory.occupancy import (
     length_biased_mean_diameter,
     mean_count,
 )
-from rubnoise.theory.response import Response, response
-from rubnoise.theory.spectrum import spectral_density, visible_lines
+from rubnoise.theory.load import FreeMotion, LoadMotion, free_motion, load_motion
+from rubnoise.theory.motion import Response, response
+from rubnoise.theory.periodogram import EstimatedSpectrum, estimated_spectrum
+from rubnoise.theory.second_order import autocovariance, spectral_density, visible_lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -137,29 +133,6 @@ class Exact:
         Raises Refused without slider, strength or speed.
         """
         return coupling(self.model)
-
-    def crossing_rate(self, level: ArrayLike) -> Doubles:
-        """Return how many times a second the displacement passes levels in um upwards, of any shape.
-
-        Rice's rate and what shot noise adds to it: see `motion_cumulants.crossing_rate`. Raises Refused without slider,
-        strength, speed or damping, for births that are not Poisson, and if the slider swings too often in one life.
-        """
-        return self._crossing(crossing_rate, level)
-
-    def gaussian_crossing_rate(self, level: ArrayLike) -> Doubles:
-        """Return Rice's rate alone in 1/s, that of a Gaussian displacement; raises Refused as `crossing_rate` does."""
-        return self._crossing(gaussian_crossing_rate, level)
-
-    def _crossing(self, rate: Callable[[Model, Doubles], Doubles], level: ArrayLike) -> Doubles:
-        motion_cumulants(self.model)  # refuses at any level what is not known
-        return at_each(partial(rate, self.model), real_numbers(level, "level", "um"), "level", (0.0, 0.0))
-
-    def motion_cumulants(self) -> MotionCumulants:
-        """Return joint cumulants of the slider's motion, ``skewness`` and ``excess_kurtosis`` among them.
-
-        Raises Refused as `crossing_rate` does.
-        """
-        return motion_cumulants(self.model)
 
 
 def _is_known(model: Model, slider: Slider) -> bool:

@@ -1,32 +1,32 @@
 """A load that weighs, of first order: the motion of the separation, the friction force under it, and their validity.
 
 Read it from above: the contact's scales and its regime, the response of each quantity to the area at constant
-separation, the spreads and covariances that follow, levels in third octaves, and the errors of a finite run.
+separation, the spreads and covariances that follow, and levels in third octaves.
 """
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import erfc, hypot, inf, log10, nan, pi, sqrt
+from math import erfc, inf, log10, nan, pi, sqrt
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.tables import fields_as_text
-from rubnoise.theory.drive import drive_of, separation_of
-from rubnoise.theory.quadrature import distinct, panels
-from rubnoise.theory.regular_births import need_random_births
-from rubnoise.theory.response import response, response_edges, response_rules
-from rubnoise.theory.sampling import (
-    carried_momentum,
-    force_std_error,
-    mean_force_error,
-    mean_square_variances,
-    motion_errors,
+from rubnoise.theory.motion import (
+    drive_of,
+    force_spectral_density,
+    frequencies,
+    response,
+    response_edges,
+    separation_of,
+    spread_of,
 )
-from rubnoise.theory.spectrum import force_spectral_density, mean_spectral_density, spectral_density
+from rubnoise.theory.second_order import need_random_births
+from rubnoise.theory.sizes import panels
 
 Regime = Literal["constant load", "resonance", "constant gap", "bouncing"]
 
@@ -57,8 +57,7 @@ def overlap_scale(model: Model) -> float:
 
 def relative_speed(model: Model) -> float:
     """Return v = V / (c omega_c), omega_c the contact resonance; at a small one the separation follows the contact."""
-    drive = drive_of(separation_of(model))
-    return 1.0 / (overlap_scale(model) * drive.resonance)
+    return 1.0 / (overlap_scale(model) * drive_of(separation_of(model)).resonance)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -109,11 +108,12 @@ def load_motion(model: Model) -> LoadMotion:
     Source: Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     need_random_births(model, "the motion under a load")
-    drive, speed = drive_of(separation_of(model)), relative_speed(model)
+    drive, speed, live = drive_of(separation_of(model)), relative_speed(model), model.mean_junction_count
     names, covariances = _covariances(model)
     spread = dict(zip(names, np.sqrt(np.diagonal(covariances)).tolist(), strict=True))
     weight, ratio = drive.strengths.mean * model.mean_real_contact_area, drive.slider.damping_ratio
-    still = weight * _still_spread(model)
+    variance = model.birth_rate * model.pulse.life_integral(2) * model.sizes.moment(5)
+    still = sqrt(variance) / model.mean_real_contact_area
     return LoadMotion(
         separation_std=spread["separation"],
         velocity_std=spread["normal_velocity"],
@@ -121,10 +121,10 @@ def load_motion(model: Model) -> LoadMotion:
         contact_resonance=drive.slider.natural_frequency,
         damping_ratio=ratio,
         relative_speed=speed,
-        regime=_regime(model.mean_junction_count, speed, spread["load"] / still),
+        regime=_regime(live, speed, spread["load"] / (weight * still)),
         suppression=_suppression(model, spread, still),
         negative_share=0.5 * erfc(weight / (spread["load"] * sqrt(2.0))),
-        error=_error(model.mean_junction_count, speed, ratio),
+        error=_error(live, speed, ratio),
         names=names,
         covariances=covariances,
     )
@@ -150,19 +150,13 @@ def _error(live: float, speed: float, ratio: float) -> float:
     return max(20.0 / live, 1.0) * (0.01 if speed <= 0.1 else 0.02 if ratio >= 0.3 else 0.1)
 
 
-def _still_spread(model: Model) -> float:
-    """Return std over mean of the area at constant separation, which P/W has there; sqrt(2/N_jm) for Rayleigh sizes."""
-    variance = model.birth_rate * model.pulse.life_integral(2) * model.sizes.moment(5)
-    return sqrt(variance) / model.mean_real_contact_area
-
-
 def _suppression(model: Model, spread: dict[str, float], still: float) -> float:
     if "displacement" in spread:
         return response(replace(model, separation=None)).displacement_std / spread["displacement"]
+    area = still * model.mean_real_contact_area
     if model.strengths is not None:
-        free = sqrt(model.strengths.moment(2)) * model.mean_real_contact_area * _still_spread(model)
-        return free / spread[FORCE]
-    return still / spread["load"]
+        return sqrt(model.strengths.moment(2)) * area / spread[FORCE]
+    return drive_of(separation_of(model)).strengths.mean * area / spread["load"]
 
 
 def answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Complexes]]:
@@ -190,24 +184,18 @@ def answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Com
 
 
 def _covariances(model: Model) -> tuple[tuple[str, ...], Doubles]:
-    psi = model.strengths
-    spread = 0.0 if psi is None else max(psi.moment(2) - psi.mean**2, 0.0)
-    total: Doubles | float = 0.0
-    driven = separation_of(model) if model.slider is None else model
-    rules = response_rules(driven, drive_of(driven))
-    for (k, weights), density in zip(rules, (spectral_density, mean_spectral_density), strict=True):
-        found = answers(model, k)
-        own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
-        power = weights * density(model, k) / pi
-        total = total + (spread * (own * power) @ own.conj().T + (mean * power) @ mean.conj().T).real
-    return tuple(found), np.asarray(total)
+    spread = 0.0 if model.strengths is None else spread_of(model.strengths)
+    rule = frequencies(model)
+    found, power = answers(model, rule.wavenumber), rule.weight * rule.alone
+    own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
+    return tuple(found), (spread * (own * power) @ own.conj().T + (mean * power) @ mean.conj().T).real
 
 
 def load_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
     """Return the two-sided spectral density of the load P in uN^2 per rad/s, w in rad/s of any shape.
 
     H^2 S(w/V)/V |r|^2, r the part that mass and damping bear. Those of separation and normal velocity are
-    `displacement_spectrum` and `velocity_spectrum` of `rubnoise.theory.drive.separation_of`.
+    `displacement_spectrum` and `velocity_spectrum` of `rubnoise.theory.motion.separation_of`.
     """
     separation = separation_of(model)
     drive = drive_of(separation)
@@ -220,7 +208,6 @@ THIRD: Final = 10.0**0.05
 """Upper edge over middle of a third-octave band, by powers of ten as IEC 61260-1 has them."""
 
 _PART_LEFT_OUT: Final = 1e-6
-_BAND_NODES: Final = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -242,78 +229,68 @@ def band_numbers(lowest: float, highest: float) -> range:
 
 
 def third_octaves(model: Model) -> ThirdOctaves:
-    """Return the normal velocity in third octaves, if a band holds more than 1e-6 of its power (60 dB).
-
-    The integral of `velocity_spectrum` over the band, by the panels of `response_edges`.
-    """
+    """Return the normal velocity in third octaves, if a band holds more than 1e-6 of its power (60 dB)."""
     separation = separation_of(model)
     drive = drive_of(separation)
     natural = drive.slider.natural_frequency
-    numbers = band_numbers(1e-4 * natural, 1e4 * natural)
-    middles = 10.0 ** (0.1 * np.array(numbers))
+    middles = 10.0 ** (0.1 * np.array(band_numbers(1e-4 * natural, 1e4 * natural)))
+    ends = 2.0 * pi / drive.speed * np.append(middles / THIRD, middles[-1] * THIRD)
     edges = response_edges(separation, drive)
-    power = np.zeros(middles.size)
-    for band, middle in enumerate(middles.tolist()):
-        ends = 2.0 * pi / drive.speed * middle * np.array([1.0 / THIRD, THIRD])
-        inside = edges[(edges > ends[0]) & (edges < ends[1])]
-        k, weights = panels(distinct(np.append(ends, inside)), _BAND_NODES)
-        density = force_spectral_density(separation, drive.strengths, k, exact=False)
-        power[band] = float(weights @ (density * drive.gain(k) * np.square(drive.speed * k))) / pi
+    k, weight = panels(np.unique(np.concatenate([ends, edges[(edges > ends[0]) & (edges < ends[-1])]])), 16)
+    density = force_spectral_density(separation, drive.strengths, k, exact=False)
+    parts = weight * density * drive.gain(k) * np.square(drive.speed * k) / pi
+    power = np.histogram(k, ends, weights=parts)[0]
     kept = power > _PART_LEFT_OUT * response(separation).velocity_std ** 2
     return ThirdOctaves(frequency=middles[kept], velocity=np.sqrt(power[kept]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LoadErrors:
-    """Standard errors over one run: um, um/s and uN; those of the friction force are nan without a strength."""
+class FreeMotion:
+    """Scales of free motion (Hz; the rest without units), its exact means (uN, um^2), and its limit.
 
-    separation_mean: float
-    separation_std: float
-    velocity_std: float
+    live: N; restitution, or impact_damping as beta s_0 omega_c, the other nan; area_mean and force_mean: nan unless the
+    contact is elastic, and force_mean also without a strength; fast_area_mean: what the mean area tends to at high
+    speeds, nan with impact damping; first_order: the limit of small v and large N, of a contact with no loss but that
+    of a dashpot, else None.
+    """
+
+    contact_resonance: float
+    relative_speed: float
+    live: float
+    damping_ratio: float
+    restitution: float
+    impact_damping: float
     load_mean: float
-    load_std: float
+    area_mean: float
     force_mean: float
-    force_std: float
+    fast_area_mean: float
+    first_order: LoadMotion | None
 
 
-def start_excess(model: Model, distance: float) -> tuple[float, float]:
-    """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
+def free_motion(model: Model) -> FreeMotion:
+    """Return the exact results for a slider that is free to leave its contact; for the rest there is no theory.
 
-    It is the free decay y from the values of a stationary separation, over ``distance`` um or T: E[int y'^2 dt]/T
-    and K^2 E[int y^2 dt]/T, with int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and
-    int y^2 dt = (c y_0^2/2 + m y_0 y'_0 + m e/c)/K, from m y'' + c y' + K y = 0.
+    Momentum: the mean of P is W. If nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
+    is A_rm, the mean summed overlap N s_0, and the mean friction force E[psi] A_rm: strengths do not move the slider.
+    At high speeds sliding alone changes overlaps, so that half of the area grows and half shrinks, which bears e^2 as
+    much: W = H A (1 + e^2)/2, and the mean area tends to 2 A_rm/(1 + e^2). Raises Refused without free motion.
     """
-    drive, motion = drive_of(separation_of(model)), load_motion(model)
-    slider, square = drive.slider, motion.separation_std**2
-    energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
-    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) / slider.stiffness
-    rate = drive.speed / distance
-    return energy / slider.damping * rate, slider.stiffness**2 * decay * rate
-
-
-def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
-    """Return standard errors of the motion under a load over a run of ``distance`` um.
-
-    Those of `motion_errors` for the separation, which bounds the mean's. The mean of P - W is what momentum and damping
-    carry from start to end, (m dz' + c dz)/T. A run ``from_start`` has `start_excess` in the squares of z' and P - W,
-    which is as uncertain as it is large: for Gaussian z and z' its root mean square is at most sqrt(3) times as much.
-    """
-    separation = separation_of(model)
-    drive, motion = drive_of(separation), load_motion(model)
-    errors = motion_errors(separation, distance)
-    fast, excess = (sqrt(3.0) * each * from_start for each in start_excess(model, distance))
-    square = mean_square_variances(separation, drive, lambda k: np.square(np.abs(drive.borne(k)))[None])[0]
-    force_mean, force_std = nan, nan
-    if model.strengths is not None:
-        friction, std = model.strengths.mean / drive.strengths.mean, motion.covariance(FORCE, FORCE) ** 0.5
-        force_mean = mean_force_error(model, distance)
-        force_std = hypot(force_std_error(model, distance), friction**2 * excess / (2.0 * std))
-    return LoadErrors(
-        separation_mean=errors.mean_displacement,
-        separation_std=errors.displacement_std,
-        velocity_std=hypot(errors.velocity_std, fast / (2.0 * motion.velocity_std)),
-        load_mean=carried_momentum(separation) * drive.speed / distance,
-        load_std=hypot(sqrt(float(square) * drive.speed / distance), excess) / (2.0 * motion.load_std),
-        force_mean=force_mean,
-        force_std=force_std,
+    if model.free is None:
+        raise Refused('the slider leaves its contact with load.motion = "free" alone')
+    free, held, area = model.free, model.free.held, model.mean_real_contact_area
+    linear, resonance = replace(model, free=None, separation=held), held.oscillator
+    elastic, e = free.restitution == 1.0, nan if free.restitution is None else free.restitution
+    beta = nan if free.impact_damping is None else free.impact_damping
+    return FreeMotion(
+        contact_resonance=resonance.natural_frequency,
+        relative_speed=relative_speed(linear),
+        live=model.mean_junction_count,
+        damping_ratio=resonance.damping_ratio,
+        restitution=e,
+        impact_damping=beta * held.height_scale * resonance.natural_angular_frequency,
+        load_mean=held.load,
+        area_mean=area if elastic else nan,
+        force_mean=model.strengths.mean * area if elastic and model.strengths is not None else nan,
+        fast_area_mean=2.0 * area / (1.0 + e**2),
+        first_order=load_motion(linear) if elastic and held.damping > 0.0 else None,
     )

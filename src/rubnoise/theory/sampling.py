@@ -1,39 +1,34 @@
 """Standard errors of the figures of a finite record of area, friction force or motion, from theory alone."""
 
-from cmath import exp as complex_exp
-from cmath import sqrt as complex_sqrt
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
-from math import comb, hypot, inf, pi, sqrt
-from typing import Any
+from math import comb, hypot, inf, nan, sqrt
 
 import numpy as np
+from scipy.linalg import expm
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import Pulse
-from rubnoise.model import Model, Slider
-from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants, strengths_of
-from rubnoise.theory.correlation import Powers, joint_cumulants, lag_rule, unphased_covariance
-from rubnoise.theory.drive import (
-    Drive,
+from rubnoise.contact.laws import Law
+from rubnoise.model import Model
+from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants, strengths_of
+from rubnoise.theory.load import FORCE, load_motion
+from rubnoise.theory.motion import (
     drive_of,
-    force_power,
-    force_terms,
+    frequencies,
+    mean_displacement,
     motion_drive_of,
+    response,
     separation_of,
-    squared_strengths,
+    spread_of,
 )
-from rubnoise.theory.off_centre import offset_probabilities, pass_energies
-from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.regular_births import need_random_births, resolved_error, spectral_lines, variance_of_line_mean
-from rubnoise.theory.response import mean_displacement, response, response_rules
-from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
-from rubnoise.theory.transform import transform_of
+from rubnoise.theory.second_order import area_noise, joint_cumulant, lag_rule, need_random_births, resolved_error
+from rubnoise.theory.sizes import COARSE, sizes_of
+from rubnoise.theory.unit_pulse import pass_energies
+
+Powers = tuple[int, int]
 
 _ORDER = 4
-_SIZES = 12  # an error of an error: seven digits are plenty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,63 +42,55 @@ class StandardErrors:
 
 
 def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
-    """Return the variance in um^4 of the mean of A_r over a stationary record of T um, exact for every length.
+    """Return the variance in um^4 of the mean of A_r over a stationary record of T um, or the model's ticks.
 
-    Over ``distance`` um, Var = (2/T^2) int_0^T (T - tau) R(tau) dtau, which tends to S(0)/T; without a distance, over
-    the model's ticks. Regular births leave what `variance_of_line_mean` says.
+    Var = (2/T^2) int_0^T (T - tau) R(tau) dtau, exact for every length, which tends to S(0)/T.
     Source: Papoulis, Probability, Random Variables and Stochastic Processes, section 12-1.
     """
-    return _variance_of_mean(model, distance, 1.0, 1.0)
+    return area_noise(model).variance_of_mean(distance)
 
 
 def mean_area_error(model: Model, distance: float | None = None) -> float:
-    """Return the standard error in um^2 of the mean of A_r over a stationary record, exact for every length.
+    """Return the standard error in um^2 of the mean of A_r: the root of `variance_of_time_mean`."""
+    return resolved_error(variance_of_time_mean(model, distance), model.stationary_mean_area)
 
-    The root of `variance_of_time_mean`, and 0 below 1e-12 of the mean, where rounding decides.
+
+def mean_force_error(model: Model, distance: float | None = None) -> float:
+    """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
+
+    E[psi^2] multiplies the part of single junctions, E[psi]^2 that of births. Under a load that weighs only the
+    deviations of strengths have an error, and what momentum carries bounds that of the mean of P. Raises Refused
+    without a strength.
     """
-    return resolved_error(variance_of_time_mean(model, distance), area_cumulants(model).mean)
-
-
-def variance_of_mean_force(model: Model, distance: float | None = None) -> float:
-    """Return the variance in uN^2 of the mean friction force over a stationary record, exact for every length.
-
-    Over ``distance`` um or the model's ticks, for strengths psi independent of sizes: E[psi^2] multiplies the part of
-    single junctions, E[psi]^2 that of their means. Under a load that weighs, only the deviations of strengths count.
-    Raises Refused without a strength.
-    """
-    psi = strengths_of(model)
-    if model.separation is not None:
-        return _variance_of_mean(model, distance, max(psi.moment(2) - psi.mean**2, 0.0), 0.0)
-    return _variance_of_mean(model, distance, psi.moment(2), psi.mean**2)
+    psi, noise = strengths_of(model), area_noise(model)
+    mean = psi.mean * model.stationary_mean_area
+    if model.separation is None:
+        return resolved_error(noise.variance_of_mean(distance, psi.moment(2), psi.mean**2), mean)
+    separation, length = separation_of(model), distance or (model.tick_count + 1) * model.tick
+    drive = drive_of(separation)
+    carried = carried_momentum(separation) * drive.speed / length
+    deviations = resolved_error(noise.variance_of_mean(distance, spread_of(psi), 0.0), mean)
+    return deviations + psi.mean / drive.strengths.mean * carried
 
 
 def standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
     """Return the standard errors of mean, std, skewness and excess kurtosis of A_r over a stationary record.
 
-    The record is continuous over ``distance`` um or, without one, the model's ticks. The mean's is exact; the others
-    are of first order in life/distance (trust them from some 100 lives on), as are the moments' biases that they leave
-    out. Each estimate moves with the mean over the record of a polynomial f in z = (A_r - mean)/std, its influence
-    function: (z^2 - 1)/2 times std; z^3 - g - 3z - (3/2) g (z^2 - 1); z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness
-    and b the kurtosis; and Var = sum over lags of weight times Cov[f(0), f(tau)], from the joint cumulants of A_r(s)
-    and A_r(s + tau). Raises Refused unless births are a Poisson process.
+    The record is continuous over ``distance`` um or, without one, the model's ticks. The errors are of first order in
+    life/distance (trust them from some 100 lives on). Each estimate moves with the mean over the record of a polynomial
+    f in z = (A_r - mean)/std, its influence function: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2) g (z^2 - 1);
+    z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis; and Var = sum over lags of weight times
+    Cov[f(0), f(tau)], from `joint_cumulant`. Raises
+    Refused unless births are a Poisson process.
     Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
     """
     return _standard_errors(model, distance, area_cumulants(model), (1.0,) * (2 * _ORDER + 1))
 
 
 def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
-    """Return the standard errors of mean, std, skewness and excess kurtosis of friction force, as `standard_errors`.
-
-    The joint cumulants of psi A gain E[psi^(i + j)]. Raises Refused without a strength and for births not at random.
-    """
-    cumulants, psi = force_cumulants(model), strengths_of(model)
-    return _standard_errors(model, distance, cumulants, tuple(psi.moment(n) for n in range(2 * _ORDER + 1)))
-
-
-def _variance_of_mean(model: Model, distance: float | None, square: float, squared_mean: float) -> float:
-    lags, weights = lag_rule(model, distance)
-    variance = float(weights @ unphased_covariance(model, lags, square, squared_mean))
-    return variance + squared_mean * variance_of_line_mean(model, spectral_lines(model), distance)
+    """Return the same for friction force: the joint cumulants of psi A gain E[psi^(i + j)]."""
+    psi = strengths_of(model)
+    return _standard_errors(model, distance, force_cumulants(model), tuple(map(psi.moment, range(2 * _ORDER + 1))))
 
 
 def _standard_errors(
@@ -111,34 +98,32 @@ def _standard_errors(
 ) -> StandardErrors:
     need_random_births(model, "the standard error of a moment")
     lags, weights = lag_rule(model, distance)
-    powers: tuple[Powers, ...] = tuple((i, j) for i in range(1, _ORDER + 1) for j in range(i, _ORDER + 1))
-    joint = joint_cumulants(model, lags, powers, sizes=_SIZES)
-    joint = {(i, j): strength_moments[i + j] * values for (i, j), values in joint.items()}
-    covariances = np.tensordot(_moment_covariances(cumulants, joint), weights, axes=1)
-    mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in _influence(cumulants))
+    joint = _joint_cumulants(model, cumulants, strength_moments, lags)
+    moments, orders = _joint_moments(joint), range(1, _ORDER + 1)
+    covariances = np.array(
+        [[weights @ (moments[i, j] - moments[i, 0] * moments[0, j]) for j in orders] for i in orders]
+    )
+    g, b = cumulants.skewness, cumulants.excess_kurtosis + 3.0
+    influence = ([1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0])
+    mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in map(np.array, influence))
     return StandardErrors(
         mean=mean * cumulants.std, std=std * cumulants.std, skewness=skewness, excess_kurtosis=kurtosis
     )
 
 
-def _influence(cumulants: Cumulants) -> tuple[Doubles, ...]:
-    """Return the coefficients of z, z^2, z^3, z^4 in the influence functions of the four moments."""
-    g, b = cumulants.skewness, cumulants.excess_kurtosis + 3.0
-    rows = ([1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0])
-    return tuple(np.array(row) for row in rows)
-
-
-def _moment_covariances(cumulants: Cumulants, joint: dict[Powers, Doubles]) -> Doubles:
-    """Return Cov[z(0)^i, z(tau)^j] for i, j = 1 ... 4, a last axis of lags, for z = (A_r - mean)/std."""
-    scaled = {(i, j): k / cumulants.std ** (i + j) for (i, j), k in joint.items()}
-    scaled |= {(j, i): k for (i, j), k in scaled.items()}
-    lags = next(iter(scaled.values()))
-    for order in range(1, _ORDER + 1):
-        value = cumulants.values[order - 1] / cumulants.std**order if order > 1 else 0.0
-        scaled[order, 0] = scaled[0, order] = np.full_like(lags, value)
-    moments = _joint_moments(scaled)
-    orders = range(1, _ORDER + 1)
-    return np.array([[moments[i, j] - moments[i, 0] * moments[0, j] for j in orders] for i in orders])
+def _joint_cumulants(
+    model: Model, cumulants: Cumulants, strength_moments: tuple[float, ...], lags: Doubles
+) -> dict[Powers, Doubles]:
+    """Return kappa_ij of z(0) and z(tau), i and j up to 4, z = (A_r - mean)/std."""
+    found = {}
+    for i, j in product(range(_ORDER + 1), repeat=2):
+        order = i + j
+        if i and j:
+            found[i, j] = strength_moments[order] * joint_cumulant(model, lags, i, j) / cumulants.std**order
+        elif order:
+            value = cumulants.values[order - 1] / cumulants.std**order if order > 1 else 0.0
+            found[i, j] = np.full_like(lags, value)
+    return found
 
 
 def _joint_moments(cumulants: dict[Powers, Doubles]) -> dict[Powers, Doubles]:
@@ -159,11 +144,6 @@ def _joint_moments(cumulants: dict[Powers, Doubles]) -> dict[Powers, Doubles]:
     return moments
 
 
-_MOTION_SIZES = 32
-
-Energies = Callable[[Doubles], Doubles]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionErrors:
     """Standard errors over one run: mean and std of displacement in um, std of velocity in um/s."""
@@ -173,21 +153,6 @@ class MotionErrors:
     velocity_std: float
 
 
-def mean_force_error(model: Model, distance: float | None = None) -> float:
-    """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
-
-    Over ``distance`` um or the model's ticks; 0 below 1e-12 of the mean, where rounding decides. Under a load that
-    weighs the deviations of strengths have it, and the mean of P is known but for what momentum carries: a bound.
-    Raises Refused without a strength. Source: as `rubnoise.theory.sampling.variance_of_time_mean`, for the pulse psi A.
-    """
-    error = resolved_error(variance_of_mean_force(model, distance), force_cumulants(model).mean)
-    if model.separation is None:
-        return error
-    separation, length = separation_of(model), distance or (model.tick_count + 1) * model.tick
-    drive = drive_of(separation)
-    return error + strengths_of(model).mean / drive.strengths.mean * carried_momentum(separation) * drive.speed / length
-
-
 def expected_mean_displacement(model: Model, distance: float) -> float:
     """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
 
@@ -195,11 +160,11 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
     """
     drive = motion_drive_of(model)
-    slider, still = drive.slider, mean_displacement(model)
+    slider, still, duration = drive.slider, mean_displacement(model), distance / drive.speed
     if slider.start == "equilibrium":
         return still
-    duration = distance / drive.speed
-    y, velocity = _free_decay(slider, duration)
+    decay = np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
+    y, velocity = expm(decay * duration)[:, 0].tolist()
     missing = (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration)
     return still * (1.0 - missing)
 
@@ -209,8 +174,7 @@ def mean_displacement_error(model: Model, distance: float) -> float:
 
     It holds for every length and is exact for long runs: k mean x = mean F - (m dv + c dx)/T, where dv and dx, the
     changes over the run, spread by no more than their stationary std plus that of the decaying start (whose energy
-    only falls). Over a base y, k mean x = k mean y + (c dy - m dv - c dx)/T. Raises Refused without slider, strength or
-    speed; inf without damping.
+    only falls). Over a base y, k mean x = k mean y + (c dy - m dv - c dx)/T. inf without damping.
     """
     drive = motion_drive_of(model)
     change = carried_momentum(model) * drive.speed / distance
@@ -232,12 +196,9 @@ def carried_momentum(model: Model) -> float:
 def motion_errors(model: Model, distance: float) -> MotionErrors:
     """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
 
-    The mean's is that of `mean_displacement_error`. The stds' are for runs of many lives and decay times:
-    Var[mean of x^2] = (1/T) int Cov[x^2(0), x^2(t)] dt = (2/pi T) int_0^inf S_x^2 dw
-    + (lam V/T) E[psi^4] E[(int y^2 dt)^2], y the response to one junction of unit strength; the error of the std is the
-    root of it over 2 std. The last mean is over lives of any size and offset. Raises Refused without slider, strength
-    or speed, and unless births are a Poisson process; inf without damping.
-    Source: cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
+    The mean's is that of `mean_displacement_error`. The stds' are for runs of many lives and decay times: the root of
+    `mean_square_variances` over 2 std. Raises Refused without slider, strength or speed, and unless births are a
+    Poisson process; inf without damping.
     """
     drive, motion = motion_drive_of(model), response(model)
     need_random_births(model, "the standard error of the slider's motion")
@@ -245,10 +206,9 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
 
     def gains(k: Doubles) -> Doubles:
-        gain = drive.gain(k)
-        return np.stack([gain, gain * np.square(drive.speed * k)])
+        return drive.gain(k) * np.stack([np.ones_like(k), np.square(drive.speed * k)])
 
-    displacement, velocity = np.sqrt(mean_square_variances(model, drive, gains) * drive.speed / distance)
+    displacement, velocity = np.sqrt(mean_square_variances(model, drive.strengths, gains, distance))
     return MotionErrors(
         mean_displacement=mean_displacement_error(model, distance),
         displacement_std=float(displacement) / (2.0 * motion.displacement_std),
@@ -256,46 +216,101 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     )
 
 
-def force_std_error(model: Model, distance: float) -> float:
-    """Return the standard error in uN of the std of friction force under a load, as those of `motion_errors`."""
-    drive = drive_of(separation_of(model))
-    drive = replace(drive, strengths=strengths_of(model))
-    square = mean_square_variances(model, drive, lambda k: np.ones((1, k.size)))[0]
-    return sqrt(float(square) * drive.speed / distance) / (2.0 * force_cumulants(model).std)
+def mean_square_variances(
+    model: Model, strengths: Law, gains: Callable[[Doubles], Doubles], distance: float
+) -> Doubles:
+    """Return the variances of the mean of u^2 over a long run, u the friction force after filters of some power gains.
+
+    (1/T) int Cov[u^2(0), u^2(t)] dt = (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
+    junction of any strength, size and offset. Source: cumulants of filtered shot noise (Rice 1944, as above).
+    """
+    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
+    powers, mean = gains(rule.wavenumber), strengths.mean
+    if model.separation is None:
+        terms = np.ones((1, rule.wavenumber.size))
+        density = strengths.moment(2) * rule.alone
+    else:
+        # Under a load a junction brings q + E[psi] r, q = psi - E[psi]: factors of q^2, q and 1.
+        borne = mean * drive_of(separation_of(model)).borne(rule.wavenumber)
+        terms = np.stack([np.ones(borne.size), 2.0 * borne.real, np.square(np.abs(borne))])
+        density = rule.alone * (spread_of(strengths) + terms[2])
+    gaussian = 2.0 * np.square(density * powers) @ rule.weight
+    fourth = np.zeros(len(powers))
+    for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
+        lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
+        energies = diameter**6 * np.einsum("vk,tk,lk->tvl", powers, terms * rule.weight, lives)
+        fourth += probability * _squared_strengths(strengths, energies) @ shares
+    return (gaussian + model.birth_rate * fourth) / distance
 
 
-def mean_square_variances(model: Model, drive: Drive, gains: Callable[[Doubles], Doubles]) -> Doubles:
-    """Return the integrals over all lags in s of Cov[u^2, u^2], u the force after filters of some power gains."""
-    diameters, probabilities = size_rule(model.sizes, _MOTION_SIZES)
-    lives, shares = _energies_of_lives(model.pulse)
-    rules = response_rules(model, drive)
-    squares: Any = 0.0
-    energies: Any = 0.0
-    for (k, weights), density, square in zip(rules, (spectral_density, mean_spectral_density), lives, strict=True):
-        powers, life = gains(k), square(np.multiply.outer(k, diameters)) * diameters**6
-        power = density(model, k) * force_power(model, drive.strengths, k) * powers
-        squares = squares + np.square(power) @ weights
-        energies = energies + np.stack(
-            [np.einsum("vk,lkd->vld", powers * weights * term, life) for term in force_terms(model, drive.strengths, k)]
-        )
-    first = 2.0 / (pi * drive.speed) * squares
-    fourth = shares @ squared_strengths(drive.strengths, energies / (pi * drive.speed)) @ probabilities
-    return first + model.birth_rate * drive.speed * fourth
+def _squared_strengths(strengths: Law, terms: Doubles) -> Doubles:
+    """Return the mean over strengths of the square of energies: of psi^2, or of q^2, q and 1, q = psi - E[psi]."""
+    if len(terms) == 1:
+        return np.asarray(strengths.moment(4) * np.square(terms[0]), dtype=np.float64)
+    mean, square, cube, fourth = (strengths.moment(n) for n in (1, 2, 3, 4))
+    third = cube - 3.0 * mean * square + 2.0 * mean**3
+    kurtosis = fourth - 4.0 * mean * cube + 6.0 * mean**2 * square - 3.0 * mean**4
+    own, mixed, same = terms
+    spread = spread_of(strengths) * (mixed**2 + 2.0 * own * same)
+    return np.asarray(kurtosis * own**2 + 2.0 * third * own * mixed + spread + same**2, dtype=np.float64)
 
 
-def _energies_of_lives(pulse: Pulse) -> tuple[tuple[Energies, Energies], Doubles]:
-    """Return |a^(z)|^2 of each kind of life of unit diameter, itself and without its swing, and their probabilities."""
-    if pulse.offset != "none":
-        own = partial(pass_energies, pulse)
-        return (own, own), offset_probabilities()
-    transform = transform_of(pulse)
-    return (lambda z: transform.square(z)[None], lambda z: transform.mean_square(z)[None]), np.ones(1)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadErrors:
+    """Standard errors over one run: um, um/s and uN; those of the friction force are nan without a strength."""
+
+    separation_mean: float
+    separation_std: float
+    velocity_std: float
+    load_mean: float
+    load_std: float
+    force_mean: float
+    force_std: float
 
 
-def _free_decay(slider: Slider, duration: float) -> tuple[float, float]:
-    """Return displacement (from 1) and velocity of the free slider after a time in s; every damping."""
-    rate, natural = slider.damping / (2.0 * slider.mass), slider.natural_angular_frequency
-    root = complex_sqrt(rate * rate - natural * natural)
-    slow, fast = complex_exp(-natural * natural / (rate + root) * duration), complex_exp(-(rate + root) * duration)
-    divided = (slow - fast) / (2.0 * root) if abs(root) * duration > 1e-6 else duration * complex_exp(-rate * duration)
-    return (0.5 * (slow + fast) + rate * divided).real, (-natural * natural * divided).real
+def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
+    """Return standard errors of the motion under a load over a run of ``distance`` um.
+
+    Those of `motion_errors` for the separation, which bounds the mean's. The mean of P - W is what momentum and damping
+    carry from start to end, (m dz' + c dz)/T. A run ``from_start`` has `start_excess` in the squares of z' and P - W,
+    which is as uncertain as it is large: for Gaussian z and z' its root mean square is at most sqrt(3) times as much.
+    """
+    separation = separation_of(model)
+    drive, motion = drive_of(separation), load_motion(model)
+    errors = motion_errors(separation, distance)
+    fast, excess = (sqrt(3.0) * each * from_start for each in start_excess(model, distance))
+
+    def held(k: Doubles) -> Doubles:
+        return np.square(np.abs(drive.borne(k)))[None]
+
+    square = float(mean_square_variances(separation, drive.strengths, held, distance)[0])
+    force_mean, force_std = nan, nan
+    if model.strengths is not None:
+        std, share = motion.covariance(FORCE, FORCE) ** 0.5, model.strengths.mean / drive.strengths.mean
+        own = mean_square_variances(model, model.strengths, lambda k: np.ones((1, k.size)), distance)[0]
+        force_mean = mean_force_error(model, distance)
+        force_std = hypot(sqrt(float(own)), share**2 * excess) / (2.0 * std)
+    return LoadErrors(
+        separation_mean=errors.mean_displacement,
+        separation_std=errors.displacement_std,
+        velocity_std=hypot(errors.velocity_std, fast / (2.0 * motion.velocity_std)),
+        load_mean=carried_momentum(separation) * drive.speed / distance,
+        load_std=hypot(sqrt(square), excess) / (2.0 * motion.load_std),
+        force_mean=force_mean,
+        force_std=force_std,
+    )
+
+
+def start_excess(model: Model, distance: float) -> tuple[float, float]:
+    """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
+
+    It is the free decay y from the values of a stationary separation, over ``distance`` um or T: E[int y'^2 dt]/T
+    and K^2 E[int y^2 dt]/T, with int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and
+    int y^2 dt = (c y_0^2/2 + m y_0 y'_0 + m e/c)/K, from m y'' + c y' + K y = 0.
+    """
+    drive, motion = drive_of(separation_of(model)), load_motion(model)
+    slider, square = drive.slider, motion.separation_std**2
+    energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
+    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) / slider.stiffness
+    rate = drive.speed / distance
+    return energy / slider.damping * rate, slider.stiffness**2 * decay * rate

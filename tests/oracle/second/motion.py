@@ -12,8 +12,8 @@ from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import CHUNK_ROWS, Doubles
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows, chunks
-from rubnoise.theory.motion_cumulants import free_motion
-from rubnoise.theory.quadrature import panels
+from rubnoise.theory.load import free_motion
+from rubnoise.theory.sizes import panels
 from tests.oracle.second.contact import Window
 from tests.oracle.second.sums import force_moments
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged_mean, tail_of, too_short
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.quadrature import size_range
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.sizes import size_range
 
 LIFE_INTEGRALS: Final = {
     "lens": 2.0 / 3.0,

@@ -7,14 +7,13 @@ import numpy as np
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.moments import needed_for_mean, over_ticks
+from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
-from rubnoise.theory.birth_noise import has_noise_of_its_own
-from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.correlation import autocovariance, joint_cumulants, lag_rule
-from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
-from rubnoise.theory.regular_births import need_random_births
+from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
+from rubnoise.theory.live_count import count_covariance, mean_count, mean_count_error
 from rubnoise.theory.sampling import mean_area_error, mean_force_error, standard_errors
+from rubnoise.theory.second_order import are_at_random, autocovariance, joint_cumulant, lag_rule, need_random_births
 
 _ROUNDING = 2.0**-50
 _CONSTANT = 1e-9
@@ -40,7 +39,7 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
     if expected.variance == 0.0:
         away, allowed = max(abs(seen.mean - expected.mean), seen.std), _CONSTANT * expected.mean
         return [Identity(name="real_contact_area", deviation=away, allowed=allowed, units="um^2")]
-    if has_noise_of_its_own(model):
+    if not are_at_random(model) and not isinstance(model.births, RegularBirths):
         return _second_order(model, trace, expected)
     need_random_births(model, "the standard error of a mean area")
     errors = standard_errors(over_ticks(model, trace.stationary_ticks, model.tick))
@@ -74,7 +73,7 @@ def _second_order(model: Model, trace: TraceSums, expected: Cumulants) -> list[F
     seen, tails = trace.area, [tail_of(model, length, power) for power in (3, 5)]
     lags, weights = lag_rule(stretch)
     bunched = max(model.births.dispersion, 1.0) ** 3
-    fourth = bunched * joint_cumulants(stretch, lags, ((2, 2),))[2, 2]
+    fourth = bunched * joint_cumulant(stretch, lags, 2, 2)
     error = sqrt(float(weights @ (fourth + 2.0 * np.square(autocovariance(stretch, lags)))))
     mean_error, std_error = mean_area_error(stretch), error / (2.0 * expected.std)
     return [
@@ -142,6 +141,10 @@ def _variance_error(stretch: Model) -> float:
     if stretch.strengths is None:
         return 0.0
     lags, weights = lag_rule(stretch)
-    joint = joint_cumulants(stretch, lags, ((1, 1), (2, 2)))
     second, fourth = stretch.strengths.moment(2), stretch.strengths.moment(4)
-    return sqrt(float(weights @ (fourth * joint[2, 2] + 2.0 * (second * joint[1, 1]) ** 2)))
+    return sqrt(
+        float(
+            weights
+            @ (fourth * joint_cumulant(stretch, lags, 2, 2) + 2.0 * (second * autocovariance(stretch, lags)) ** 2)
+        )
+    )

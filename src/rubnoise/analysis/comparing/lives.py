@@ -14,9 +14,8 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of, half_life, overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
-from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.quadrature import panels
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.second_order import autocovariance, spectral_density
+from rubnoise.theory.sizes import panels
 
 _ROUNDING = 2.0**-50
 _NODES = 40

@@ -17,9 +17,10 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model, Separation
 from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
-from rubnoise.theory.campbell import force_cumulants
-from rubnoise.theory.drive import drive_of, separation_of
-from rubnoise.theory.load import load_errors, load_motion
+from rubnoise.theory.cumulants import force_cumulants
+from rubnoise.theory.load import load_motion
+from rubnoise.theory.motion import drive_of, separation_of
+from rubnoise.theory.sampling import load_errors
 
 _ROUNDING = 2.0**-48
 _FAR = 12.0  # standard deviations

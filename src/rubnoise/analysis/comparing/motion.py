@@ -19,12 +19,11 @@ from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import KEPT, Moments
-from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
-from rubnoise.theory.drive import motion_drive_of
-from rubnoise.theory.regular_births import need_random_births
-from rubnoise.theory.response import Response, response
+from rubnoise.theory.cumulants import force_cumulants
+from rubnoise.theory.motion import Response, motion_drive_of, response
 from rubnoise.theory.sampling import mean_force_error, motion_errors
+from rubnoise.theory.second_order import need_random_births
 
 FORGOTTEN = 1e-3
 """Part of a spread that the start of a motion may leave."""

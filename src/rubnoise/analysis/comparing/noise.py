@@ -23,12 +23,11 @@ from rubnoise.analysis.records import longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
 from rubnoise.model import Model
-from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.occupancy import zero_share
-from rubnoise.theory.regular_births import need_random_births
+from rubnoise.theory.live_count import zero_share
+from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.sampling import variance_of_time_mean
+from rubnoise.theory.second_order import autocovariance, need_random_births
 
 BANDS = 8
 FEWEST_SEGMENTS = 8

@@ -28,9 +28,9 @@ from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Moments
-from rubnoise.theory.occupancy import mean_count
-from rubnoise.theory.quadrature import panels, size_range
-from rubnoise.theory.regular_births import need_random_births
+from rubnoise.theory.live_count import mean_count
+from rubnoise.theory.second_order import need_random_births
+from rubnoise.theory.sizes import panels, size_range
 
 _CELLS = 8192
 _NODES = 6

@@ -16,8 +16,8 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
-from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.quadrature import longest_life
+from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.sizes import longest_life
 
 COLUMNS = ("distance", "real_contact_area", "junction_count", "friction_force")
 

@@ -7,16 +7,15 @@ from math import nan, sqrt
 from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory import birth_noise
-from rubnoise.theory.birth_noise import has_noise_of_its_own
-from rubnoise.theory.mean_life import ORDERS
-from rubnoise.theory.regular_births import are_at_random, regular_cumulants
-from rubnoise.theory.response import force_variance
+from rubnoise.theory.motion import force_variance
+from rubnoise.theory.second_order import are_at_random, area_noise
+
+ORDERS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cumulants:
-    """The first six cumulants of a stationary quantity, each in its unit to the power of its order."""
+    """The first six cumulants of a stationary quantity, each in its unit to the power of its order; nan: not known."""
 
     values: tuple[float, ...]
 
@@ -50,8 +49,7 @@ def area_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary real contact area in um^(2n), n = 1 ... 6.
 
     kappa_n = lam c_n m_(2n+1) for Poisson births: lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life,
-    m_n = E[d^n]. Regular births have the same mean, and the rest from the law of total cumulance over their phase;
-    others have the variance that `rubnoise.theory.birth_noise` adds, and clusters the rest. No closed form is nan.
+    m_n = E[d^n]. Other births have the same mean, the variance R(0), and no known others: nan.
     Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse,
     such as that of paper Eq. (2).
     """
@@ -61,13 +59,13 @@ def area_cumulants(model: Model) -> Cumulants:
 def force_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6.
 
-    kappa_n = lam c_n m_(2n+1) E[psi^n] for Poisson births; strengths psi (MPa) are independent of sizes. Raises Refused
-    without a strength. Under a load that weighs the variance is that of `force_variance`, and higher ones are nan: they
-    are not known. Source: as `area_cumulants`, for the pulse psi A of paper Eq. (1).
+    kappa_n = lam c_n m_(2n+1) E[psi^n] for Poisson births; strengths psi (MPa) are independent of sizes. Under a load
+    that weighs the variance is that of `force_variance`. Raises Refused without a strength. Source: as
+    `area_cumulants`, for the pulse psi A of paper Eq. (1).
     """
     psi = strengths_of(model)
     if model.separation is not None:
-        return Cumulants(values=(psi.moment(1) * model.stationary_mean_area, force_variance(model), *[nan] * 4))
+        return _of_second_order(psi.moment(1) * model.stationary_mean_area, force_variance(model))
     return _cumulants(model, tuple(psi.moment(n) for n in range(ORDERS + 1)))
 
 
@@ -78,13 +76,19 @@ def strengths_of(model: Model) -> Law:
     return model.strengths
 
 
+def _of_second_order(mean: float, variance: float) -> Cumulants:
+    return Cumulants(values=(mean, variance, *(nan,) * (ORDERS - 2)))
+
+
 @lru_cache(maxsize=16)
 def _cumulants(model: Model, strength_moments: tuple[float, ...]) -> Cumulants:
-    at_random = are_at_random(model)
-    if not (at_random or has_noise_of_its_own(model)):
-        return Cumulants(values=regular_cumulants(model, strength_moments))
-    values = tuple(
-        strength_moments[n] * (model.birth_rate * model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1))
-        for n in range(1, ORDERS + 1)
-    )
-    return Cumulants(values=values if at_random else birth_noise.cumulants(model, values, strength_moments))
+    if not are_at_random(model):
+        variance = float(area_noise(model).covariance(0.0, strength_moments[2], strength_moments[1] ** 2))
+        mean = strength_moments[1] * model.stationary_mean_area
+        return _of_second_order(mean, variance if variance > (_CONSTANT * mean) ** 2 else 0.0)
+    lives = (model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1) for n in range(1, ORDERS + 1))
+    return Cumulants(values=tuple(strength_moments[n] * model.birth_rate * life for n, life in enumerate(lives, 1)))
+
+
+_CONSTANT = 1e-12
+"""Spread over mean below which a quantity is constant, as equal triangles are that are born at regular places."""

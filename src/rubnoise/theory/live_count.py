@@ -1,0 +1,130 @@
+"""The live count, a queue with infinitely many servers; and count and area after an empty start."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rubnoise.arrays import Doubles
+from rubnoise.model import Model
+from rubnoise.theory.second_order import (
+    ShotNoise,
+    are_at_random,
+    area_noise,
+    count_noise,
+    lag_rule,
+    need_random_births,
+    resolved_error,
+)
+from rubnoise.theory.sizes import longest_life, panels
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ZeroShare:
+    """The share of a record's ticks at which no junction is alive: expected value, standard error and skewness."""
+
+    expected: float
+    standard_error: float
+    skewness: float
+
+
+def mean_count(model: Model) -> float:
+    """Return E[N] = lam 2 m_1, (pi/2) m_1 off the centre line (Little's law); of Poisson births N is Poisson."""
+    return model.birth_rate * model.pulse.mean_life * model.sizes.moment(1)
+
+
+def length_biased_mean_diameter(model: Model) -> float:
+    """Return the mean diameter in um of a junction found alive, m_2/m_1: its density is d f(d) / m_1."""
+    return model.sizes.moment(2) / model.sizes.moment(1)
+
+
+def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
+    """Return Cov[N(s), N(s + tau)] for lags tau in um (any shape): lam E[(life - |tau|)+] for Poisson births."""
+    return count_noise(model).covariance(lag)
+
+
+def count_variance(model: Model) -> float:
+    """Return Var[N]: the mean for Poisson births; x (1 - x), x the fraction in the count of equal regular ones."""
+    return mean_count(model) if are_at_random(model) else float(count_covariance(model, 0.0))
+
+
+def expected_births(model: Model) -> float:
+    """Return lam T, the expected number of births while sliding the model's distance T (um)."""
+    return model.birth_rate * model.distance
+
+
+def expected_junction_rows(model: Model) -> float:
+    """Return the expected number of junctions in a record: the births, and those alive at a stationary start."""
+    return expected_births(model) + (mean_count(model) if model.start == "stationary" else 0.0)
+
+
+def mean_count_error(model: Model, distance: float | None = None) -> float:
+    """Return the standard error of the mean of N over ``distance`` um or the model's ticks, the start stationary."""
+    return resolved_error(count_noise(model).variance_of_mean(distance), mean_count(model))
+
+
+def zero_share(model: Model) -> ZeroShare:
+    """Return the law of the share of ticks at which N = 0, over the model's ticks as a stationary record.
+
+    N is 0 with p = exp(-E[N]), and again a lag tau later with r(tau) = p exp(C), C = lam E[(life - tau)+], so the
+    covariance is p (r - p), exact for every length. An empty contact does not remember what came before: three ticks
+    are empty with p r(tau_1) r(tau_2). With n ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and
+    B = S_0 - p/2, the number of empty ticks has the third cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for
+    long records. Raises Refused unless births are Poisson.
+    Source: recurrent events (Feller, An Introduction to Probability Theory and Its Applications I, chapter XIII).
+    """
+    need_random_births(model, "the share of ticks without a junction")
+    ticks, alive = model.tick_count + 1, mean_count(model)
+    lags, weights = lag_rule(model)
+    empty = exp(-alive)
+    excess = np.exp(count_noise(model).single(lags) - alive) - empty
+    per_empty = float(weights @ excess)
+    if empty * per_empty <= 0.0:
+        return ZeroShare(expected=empty, standard_error=0.0, skewness=0.0)
+    pairs = 0.5 * (ticks * float(weights @ excess) - 1.0)
+    first = 0.5 * ticks * float(weights @ (excess * lags)) / model.tick
+    # Both the third cumulant and the variance over p: of a dense contact p^1.5 is below the smallest number.
+    third = 6.0 * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
+    error = sqrt(empty * per_empty)
+    return ZeroShare(expected=empty, standard_error=error, skewness=third / (ticks**2 * per_empty * error))
+
+
+def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
+    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start.
+
+    Source: Campbell's theorem for births since s = 0 alone; it is the stationary mean from the longest life on.
+    """
+    return _after(model, area_noise(model), distance)
+
+
+def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
+    """Return E[N(s)] = lam E[min(s, life)] at distances s in um (any shape) after an empty start; 0 before it."""
+    return _after(model, count_noise(model), distance)
+
+
+def _after(model: Model, noise: ShotNoise, distance: ArrayLike) -> Doubles:
+    reached = np.clip(np.asarray(distance, dtype=np.float64), 0.0, longest_life(model))
+    return np.asarray(noise.from_empty(reached), dtype=np.float64)
+
+
+def expected_mean_area(model: Model, distance: float) -> float:
+    """Return the expected mean of A_r in um^2 over the first ``distance`` um, from the model's start."""
+    return _mean_from_start(model, distance, model.stationary_mean_area, area_from_empty)
+
+
+def expected_mean_count(model: Model, distance: float) -> float:
+    """Return the expected mean of N over the first ``distance`` um, from the model's start."""
+    return _mean_from_start(model, distance, mean_count(model), count_from_empty)
+
+
+def _mean_from_start(
+    model: Model, distance: float, settled: float, from_empty: Callable[[Model, Doubles], Doubles]
+) -> float:
+    if model.start == "stationary":
+        return settled
+    reach = min(distance, longest_life(model))
+    place, weight = panels(np.linspace(0.0, 1.0, 33), 10)
+    grown = reach * float((3.0 * place**2 * weight) @ from_empty(model, reach * place**3))
+    return (grown + (distance - reach) * settled) / distance

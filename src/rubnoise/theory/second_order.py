@@ -1,0 +1,251 @@
+"""All of second order: the autocovariance, the spectral density and the lines of area, count or force.
+
+With births at the rate lam whose number has the spectral density S_N(k), and A^ taken about the birth,
+
+    R(tau) = lam E[int A(s) A(s + tau) ds] + (1/2 pi) int (S_N - lam) |E[A^]|^2 exp(i k tau) dk,
+    S(k) = lam E[|A^(k)|^2] + (S_N - lam) |E[A^(k)]|^2;
+
+births at random have S_N = lam and the first part alone. Strengths psi multiply the first part by E[psi^2], the second
+by E[psi]^2. Regular births, and jittered ones, have lines beside S, at k_n = 2 pi n lam.
+Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); Bartlett's spectrum of a point process
+(Daley and Vere-Jones 2003, section 8.2).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import isfinite, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.theory.birth_part import BirthPart
+from rubnoise.theory.size_averages import is_one_life, mean_energy, mean_life_energy, over_sizes, table_over_sizes
+from rubnoise.theory.sizes import longest_life, panels
+from rubnoise.theory.unit_pulse import Function, UnitLife, area_life, count_life, overlaps
+
+_ROUNDING, _VISIBLE = 1e-12, 1e-26
+_MOST_TICKS, _LAG_PANELS = 512, 32
+
+
+def need_random_births(model: Model, quantity: str, *, centred: bool = False) -> None:
+    """Raise Refused unless births are a Poisson process; with ``centred`` also for passes off the centre line."""
+    if not are_at_random(model):
+        raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
+    if centred and model.pulse.offset != "none":
+        raise Refused(f"{quantity} is known for passes through both centres alone (pulse.offset)")
+
+
+def are_at_random(model: Model) -> bool:
+    """Return whether births are a Poisson process."""
+    return isinstance(model.births, PoissonBirths)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ShotNoise:
+    """The sum over live junctions of d^power a(s/d): real contact area in um^2, or the live count.
+
+    Covariances are within some 1e-9 of the variance; those of a count whose births are not at random within 1e-6.
+    """
+
+    model: Model
+    life: UnitLife
+
+    @cached_property
+    def single(self) -> Function:
+        """The covariance that each junction has with itself, lam E[int A(s) A(s + tau) ds], at lags >= 0 in um."""
+        return table_over_sizes(self.model, self.life.overlap, 2 * self.life.power + 1)
+
+    @cached_property
+    def mean_life(self) -> Function:
+        """Lam E[A(s)] by age s >= 0 in um: what the junctions born at one place leave."""
+        return table_over_sizes(self.model, self.life.mean, self.life.power)
+
+    @cached_property
+    def from_empty(self) -> Function:
+        """The mean at distances s >= 0 in um after an empty start, lam E[int_0^s A ds']."""
+        return table_over_sizes(self.model, self.life.so_far, self.life.power + 1)
+
+    def density(
+        self, wavenumber: ArrayLike, square: float = 1.0, squared_mean: float = 1.0, *, exact: bool = True
+    ) -> Doubles:
+        """Return the two-sided density between lines at wavenumbers in rad/um; not ``exact``, without tail's swing.
+
+        E[psi^2] and E[psi]^2 are given; in um^4 per rad/um without strengths.
+        """
+        k = np.abs(np.asarray(wavenumber, dtype=np.float64))
+        found = square * self.alone(k, exact=exact)
+        return found if are_at_random(self.model) else found + squared_mean * self.together(k, exact=exact)
+
+    def alone(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+        """Return the part of single junctions in the density, lam E[|A^(k)|^2]."""
+        return self.model.birth_rate * mean_energy(self.model, wavenumber, exact=exact)
+
+    def together(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+        """Return the part of births in the density, (S_N - lam) |E[A^(k)]|^2; 0 for births at random."""
+        if are_at_random(self.model):
+            return np.zeros_like(wavenumber)
+        if is_one_life(self.model):
+            energies = mean_energy(self.model, wavenumber, exact=exact)
+        else:
+            energies = mean_life_energy(self.model, wavenumber)
+        return self.model.birth_rate * self.model.births.excess(wavenumber) * energies
+
+    def covariance(self, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
+        """Return the covariance at lags in um of any shape; E[psi^2] and E[psi]^2 are given."""
+        lags = np.abs(np.asarray(lag, dtype=np.float64))
+        found = self.unphased(lags, square, squared_mean)
+        return found + squared_mean * self.births.lines(lags) if self.has_lines else found
+
+    def unphased(self, lag: Doubles, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
+        """Return the covariance without the lines, at lags >= 0 in um: given the phase of regular births."""
+        if are_at_random(self.model):
+            return square * self.single(lag)
+        if is_one_life(self.model) and isinstance(self.model.births, RegularBirths):
+            return (square - squared_mean) * self.single(lag)
+        return square * self.single(lag) + squared_mean * self.births.covariance(lag)
+
+    def variance_of_mean(self, distance: float | None, square: float = 1.0, squared_mean: float = 1.0) -> float:
+        """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`.
+
+        A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2:
+        all of it if ticks always meet the same phase.
+        """
+        lags, weights = lag_rule(self.model, distance)
+        found = float(weights @ self.unphased(lags, square, squared_mean))
+        k, power = self.lines
+        turns = k / (2.0 * pi)
+        if distance is None:
+            ticks, missed = self.model.tick_count + 1, turns * self.model.tick - np.rint(turns * self.model.tick)
+            kept = np.sinc(ticks * missed) / np.sinc(missed)
+        else:
+            kept = np.sinc(turns * distance)
+        return found + 2.0 * squared_mean * float(power @ np.square(kept))
+
+    @property
+    def has_lines(self) -> bool:
+        """Whether births keep a part of their lines."""
+        return bool(np.any(self.model.births.line_share(np.zeros(1))))
+
+    @property
+    def lines(self) -> tuple[Doubles, Doubles]:
+        """Wavenumbers k_n in rad/um and powers of the lines; as much power lies at -k_n."""
+        return (self.births.line_wavenumber, self.births.line_power) if self.has_lines else (np.empty(0), np.empty(0))
+
+    @cached_property
+    def births(self) -> BirthPart:
+        """What births that are not at random add."""
+        return BirthPart(self.model, self.mean_life, of_count=self.life.power == 0)
+
+
+@lru_cache(maxsize=16)
+def area_noise(model: Model) -> ShotNoise:
+    """Return the second order of real contact area."""
+    return ShotNoise(model=model, life=area_life(model.pulse))
+
+
+@lru_cache(maxsize=16)
+def count_noise(model: Model) -> ShotNoise:
+    """Return the second order of the live count."""
+    return ShotNoise(model=model, life=count_life(model.pulse))
+
+
+def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
+    """Return R(tau) = Cov[A_r(s), A_r(s + tau)] in um^4 for lags in um of any shape; R(0) is the variance."""
+    return area_noise(model).covariance(lag)
+
+
+def spectral_density(model: Model, wavenumber: ArrayLike, *, exact: bool = True) -> Doubles:
+    """Return the two-sided S(k) of real contact area in um^4 per rad/um, for k in rad/um of any shape.
+
+    R(tau) = (1/2 pi) int S(k) exp(i k tau) dk. Errors: 1e-8 of S(0) and 1e-6 of the value up to k d = 16, 1e-5 beyond.
+    Not ``exact``, it is averaged over the swing of its tail, for integrals over panels wider than that.
+    """
+    return area_noise(model).density(wavenumber, exact=exact)
+
+
+def density_at_zero(model: Model) -> float:
+    """Return S(0) in um^4 per rad/um: lam c m_6 S_N(0)/lam for equal lives, c the mean square of int A ds."""
+    return float(spectral_density(model, 0.0))
+
+
+def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
+    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area.
+
+    They add 2 sum of power cos(k_n tau) to the autocovariance; as much power lies at -k_n.
+    """
+    k, power = area_noise(model).lines
+    seen = power > _VISIBLE * model.stationary_mean_area**2
+    return k[seen], power[seen]
+
+
+def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
+    """Return the level about which S(k) falls off, lam c m_(6-p) / k^p in um^4 per rad/um, k > 0 in rad/um.
+
+    c and p are those of the pulse: the squares of its jumps of slope, and 4; off the centre line lenses have p = 5.
+    Raises Refused unless births are a Poisson process. Source: Watson's lemma for the kinks of paper Eq. (2).
+    """
+    need_random_births(model, "the tail of the spectrum")
+    factor, power = model.pulse.tail
+    return model.birth_rate * factor * model.sizes.moment(6 - power) / np.asarray(wavenumber, dtype=np.float64) ** power
+
+
+def half_power_wavenumber(model: Model) -> float:
+    """Return the smallest k in rad/um at which S(k) = S(0)/2: 2.2522/d for lenses of one size.
+
+    Raises Refused unless births are a Poisson process.
+    """
+    from scipy.optimize import brentq
+
+    need_random_births(model, "the corner of the spectrum")
+    half = 0.5 * density_at_zero(model)
+    low, high = 0.0, 0.25 / model.sizes.support[1]
+    while float(spectral_density(model, high)) > half:
+        low, high = high, 1.25 * high
+    return float(brentq(lambda k: float(spectral_density(model, k)) - half, low, high, xtol=1e-14 * high, rtol=1e-13))
+
+
+def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
+    """Return the joint cumulant of i times A_r(s) and j times A_r(s + tau), births at random, for lags >= 0 in um.
+
+    lam E[int A(s)^i A(s + tau)^j ds] = lam E[d^(2i + 2j + 1) q_ij(tau/d)] in um^(2i + 2j); for other births it is the
+    part of single junctions. Source: Campbell's theorem for two places at once.
+    """
+    return over_sizes(model, overlaps(model.pulse, min(i, j), max(i, j)), 2 * (i + j) + 1, lag)
+
+
+def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:
+    """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
+
+    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
+    over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0. Lags end where
+    covariances do. Many ticks a life count as a continuous record of n h. Lines are not included.
+    """
+    memory = model.births.memory
+    ticks, reach = model.tick_count + 1, longest_life(model) + (memory if isfinite(memory) else 0.0)
+    within = min(ticks - 1, int(reach / model.tick))
+    if distance is None and within <= _MOST_TICKS:
+        step = np.arange(within + 1, dtype=np.float64)
+        return step * model.tick, np.where(step > 0.0, 2.0 / ticks * (1.0 - step / ticks), 1.0 / ticks)
+    length = ticks * model.tick if distance is None else distance
+    place, weight = panels(np.linspace(0.0, 1.0, _LAG_PANELS + 1), 10)
+    # Closer at 0: where lives differ much in length, most are short.
+    lag = min(length, reach) * place**3
+    return lag, 3.0 * min(length, reach) * place**2 * weight * (2.0 / length) * (1.0 - lag / length)
+
+
+def resolved_error(variance: float, mean: float) -> float:
+    """Return the root of the variance of a mean, or 0 if it is below 1e-12 of the mean, where it is rounding."""
+    error = sqrt(max(variance, 0.0))
+    return error if error > _ROUNDING * mean else 0.0
+
+
+def covariance_reach(model: Model, part: float) -> float:
+    """Return a lag in um beyond which |R| is below a part of the variance: the longest life, or half of it, or less."""
+    reach, least = longest_life(model), part * float(autocovariance(model, 0.0))
+    while np.all(np.abs(autocovariance(model, np.linspace(0.5 * reach, reach, 17))) < least):
+        reach *= 0.5
+    return reach
