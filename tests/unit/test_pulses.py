@@ -32,7 +32,7 @@ AGES = np.linspace(0.0, 1.0, 101)
 @every_pulse
 def test_every_pulse_is_known_to_each_table(pulse):
     assert JUNCTION_AREA_FORMULAS[pulse.shape].startswith(f"A(s) = {pulse.formula} with")
-    assert energy(pulse, 0.0) == pytest.approx(pulse.life_integral(1) ** 2, rel=1e-9)
+    assert energy(pulse, np.zeros(1)) == pytest.approx(pulse.life_integral(1) ** 2, rel=1e-9)
     area, force = np.zeros(1), np.zeros(1)
     lives = np.array([0]), np.array([1])
     sums.add_areas(pulse, np.array([3.0]), lives, (np.array([0.0]), np.array([4.0]), np.array([2.0])), area, force)
