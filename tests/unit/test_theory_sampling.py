@@ -297,6 +297,6 @@ def test_a_rule_without_the_cut_would_show() -> None:
 
 def test_one_size_has_one_diameter_in_every_rule() -> None:
     d, p = cut_sizes(Fixed(value=3.0), np.array([[1.0], [5.0]]))
-    assert d.tolist() == [[3.0], [3.0]]
+    np.testing.assert_allclose(d, [[3.0], [3.0]], rtol=1e-15)
     assert p.tolist() == [[1.0], [1.0]]
     assert size_range(Normal(centre=3.0, std=1e-12)) == (3.0, 3.0)
