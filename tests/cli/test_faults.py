@@ -247,12 +247,12 @@ def test_a_device_given_by_name_is_refused(place: Path, command: str) -> None:
 
 @contextmanager
 def _held(path: Path) -> Iterator[None]:
-    """Hold the lock of an output, as another process that writes it would."""
-    lock = path.with_name(f".{path.name}.lock")
-    with lock.open("w") as file:
+    """Hold the part of an output, as another process that writes it would."""
+    part = path.with_name(f"{path.name}.part")
+    with part.open("w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
-    lock.unlink()
+    part.unlink()
 
 
 @pytest.mark.parametrize("command", WRITERS)

@@ -66,7 +66,7 @@ def test_the_spectrum_is_the_one_computed_elsewhere(here: Path, row: dict[str, A
 def test_figure_5_has_everything() -> None:
     found = told(FIG5, "--at-lag", "0,-3,3,20", "--at-area=-5,0,204.67,1e6")
     assert sorted(found) == sorted(
-        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution", "crossings"]
+        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution"]
     )
     assert found["area"]["mean"] == pytest.approx(204.6736, abs=5e-5)
     assert found["area"]["cumulants"][1] == pytest.approx(found["area"]["std"] ** 2, rel=1e-14)
@@ -75,6 +75,7 @@ def test_figure_5_has_everything() -> None:
     assert found["slider"]["displacement_std"] == pytest.approx(195.3059, abs=5e-5)
     assert found["slider"]["velocity_std"] == pytest.approx(47_241.1, abs=0.05)
     assert found["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
+    assert found["slider"]["upcrossing_rate"] == pytest.approx(38.4968, abs=5e-5)
     assert found["slider"]["coupling_strength"] == pytest.approx(2929.741, abs=5e-4)
     assert found["slider"]["stick_number"] == pytest.approx(16.86028, abs=5e-6)
     assert found["slider"]["expected_change"] is None
@@ -114,35 +115,6 @@ def test_areas_are_asked_for_in_round_steps_around_the_mean(here: Path) -> None:
     lines = call("theory", FIG5).out.split("distribution of the area")[1].splitlines()
     areas = [float(line.split()[0]) for line in lines[2:11]]
     assert areas == [40.0, 80.0, 120.0, 160.0, 200.0, 240.0, 280.0, 320.0, 360.0]  # 3/4 of the std are 42 um^2
-
-
-def test_passages_of_levels_are_told(here: Path) -> None:
-    found = told(FIG5, "--at-level", "170.5613,500,-1e6")["crossings"]
-    assert found["level"] == [170.5613, 500.0, -1e6]
-    assert found["rate"] == pytest.approx([38.4969, 9.292131, 0.0], rel=1e-5)
-    assert found["gaussian_rate"] == pytest.approx([38.4968, 9.280888, 0.0], rel=1e-5)
-    assert found["displacement_skewness"] == pytest.approx(0.005974, rel=1e-3)
-    usual = told(FIG5)["crossings"]
-    assert max(usual["rate"]) == pytest.approx(38.4969, rel=1e-5)
-    assert usual["level"] == sorted(usual["level"])
-    assert "passages of the displacement upwards, whose skewness is 0.0059" in call("theory", FIG5).out
-    few = ("--set", "interface.mean_junction_count=2", "--set", "slider.damping=2 N*s/m")
-    assert "note: beyond a skewness of 0.45" in call("theory", SLIDER, *few).out
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        (("--set", "birth.law=regular"), "known for Poisson births alone"),
-        (("--set", "sliding.speed=0.01 um/s"), "swings too often"),
-    ],
-)
-def test_passages_that_are_not_known_are_left_out_or_refused(here: Path, changes: tuple[str, ...], said: str) -> None:
-    assert "crossings" not in told(SLIDER, *changes)
-    refused = call("theory", SLIDER, *changes, "--at-level", "3")
-    assert (refused.code, refused.out) == (2, "")
-    assert refused.err.splitlines()[-1].startswith("--at-level: ")
-    assert said in refused.err
 
 
 def test_an_empty_start_is_told_of(here: Path) -> None:
@@ -226,8 +198,6 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
         "2",
         "--at-area",
         "200,300",
-        "--at-level",
-        "170",
         "--at-distance",
         "3",
     )
@@ -243,8 +213,7 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     assert found["spectrum.density", "1.0"] == (json_["spectrum"]["density"][1], "um^4/(rad/um)")
     assert found["distribution.cdf", "300.0"] == (json_["distribution"]["cdf"][1], "1")
     assert found["distribution.atom_at_zero", ""][1] == "1"
-    assert found["crossings.rate", "170.0"] == (json_["crossings"]["rate"][0], "1/s")
-    assert found["crossings.displacement_skewness", ""] == (json_["crossings"]["displacement_skewness"], "1")
+    assert found["slider.upcrossing_rate", ""][0] == json_["slider"]["upcrossing_rate"]
     assert found["from_empty.area_mean", "3.0"] == (json_["from_empty"]["area_mean"][0], "um^2")
     assert found["from_empty.run_count_mean", ""] == (json_["from_empty"]["run_count_mean"], "1")
     assert len(rows) == len(found) == 2 + 2 * 10 + 7 + 3 + 2 + 1 + 2 * 2 + 1 + 4 + 4

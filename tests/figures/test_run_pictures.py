@@ -20,9 +20,8 @@ from rubnoise.figures.catalogue import PICTURES, picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import house_style
 from rubnoise.storage.reader import open_run
-from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.motion import response
-from rubnoise.theory.second_order import spectral_density
+from rubnoise.theory.second_order import autocovariance, spectral_density
 from tests.figures.papers import band_of
 
 SCENARIO: dict[str, Any] = {

@@ -18,8 +18,8 @@ from rubnoise.analysis.records import (
     integrated_autocorrelation,
     longer,
 )
-from rubnoise.theory import correlation
 from rubnoise.theory.sampling import variance_of_time_mean
+from rubnoise.theory.second_order import autocovariance as model_covariance
 from tests.models import bare, recorded
 from tests.unit.theory_models import Doubles, memory, white
 from tests.verification.scores import seed_of
@@ -109,9 +109,9 @@ def test_a_run_has_the_autocovariance_of_its_model() -> None:
     lags = (4, 10, 20, 30, 40)
     seen, lag = values_at(lags, area_of_shorter()), SHORTER.tick * np.array(lags)
     error = covariance_errors(SHORTER, lag, SHORTER.distance, SHORTER.tick)
-    expected = correlation.autocovariance(SHORTER, lag) - variance_of_time_mean(SHORTER)
+    expected = model_covariance(SHORTER, lag) - variance_of_time_mean(SHORTER)
     assert np.max(np.abs(seen - expected) / error) <= 4.0
-    other = correlation.autocovariance(bare(count=10.0), lag)
+    other = model_covariance(bare(count=10.0), lag)
     assert np.max(np.abs(seen - other) / error) > 5.0
 
 

@@ -11,11 +11,15 @@ import rubnoise
 from rubnoise.contact.laws import Spread
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.ancestors import (
+    base_response,
+    velocity_weakening,
+    white_displacement_spectrum,
+    white_force_spectrum,
+    white_noise,
+)
 from rubnoise.theory.asperities import height_integral
-from rubnoise.theory.ancestors import base_response
 from rubnoise.theory.motion import response
-from rubnoise.theory.ancestors import velocity_weakening
-from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum, white_noise
 from tests.cli.terminal import call
 from tests.models import model
 from tests.unit.scenarios import WHOLE, refusal

@@ -18,10 +18,8 @@ from rubnoise.simulation.kernels.taylor import BLOCK
 from rubnoise.simulation.slider import propagator
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.correlation import life_overlaps
-from rubnoise.theory.live_area import unit_density
 from rubnoise.theory.second_order import spectral_density
-from rubnoise.theory.transform import transform_of
+from rubnoise.theory.unit_pulse import amplitude, energy, overlaps
 from tests.frozen import frozen
 from tests.models import model
 from tests.oracle.second import sums
@@ -34,8 +32,7 @@ AGES = np.linspace(0.0, 1.0, 101)
 @every_pulse
 def test_every_pulse_is_known_to_each_table(pulse):
     assert JUNCTION_AREA_FORMULAS[pulse.shape].startswith(f"A(s) = {pulse.formula} with")
-    assert transform_of(pulse).amplitude(0.0) == pytest.approx(pulse.life_integral(1), rel=1e-14)
-    assert unit_density(pulse)(np.array([0.3])) > 0.0
+    assert energy(pulse, np.zeros(1)) == pytest.approx(pulse.life_integral(1) ** 2, rel=1e-9)
     area, force = np.zeros(1), np.zeros(1)
     lives = np.array([0]), np.array([1])
     sums.add_areas(pulse, np.array([3.0]), lives, (np.array([0.0]), np.array([4.0]), np.array([2.0])), area, force)
@@ -116,7 +113,7 @@ def test_rayleigh_sizes_need_the_matched_calibration() -> None:
 
 def test_two_places_of_a_life_are_correlated_as_the_reference_has_it() -> None:
     """At a lag of 0.7 d: (pi/4)^2 (2 - t)^3 (t^2 + 6t + 4)/30."""
-    found = life_overlaps(PARABOLA, np.array(0.7), ((1, 1),))[1, 1] / (0.25 * pi) ** 2
+    found = overlaps(PARABOLA, 1, 1)(np.array([0.7]))[0] / (0.25 * pi) ** 2
     assert REFERENCE["acf_check"] == pytest.approx([float(found)] * 2, rel=1e-7)
 
 
@@ -124,7 +121,7 @@ def test_its_transform_is_the_integral_of_its_life() -> None:
     z = np.array([0.0, 1e-3, 0.5, 0.999, 1.0, 1.001, 4.0, 20.0, 60.0])
     x, w = np.polynomial.legendre.leggauss(80)
     expected = (0.25 * pi * (1.0 - x * x) * np.cos(np.multiply.outer(z, x))) @ w
-    assert transform_of(PARABOLA).amplitude(z) == pytest.approx(expected, abs=3e-15)
+    assert amplitude(PARABOLA, z) == pytest.approx(expected, abs=1e-10)
 
 
 def test_its_spectrum_falls_off_about_the_tail() -> None:

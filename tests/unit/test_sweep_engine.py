@@ -168,7 +168,7 @@ def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(
 ) -> None:
     worker = Elsewhere(knows=knows)
     said = "rubnoise 0.0.1, stream 99" if knows else "no version that it says"
-    with pytest.raises(WorkLost, match=f"a worker has {said}, and this process rubnoise .*, stream 1, format 1"):
+    with pytest.raises(WorkLost, match=f"a worker has {said}, and this process rubnoise .*, stream 1, format 2"):
         _outcomes(points, errands.fail_some, Workers(lambda: worker, lambda: 1))
     assert worker.worked == []
 

@@ -4,7 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from math import factorial, log, pi, sqrt
+from math import factorial, pi, sqrt
 
 import mpmath
 import numpy as np
@@ -12,16 +12,18 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.laws import Fixed, Law, Lognormal, Normal, Weibull
-from rubnoise.contact.pulses import LENS, TRIANGLE
+from rubnoise.contact.laws import Fixed, Normal, Weibull
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.second_order import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import exact
+<<<<<<< HEAD
 from rubnoise.theory.inversion import area_tails
 from rubnoise.theory.live_area import live_area
+=======
+>>>>>>> theory
 from rubnoise.theory.live_count import (
     count_covariance,
     count_from_empty,
@@ -32,7 +34,11 @@ from rubnoise.theory.live_count import (
     mean_count_error,
     zero_share,
 )
+<<<<<<< HEAD
 from rubnoise.theory.second_order import spectral_density
+=======
+from rubnoise.theory.second_order import autocovariance, spectral_density
+>>>>>>> theory
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 from tests.verification.scores import seed_of
 
@@ -116,7 +122,7 @@ def test_what_is_asked_at_points_is_that_of_the_theory() -> None:
     points = np.array([[0.0, 0.1], [1.0, 30.0]])
     np.testing.assert_array_equal(found.spectral_density(points), spectral_density(model, points))
     np.testing.assert_array_equal(found.autocovariance(points), autocovariance(model, points))
-    assert found.autocovariance(0.0) == pytest.approx(found.area.variance, rel=1e-12)
+    assert found.autocovariance(0.0) == pytest.approx(found.area.variance, rel=1e-8)
     law = found.distribution()
     assert law.cdf(found.area.mean) == pytest.approx(0.52, abs=0.02)
     assert law.atom_at_zero == pytest.approx(np.exp(-found.count_mean), rel=1e-9)
@@ -138,38 +144,6 @@ def test_no_force_without_a_strength_and_no_motion_without_a_slider() -> None:
 def test_the_theory_imports_nothing_slow_or_foreign(slow: str) -> None:
     code = f"import sys, rubnoise.theory.exact, rubnoise.theory.sampling; sys.exit({slow!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-LAWS = [Fixed(value=2.0), Normal(centre=2.0, std=0.4), Lognormal(mean=2.0, std=1.0)]
-
-
-@pytest.mark.parametrize("law", LAWS, ids=["one size", "normal", "lognormal"])
-@pytest.mark.parametrize("count", [0.3, 20.0, 800.0])
-@pytest.mark.parametrize("nats", [2.0, 8.0, 15.0])
-def test_bounds_hold_and_are_near(law: Law, count: float, nats: float) -> None:
-    """Near, that is, but for the lognormal, whose tail is heavier than any exponential."""
-    model = model_of(law, law.moment(1), count)
-    tails, found = area_tails(live_area(law, LENS), count), distribution(model)
-    above = -log(1.0 - float(found.cdf(tails.upper(nats))))
-    assert nats < above < nats + (100.0 if isinstance(law, Lognormal) else 6.0)
-    assert tails.nats_above(tails.upper(nats)) == pytest.approx(nats, abs=0.05)
-    lower = tails.lower(nats)
-    if count < nats:
-        assert lower == 0.0
-    elif lower > 0.0:
-        assert nats < -log(float(found.cdf(lower))) < nats + 6.0
-
-
-def test_furthest_area_is_all_but_out_of_reach() -> None:
-    live = live_area(Lognormal(mean=2.0, std=1.0), LENS)
-    few, many = area_tails(live, 1.0).furthest, area_tails(live, 1e6).furthest
-    assert 0.0 < few < many < live.largest
-    assert float(live.cdf(few)) == pytest.approx(1.0, abs=1e-15)
-
-
-def test_nothing_is_beyond_the_largest_area_of_a_lone_junction() -> None:
-    tails = area_tails(live_area(Fixed(value=2.0), LENS), 1e-3)
-    assert np.pi < tails.upper(log(1e4)) < 2.0 * np.pi
 
 
 Doubles = NDArray[np.float64]

@@ -12,11 +12,10 @@ from rubnoise.contact.laws import Lognormal
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import force_cumulants
-from rubnoise.theory.motion import separation_of
 from rubnoise.theory.exact import exact
 from rubnoise.theory.load import level, load_motion, load_spectrum, overlap_scale, third_octaves
+from rubnoise.theory.motion import displacement_spectrum, response, separation_of, velocity_spectrum
 from rubnoise.theory.sampling import load_errors
-from rubnoise.theory.motion import displacement_spectrum, response, velocity_spectrum
 from tests.models import loaded
 
 FIRST_ORDER = [

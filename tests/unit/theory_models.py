@@ -122,7 +122,7 @@ class Gamma(WideLaw):
         return (self.mean / self.order) ** power * exp(lgamma(self.order + power) - lgamma(self.order))
 
     def density(self, diameter: Doubles) -> Doubles:
-        x = diameter * (self.order / self.mean)
+        x = np.maximum(diameter * (self.order / self.mean), np.finfo(float).tiny)
         return np.exp((self.order - 1.0) * np.log(x) - x - lgamma(self.order)) * (self.order / self.mean)
 
     @property

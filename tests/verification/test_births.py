@@ -19,16 +19,12 @@ from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.writing import text_of
 from rubnoise.simulation import draws
-from rubnoise.theory import birth_noise, correlation
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.second_order import autocovariance
-from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.exact import exact
-from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.sizes import panels
-from rubnoise.theory.sampling import variance_of_time_mean
-from rubnoise.theory.second_order import spectral_density
-from rubnoise.theory.transform import transform_of
+from rubnoise.theory.periodogram import expected_periodogram, through_window
+from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
+from rubnoise.theory.sizes import panels, sizes_of
+from rubnoise.theory.unit_pulse import amplitude
 from tests.models import bare, contents, recorded
 from tests.unit.scenarios import BARE, refusal
 
@@ -52,7 +48,7 @@ def contact(births: str, **changes: Any) -> Model:
 def test_spectrum_and_spread_have_their_published_figures(births: str) -> None:
     run = contact(births, spread=Spread())
     run = replace(run, sizes=Fixed(value=5.530012635), births=replace(run.births, mean_spacing=5.530012635 / 10.0))
-    assert spectral_density(run, WAVENUMBERS) == pytest.approx(FIGURES[births], rel=1e-9)
+    assert spectral_density(run, WAVENUMBERS) == pytest.approx(FIGURES[births], rel=1e-6)
     area = area_cumulants(run)
     assert area.std / area.mean == pytest.approx(STDS[births], abs=6e-6)
 
@@ -64,26 +60,10 @@ def test_the_spectrum_is_the_transform_of_the_covariance(births: str) -> None:
     lags, weights = panels(np.linspace(0.0, reach, 400), 10)
     covariance = autocovariance(run, lags)
     if births == "jittered":
-        k, power = birth_noise.jittered_lines(run, of_count=False)
+        k, power = area_noise(run).lines
         covariance = covariance - 2.0 * np.cos(np.multiply.outer(lags, k)) @ power
     turned = 2.0 * np.cos(np.multiply.outer(WAVENUMBERS, lags)) @ (weights * covariance)
     assert turned == pytest.approx(spectral_density(run, WAVENUMBERS), rel=1e-5, abs=1e-5 * turned[0])
-
-
-def _jittered(jitter: float) -> Model:
-    run = contact("regular", spread=Spread(), calibration="exact")
-    return replace(run, births=JitteredBirths(mean_spacing=run.births.mean, jitter=jitter))
-
-
-def test_births_that_remember_little_need_no_more_lags(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Means of records take a covariance at every lag: as many as before, or few if births hardly move."""
-    moved, usual = _jittered(2e-3), correlation._MOST_PANELS
-    expected = variance_of_time_mean(moved, 500.0)
-    monkeypatch.setattr(correlation, "_MOST_PANELS", 300)
-    assert correlation.lag_rule(moved, 500.0)[0].size < 50_000
-    assert variance_of_time_mean(moved, 500.0) == pytest.approx(expected, rel=1e-6)
-    monkeypatch.setattr(correlation, "_MOST_PANELS", usual)
-    assert correlation.lag_rule(_jittered(1e-6), 500.0)[0].size < 50_000
 
 
 def test_limits_of_the_laws() -> None:
@@ -125,41 +105,47 @@ def test_moments_of_200_runs(births: str) -> None:
         z_of(count.mean(axis=1), theory.count_mean),
         z_of(np.square(count - theory.count_mean).mean(axis=1), theory.count_variance),
     ]
-    if births == "clustered":
-        scores += [z_of((centred**n).mean(axis=1), value) for n, value in ((3, theory.area.values[2]),)]
-        scores.append(z_of((centred**4).mean(axis=1), theory.area.values[3] + 3.0 * theory.area.variance**2))
-    else:
-        assert np.isnan(theory.area.values[2:]).all()
+    assert np.isnan(theory.area.values[2:]).all()
     assert np.abs(scores).max() <= BOUND, scores
     at_random = exact(contact("poisson")).area.variance
     assert abs(z_of(np.square(centred).mean(axis=1), at_random)) > BOUND
 
 
+BINS = np.unique(np.geomspace(2, 400, 12).astype(int))
+
+
 def _bands(area: np.ndarray[Any, Any], run: Model) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Return the periodogram of each run about the exact mean, and its expected value, in some bins."""
     window = np.square(np.sin(pi * np.arange(area.shape[1]) / area.shape[1]))
-    bins = np.unique(np.geomspace(2, 400, 12).astype(int))
-    seen = np.square(np.abs(np.fft.rfft(window * (area - area.mean(axis=1, keepdims=True)))))[:, bins]
+    seen = np.square(np.abs(np.fft.rfft(window * (area - area.mean(axis=1, keepdims=True)))))[:, BINS]
     _, expected = expected_periodogram(run, run.tick, window)
-    return seen * run.tick / np.square(window).sum(), expected[bins]
+    return seen * run.tick / np.square(window).sum(), expected[BINS]
 
 
-def _centred(law: Any, pulse: Any, wavenumber: Any) -> Any:
-    """Return E[A^(k)] about the middle of each life: the wrong place to take it."""
-    diameters, probabilities = size_rule(law, 400)
-    return transform_of(pulse).amplitude(np.multiply.outer(wavenumber, diameters)) @ (probabilities * diameters**3)
+def _centred(run: Model, wavenumber: Any) -> Any:
+    """Return |E[A^(k)]|^2 with A^ taken about the middle of each life: the wrong place."""
+    sizes = sizes_of(run.sizes)
+    transforms = amplitude(run.pulse, np.multiply.outer(wavenumber, sizes.diameter))
+    return np.square(transforms @ (sizes.probability * sizes.diameter**3))
+
+
+def _shown(run: Model, ticks: int) -> np.ndarray[Any, Any]:
+    """Return what the window would show of births whose lives are taken about their middle."""
+
+    def density(k: Any) -> Any:
+        return area_noise(run).alone(k) + run.birth_rate * run.births.excess(k) * _centred(run, k)
+
+    window = np.square(np.sin(pi * np.arange(ticks) / ticks))
+    return through_window(density, run.tick, window, int(BINS[-1]))[BINS]
 
 
 @pytest.mark.parametrize("births", LAWS)
-def test_spectra_of_200_runs(births: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_spectra_of_200_runs(births: str) -> None:
     run = contact(births)
     seen, expected = _bands(many(births)[0], run)
     scores = [z_of(seen[:, n], value) for n, value in enumerate(expected)]
     assert np.abs(scores).max() <= BOUND, scores
-    monkeypatch.setattr(birth_noise, "mean_transform", _centred)
-    birth_noise._excess.cache_clear()
-    _, wrong = _bands(many(births)[0], replace(run, distance=run.distance * (1.0 + 1e-12)))
-    birth_noise._excess.cache_clear()
+    wrong = _shown(run, many(births)[0].shape[1])
     assert np.abs([z_of(seen[:, n], value) for n, value in enumerate(wrong)]).max() > BOUND
 
 

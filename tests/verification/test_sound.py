@@ -21,8 +21,8 @@ from rubnoise.errors import Refused
 from rubnoise.scenario.reading import loads
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.wave_file import STEPS
-from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.load import load_motion
+from rubnoise.theory.periodogram import expected_periodogram
 from tests.architecture.sources import ROOT
 from tests.verification.scores import BOUND, REJECTED, seed_of
 

@@ -12,7 +12,6 @@ from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import CHUNK_ROWS, Doubles
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows, chunks
-from rubnoise.theory.load import free_motion
 from rubnoise.theory.sizes import panels
 from tests.oracle.second.contact import Window
 from tests.oracle.second.sums import force_moments
@@ -45,11 +44,51 @@ class CellMotion:
         return displacement, velocity
 
 
+_SMALL = 1e-2  # of r t, below which a series is closer than a difference of exponentials
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeDecay:
+    """m x'' + c x' + k x = 0 with a = c/(2m) and r^2 = a^2 - k/m: ``rate`` a and ``square_root`` r^2 in s^-1, s^-2."""
+
+    rate: float
+    square_root: float
+    natural: float
+
+    @property
+    def fastest(self) -> float:
+        """The modulus of the faster exponent in 1/s: the natural frequency when it rings, up to 2a when it creeps."""
+        return self.natural if self.square_root <= 0.0 else self.rate + float(np.sqrt(self.square_root))
+
+    def __call__(self, time: Doubles) -> tuple[Doubles, Doubles]:
+        """Return exp(-a t) cosh(r t) and exp(-a t) sinh(r t)/r at times in s.
+
+        x(t) = (even + a odd) x(0) + odd x'(0); the impulse response is odd / m.
+        """
+        if self.square_root < 0.0:
+            turns = float(np.sqrt(-self.square_root))
+            decay, angle = np.exp(-self.rate * time), turns * time
+            even, divided = decay * np.cos(angle), decay * np.sin(angle) / turns
+        else:
+            root = float(np.sqrt(self.square_root))
+            slow, fast = np.exp(-(self.natural**2) / (self.rate + root) * time), np.exp(-(self.rate + root) * time)
+            even, divided = 0.5 * (slow + fast), 0.5 * (slow - fast) / (root or 1.0)
+        turned = self.square_root * np.square(time)
+        series = time * np.exp(-self.rate * time) * (1.0 + turned / 6.0 * (1.0 + turned / 20.0))
+        return even, np.where(np.abs(turned) < _SMALL**2, series, divided)
+
+
+def free_motion(slider: Slider) -> FreeDecay:
+    """Return the free motion of a slider; its square root is taken as a product, which keeps its digits near 0."""
+    rate, natural = slider.damping / (2.0 * slider.mass), slider.natural_angular_frequency
+    return FreeDecay(rate=rate, square_root=(rate - natural) * (rate + natural), natural=natural)
+
+
 def cell_motion(slider: Slider, speed: float, width: float) -> CellMotion:
     """Return the motion over a cell of a width in um at a sliding speed in um/s.
 
     x(h) = (even + a odd) x + odd x' and its derivative, and the i-th gain is (2i + 1)/(m V) int_0^1 g(h (1 - y))
-    P_i(2y - 1) dy with g = odd for x and its derivative for x': see `rubnoise.theory.motion_cumulants`.
+    P_i(2y - 1) dy with g = odd for x and its derivative for x'.
     """
     free, duration = free_motion(slider), width / speed
     even, odd = (float(value[0]) for value in free(np.array([duration])))
