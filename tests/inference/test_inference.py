@@ -67,7 +67,8 @@ def test_moments_are_those_of_the_laws(name: str, shape: float) -> None:
 @pytest.mark.parametrize(("name", "shape"), [*SHAPES.items(), *WIDE.items()])
 def test_energies_are_those_of_theory(name: str, shape: float, pulse: Pulse) -> None:
     z = np.geomspace(2e-3, 200.0, 60)
-    exact = mean_energy(POPULATIONS[name].law(1.0, shape), pulse, z)
+    model = replace(contact("fixed", 0.0, 20.0, 1500), sizes=POPULATIONS[name].law(1.0, shape), pulse=pulse)
+    exact = mean_energy(model, z)
     energy = energy_table(name, shape, pulse).at(z)[0]
     assert energy == pytest.approx(exact, rel=1e-5, abs=2e-12 if pulse is PARABOLA else 0.0), "parabolas reach 0"
     other = {"fixed": "normal", "exponential": "gamma"}.get(name, name)

@@ -19,11 +19,6 @@ from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import exact
-<<<<<<< HEAD
-from rubnoise.theory.inversion import area_tails
-from rubnoise.theory.live_area import live_area
-=======
->>>>>>> theory
 from rubnoise.theory.live_count import (
     count_covariance,
     count_from_empty,
@@ -34,11 +29,7 @@ from rubnoise.theory.live_count import (
     mean_count_error,
     zero_share,
 )
-<<<<<<< HEAD
-from rubnoise.theory.second_order import spectral_density
-=======
 from rubnoise.theory.second_order import autocovariance, spectral_density
->>>>>>> theory
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 from tests.verification.scores import seed_of
 

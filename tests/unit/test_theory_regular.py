@@ -25,20 +25,6 @@ from rubnoise.theory.sampling import (
 )
 from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, spectral_density
 from rubnoise.theory.sizes import longest_life, panels
-<<<<<<< HEAD
-from rubnoise.theory.regular_births import line_covariance, spectral_lines
-from rubnoise.theory.motion import response
-from rubnoise.theory.sampling import (
-    mean_area_error,
-    mean_displacement_error,
-    mean_force_error,
-    standard_errors,
-    variance_of_time_mean,
-)
-from rubnoise.theory.motion import force_spectral_density
-from rubnoise.theory.second_order import density_at_zero, spectral_density
-=======
->>>>>>> theory
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, drawn, regular
 from tests.verification.scores import seed_of
 
@@ -154,7 +140,7 @@ def spread_out(model: Model) -> tuple[Doubles, Doubles]:
 def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pulse) -> None:
     model = regular(count, spread, pulse)
     spacing, (diameters, shares) = model.births.mean, spread_out(model)
-    phases = 4096 if diameters.size == 1 else 256
+    phases = 4096 if diameters.size == 1 else 2048
     age = np.arange(phases)[:, None] / phases * spacing + spacing * np.arange(int(longest_life(model) / spacing) + 1)
     found = sum(
         share * np.sum(pulse.area(age, d), axis=1) for d, share in zip(diameters.tolist(), shares.tolist(), strict=True)

@@ -10,18 +10,6 @@ from rubnoise.contact.laws import Fixed, Normal
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-<<<<<<< HEAD
-from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.second_order import autocovariance
-from rubnoise.theory.estimated_spectrum import (
-    Segments,
-    bin_covariances,
-    correlation_reach,
-    tick_covariance,
-    welch_covariance,
-)
-=======
->>>>>>> theory
 from rubnoise.theory.periodogram import cross_spectrum, expected_periodogram, through_window, welch_errors
 from rubnoise.theory.second_order import autocovariance, density_at_zero, spectral_density, visible_lines
 from tests.unit.theory_models import Doubles, drawn_trace, model_of, one_size, periodograms

@@ -61,7 +61,7 @@ class ShotNoise:
 
     @cached_property
     def mean_life(self) -> Function:
-        """Lam E[A(s)] by age s >= 0 in um: what the junctions born at one place leave."""
+        """The mean life, lam E[A(s)], by age s >= 0 in um."""
         return table_over_sizes(self.model, self.life.mean, self.life.power)
 
     @cached_property
