@@ -140,7 +140,7 @@ def spread_out(model: Model) -> tuple[Doubles, Doubles]:
 def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pulse) -> None:
     model = regular(count, spread, pulse)
     spacing, (diameters, shares) = model.births.mean, spread_out(model)
-    phases = 4096 if diameters.size == 1 else 256
+    phases = 4096 if diameters.size == 1 else 2048
     age = np.arange(phases)[:, None] / phases * spacing + spacing * np.arange(int(longest_life(model) / spacing) + 1)
     found = sum(
         share * np.sum(pulse.area(age, d), axis=1) for d, share in zip(diameters.tolist(), shares.tolist(), strict=True)
