@@ -324,7 +324,7 @@ def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:
     clustered, theory = rubnoise.exact(SCENARIO.replace(several)), rubnoise.exact(SCENARIO)
     trace = rubnoise.Trace(record.trace.to_pandas(["friction_force"]))
     for each in (
-        *(theory, theory.distribution(), theory.estimated_spectrum(256), theory.motion_cumulants(), theory.coupling()),
+        *(theory, theory.distribution(), theory.estimated_spectrum(256), theory.coupling()),
         *(clustered, clustered.area, clustered.force, rubnoise.exact("load/fig5_load").load),
         *(trace.histogram(), rubnoise.load_sweep("paper/fig9")),
     ):

@@ -204,9 +204,6 @@ def test_what_is_not_known_is_refused() -> None:
         load_motion(replace(loaded(), separation=None))
     with pytest.raises(Refused, match="Poisson"):
         load_motion(loaded(births="regular"))
-    for ask in (lambda e: e.crossing_rate([0.0]), lambda e: e.motion_cumulants()):
-        with pytest.raises(Refused):
-            ask(exact(loaded()))
 
 
 def test_the_mean_square_diameter_sets_the_scale() -> None:
