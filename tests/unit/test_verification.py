@@ -17,7 +17,7 @@ import rubnoise
 from rubnoise.analysis.verification import verify
 from rubnoise.analysis.verifying.columns import TICKS
 from rubnoise.analysis.verifying.findings import Notes, Verification
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.simulation import area
 from rubnoise.simulation.draws import births_per_block
 from rubnoise.storage.reader import open_run
