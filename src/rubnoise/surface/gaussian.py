@@ -200,7 +200,7 @@ class GaussianContact:
         """Lags in um up to half of the slider's map, and R(lag) - J_1 - J_2 in um^4, the covariance in a short run."""
         shifts = self.shifts(0, 64, 192)
         moving = np.array([self.ensemble_covariance(int(each)) for each in shifts]) - sum(self.frozen_variances)
-        return shifts * self.slider.spacing[0], moving
+        return np.asarray(shifts * self.slider.spacing[0], dtype=np.float64), moving
 
     def autocovariance(self, lag: Doubles) -> Doubles:
         """Return R(tau) - J_2 in um^4 of a slider of its length on a fresh track, the covariance in a long run.

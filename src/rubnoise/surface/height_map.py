@@ -125,20 +125,20 @@ def _curved(surface: HeightMap, start: Doubles, form: str) -> Doubles:
     steps = [step / scale for step in surface.spacing]
     places = [(np.arange(n) - 0.5 * (n - 1)) * step for n, step in zip(start.shape, steps, strict=True)]
     fewer = [slice(None, None, max(1, int(each.size / np.sqrt(_MOST_FITTED)))) for each in places]
-    x, y = np.ix_(*(each[some] for each, some in zip(places, fewer, strict=True)))
+    x, y = places[0][:, None], places[1][None, :]
     wanted = surface.heights[tuple(fewer)] / unit
     # The curvature of the polynomial along its steepest direction is a start for both.
     second = [np.gradient(np.gradient(start, axis=i), axis=i).mean() / step**2 for i, step in enumerate(steps)]
     bend = max(second, key=abs) / unit
     fits = [
         least_squares(
-            lambda p: (_shape(p, x, y, unit / scale, form) - wanted).ravel(),
+            lambda p: (_shape(p, x[fewer[0]], y[:, fewer[1]], unit / scale, form) - wanted).ravel(),
             [float(wanted.mean()), bend, 0.0, 0.0, angle, 0.0],
             x_scale=[1.0, abs(bend) or 1.0, 1.0, 1.0, 1.0, 1.0],
         )
         for angle in ((0.0,) if form == "sphere" else np.pi * np.array([0.0, 0.25, 0.5, 0.75]))
     ]
-    return unit * _shape(min(fits, key=lambda fit: fit.cost).x, *np.ix_(*places), unit / scale, form)
+    return unit * _shape(min(fits, key=lambda fit: fit.cost).x, x, y, unit / scale, form)
 
 
 def _shape(p: Doubles, x: Doubles, y: Doubles, slope: float, form: str) -> Doubles:

@@ -94,7 +94,7 @@ class _Slopes:
         self.chance = contact.level**2 * exp(-(contact.level**2)) / (2.0 * pi) * moved_products(*far)
 
     def summed(self, shift: int) -> float:
-        """Return the sum of phi2' C_1x C_2x over all lags, less chance, at a lag in points; at rho = 1 nothing counts."""
+        """Return the sum of phi2' C_1x C_2x over all lags but rho = 1, less chance, at a lag in points."""
         u, (track, slider) = self.contact.level, self.contact.correlations
         above = np.maximum(1.0 + np.roll(track, -shift, axis=0) + slider, 1e-9)
         left = np.maximum((2.0 - above) * above, 1e-12)

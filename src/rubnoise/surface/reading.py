@@ -77,7 +77,7 @@ def length_scale(unit: str, name: str) -> float:
 def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
     """Return heights without missing points, and how they were filled."""
     heights = np.ma.masked_invalid(topography.heights())
-    missing = int(np.ma.count_masked(heights))
+    missing = int(np.ma.getmaskarray(heights).sum())
     if missing == 0:
         return np.asarray(heights.data, dtype=np.float64), ()
     if (share := missing / heights.size) > MOST_MISSING:

@@ -61,7 +61,7 @@ def patches(heights: Doubles, share: float, spacing: tuple[float, float]) -> Pat
     threshold = np.partition(heights, heights.size - count, axis=None)[heights.size - count]
     # Points that touch at a corner are of one patch: of the 2 % in contact few would be parted there otherwise.
     labels, _ = ndimage.label(heights >= threshold, np.ones((3, 3)))
-    areas = np.sort(np.bincount(labels.ravel())[1:])[::-1] * point
+    areas = np.sort(np.bincount(labels.ravel())[1:])[::-1].astype(np.float64) * point
     return Patches(
         areas=areas,
         map_area=heights.size * point,
@@ -146,7 +146,8 @@ class SlidingContact:
         top = min(0.25 * min(*track.size, *slider.size), 0.5 * (self.longest or inf))
         if not shortest < top:
             raise Refused(f"{track.name}: has no waves between two points, {shortest:.4g} um, and {top:.4g} um")
-        cutoffs = shortest * _STEP ** np.arange(int(np.log(top / shortest) / np.log(_STEP)) + 1)
+        steps = np.arange(float(int(np.log(top / shortest) / np.log(_STEP)) + 1))
+        cutoffs = np.asarray(shortest * _STEP**steps, dtype=np.float64)
         limited = [band_limited(each, shortest, self.longest) for each in self.scans]
         whole = replace(self, track=limited[0], slider=limited[1]).gaussian
         return cutoffs, np.array([whole.count_at(float(each)) for each in cutoffs])
@@ -299,5 +300,6 @@ def slide(
             f"load=: {load:.6g} uN is not below the hardness times the nominal area, {most:.6g} uN: lower the load, or"
             " take a larger scan"
         )
-    limited = [band_limited(each, cutoff, longest) for each in (track, slider)]
-    return SlidingContact(*limited, load, hardness, cutoff, longest, reach, (track, slider))
+    scans = track, slider
+    one, other = (band_limited(each, cutoff, longest) for each in scans)
+    return SlidingContact(one, other, load, hardness, cutoff, longest, reach, scans)

@@ -41,8 +41,8 @@ def band_limited(surface: HeightMap, cutoff: float, longest: float | None = None
         waves = fft.fft2(surface.heights) * _kept(*frequencies(shape, spacing), cutoff, longest)
         heights = fft.ifft2(waves).real
     else:
-        halves = ((0.5 * np.arange(n) / (n * step)) for n, step in zip(shape, spacing, strict=True))
-        waves = fft.dctn(surface.heights, norm="ortho") * _kept(*np.ix_(*halves), cutoff, longest)
+        along, across = np.ix_(*(0.5 * np.arange(n) / (n * step) for n, step in zip(shape, spacing, strict=True)))
+        waves = fft.dctn(surface.heights, norm="ortho") * _kept(along, across, cutoff, longest)
         heights = fft.idctn(waves, norm="ortho")
     if not np.ptp(heights) > 1e-12 * np.ptp(surface.heights):
         raise Refused(f"{surface.name}: no waves are left between the cut-off and the longest wave")
@@ -50,9 +50,10 @@ def band_limited(surface: HeightMap, cutoff: float, longest: float | None = None
     return surface.changed(heights, f"waves shorter than {cutoff:.6g} um removed{limit}")
 
 
-def frequencies(shape: tuple[int, ...], spacing: tuple[float, float]) -> tuple[Doubles, ...]:
+def frequencies(shape: tuple[int, ...], spacing: tuple[float, float]) -> tuple[Doubles, Doubles]:
     """Return the frequencies of a discrete transform in cycles per um: a column along the sliding, a row across."""
-    return np.ix_(*(fft.fftfreq(n, step) for n, step in zip(shape, spacing, strict=True)))
+    along, across = np.ix_(*(fft.fftfreq(n, step) for n, step in zip(shape, spacing, strict=True)))
+    return along, across
 
 
 def _kept(along: Doubles, across: Doubles, cutoff: float, longest: float | None = None) -> NDArray[np.bool_]:
