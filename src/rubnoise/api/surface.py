@@ -145,7 +145,7 @@ class Surface:
             raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
         return slide(
             self.map,
-            self._partner(slider),
+            self.map.turned() if slider is None else slider.map,
             load=_needed("load", load, FORCE),
             hardness=_needed("hardness", hardness, STRESS),
             cutoff=_needed("cutoff", cutoff, LENGTH),
@@ -157,14 +157,10 @@ class Surface:
         self, slider: "Surface | None" = None, *, share: float = 0.01, longest: Any = None
     ) -> tuple[Doubles, Doubles]:
         """Return cut-offs in um and N_jm at each, at a share of the area in contact."""
-        scans = self.map, self._partner(slider)
-        length, area = scans[1].size[0], scans[1].area
+        other, most = self.map.turned() if slider is None else slider.map, _length("longest", longest)
         return SlidingContact(
-            *scans, share * area, 1.0, 0.0, _length("longest", longest), length, scans
+            self.map, other, share * other.area, 1.0, 0.0, most, other.size[0], (self.map, other)
         ).count_over_cutoff()
-
-    def _partner(self, slider: "Surface | None") -> HeightMap:
-        return self.map.turned() if slider is None else slider.map
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the map as netCDF, in the form that SurfaceTopography reads; refuses an existing file unless forced."""
