@@ -18,8 +18,7 @@ from rubnoise.surface.height_map import HeightMap, without_form
 from rubnoise.surface.normal_motion import filtered_variance, gap_slope
 from rubnoise.surface.reading import read_surface
 from rubnoise.surface.sliding import patches, slide
-from rubnoise.surface.synthesis import self_affine
-from rubnoise.surface.waves import Waves, band_limited
+from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.theory.load import load_motion, overlap_scale
 from tests.cli.terminal import call
 from tests.oracle.sliding_surfaces import areas_at, heights_at, patch_counts, slid
@@ -68,31 +67,32 @@ def test_theory_of_the_reference_spectrum(row):
     found = contact(hurst, share)
     assert found.level == pytest.approx(-ndtri(share), rel=1e-14)
     assert (found.junction_count, found.birth_rate, found.mean_life) == pytest.approx((count, births, life), rel=1e-8)
-    root, total, half_period = sqrt(count) / found.real_contact_area, found.ensemble_variance, found._summed(256)
+    total, half_period = (found.ensemble_covariance(shift) for shift in (0, 256))
+    root = sqrt(count) / found.real_contact_area
     assert sqrt(total) * root == pytest.approx(ensemble, rel=1e-7)
     assert sqrt(total - half_period) * root == pytest.approx(short, rel=1e-7)
     assert half_period / total == pytest.approx(left, rel=1e-7)
     assert found.frozen_share == pytest.approx(frozen, abs=6e-5)
     assert found.relative_std * sqrt(count) == pytest.approx(long, abs=6e-5)
     lags = np.arange(64.0)
-    assert half_width(lags, np.array([found._summed(int(s)) for s in lags]) - half_period) == pytest.approx(
+    assert half_width(lags, np.array([found.ensemble_covariance(int(s)) for s in lags]) - half_period) == pytest.approx(
         half, rel=1e-3
     )
 
 
 def test_at_level_zero_the_autocovariance_is_an_arc_sine():
     found = contact(0.8, 0.5, 128)
-    track, slider, _ = found.correlations
+    track, slider = found.correlations
     for shift in (0, 5, 40):
         exact = np.arcsin(np.clip(np.roll(track, -shift, 0) + slider, -1, 1)).sum() / (2 * pi) * found.nominal_area
-        assert found._summed(shift) == pytest.approx(exact, rel=1e-6)
+        assert found.ensemble_covariance(shift) == pytest.approx(exact, rel=1e-6)
 
 
 def test_track_and_slider_may_change_places():
     """R is symmetric in both surfaces; which of them is frozen is not."""
     ground, rough = Waves(spectrum(0.8, 256, across=3.0), (1.0, 1.0)), Waves(spectrum(0.5, 256), (1.0, 1.0))
     one, other = (GaussianContact(*pair, 0.01, 256.0**2, 256.0) for pair in ((ground, rough), (rough, ground)))
-    assert one._summed(9) == pytest.approx(other._summed(9), rel=1e-12)
+    assert one.ensemble_covariance(9) == pytest.approx(other.ensemble_covariance(9), rel=1e-12)
     assert one.frozen_variances == pytest.approx(other.frozen_variances[::-1], rel=1e-12)
     assert one.birth_rate == pytest.approx(other.birth_rate, rel=1e-12)
 
@@ -113,8 +113,8 @@ def test_a_flat_slider_bears_no_junctions():
 
 def test_count_slope_is_the_slope_of_the_count():
     found = contact(0.5, 0.01, 1024)
-    low, high = (found.with_cutoff(each).junction_count for each in (16.0, 20.0))
-    assert found.count_slope(16.0) == pytest.approx((high - low) / np.log(20.0 / 16.0), rel=0.15)
+    change = (found.count_at(20.0) - found.count_at(16.0)) / np.log(20.0 / 16.0)
+    assert found.count_slope(16.0) == pytest.approx(change, rel=0.15)
     assert -2.0 < found.count_slope(16.0) / found.junction_count < -0.5  # -2 (1 - H), less what long waves take
 
 
@@ -192,7 +192,7 @@ def test_theory_holds_against_brute_force(share):
         if pair < 6:
             births.append(slid(a, b, exact.level, N).births / N)
     scatter = lambda values: np.std(values, ddof=1) / sqrt(len(values))  # noqa: E731
-    lags = np.array([exact._summed(s) for s in range(0, N, 8)])
+    lags = np.array([exact.ensemble_covariance(s) for s in range(0, N, 8)])
     assert abs(np.mean(means) - exact.real_contact_area) < 4 * scatter(means)
     assert abs(np.mean(inside) - (lags[0] - lags.mean())) < 4 * scatter(inside)
     assert abs(np.mean(counts) - exact.junction_count) < 4 * scatter(counts) + 0.02 * exact.junction_count
@@ -280,9 +280,9 @@ def test_the_scenario_has_the_area_and_the_number_of_the_surfaces():
     assert theory.area.mean == pytest.approx(2000.0, rel=1e-4)
     assert theory.count_mean == pytest.approx(found.gaussian.junction_count, rel=1e-4)
     assert theory.area.std / theory.area.mean == pytest.approx(sqrt(2 / found.gaussian.junction_count), rel=1e-3)
-    assert found.scenario_relative_std == pytest.approx(sqrt(2 / found.gaussian.junction_count), rel=1e-3)
+    assert found.in_scenario["relative_std"] == pytest.approx(sqrt(2 / found.gaussian.junction_count), rel=1e-3)
     width = sqrt(4 * 2000.0 / (pi * found.gaussian.junction_count))
-    assert found.scenario_correlation_length == pytest.approx(1.37866 * width, rel=1e-4)
+    assert found.in_scenario["correlation_length"] == pytest.approx(1.37866 * width, rel=1e-4)
     assert scenario.diameter.spread.as_text() == "52.2723 %"
     assert all(digest in found.scenario_text() for digest in (found.scans[0].digest, found.scans[1].digest))
 
@@ -337,7 +337,7 @@ def test_the_gap_of_two_maps_under_a_load_is_that_of_first_order():
     assert float(loads(found.scenario_text(speed=1e4, mass=1.0, damping_ratio=0.3)).load.height_scale) == pytest.approx(
         gaussian.height_scale, rel=1e-8
     )
-    louder = 20.0 * log10(found.scenario_gap_slope / found.gap_slope)
+    louder = 20.0 * log10(found.in_scenario["separation_slope"] / found.gap_slope)
     assert louder > 2.0
     assert any(f"{louder:+.1f} dB" in remark for remark in found.remarks)
 
@@ -429,7 +429,7 @@ def test_arrays_and_their_faults():
     with pytest.raises(rubnoise.Refused, match="spacing="):
         rubnoise.Surface.of(heights)
     with pytest.raises(rubnoise.Refused, match="no waves"):
-        slide(HeightMap(heights=np.ones((64, 64)), spacing=(1.0, 1.0)), None, load=1.0, hardness=1.0, cutoff=4.0)
+        slide(*2 * [HeightMap(heights=np.ones((64, 64)), spacing=(1.0, 1.0))], load=1.0, hardness=1.0, cutoff=4.0)
 
 
 def test_maps_of_different_grids_meet_on_the_sliders():

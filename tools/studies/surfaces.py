@@ -60,7 +60,7 @@ def measured(contact: GaussianContact, pairs: int) -> Row:
         kept["birth_rate"].append(run.births / POINTS)
         kept["mean_life"].append(float(run.count.mean()) * POINTS / max(run.births, 1))
         kept["count"].append(float(patch_counts(track, slider, contact.level, range(0, POINTS, 16)).mean()))
-    lags = np.array([contact._summed(s) for s in range(0, POINTS, 8)])  # noqa: SLF001  (the map repeats itself)
+    lags = np.array([contact.ensemble_covariance(s) for s in range(0, POINTS, 8)])  # the map repeats itself
     exact = {
         "area": contact.real_contact_area,
         "count": contact.junction_count,

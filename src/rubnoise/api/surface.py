@@ -14,9 +14,8 @@ from rubnoise.real_numbers import with_unit
 from rubnoise.storage.output import whole_file
 from rubnoise.surface.height_map import FORMS, HeightMap, without_form
 from rubnoise.surface.reading import from_topography, length_scale, read_surface, to_file
-from rubnoise.surface.sliding import SlidingContact, count_over_cutoff, slide
-from rubnoise.surface.synthesis import self_affine
-from rubnoise.surface.waves import Waves, band_limited
+from rubnoise.surface.sliding import SlidingContact, slide
+from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import FORCE, LENGTH, STRESS
 
@@ -116,7 +115,7 @@ class Surface:
         surface = self.map if limits[0] is None else band_limited(self.map, limits[0], limits[1])
         heights = surface.heights - surface.heights.mean()
         rms = sqrt(float(np.square(heights).mean()))
-        along, across = Waves.of(surface).slopes
+        _, along, across = Waves.of(surface).moments().tolist()
         return {
             "Sa": float(np.abs(heights).mean()),
             "Sq": rms,
@@ -146,7 +145,7 @@ class Surface:
             raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
         return slide(
             self.map,
-            None if slider is None else slider.map,
+            self.map.turned() if slider is None else slider.map,
             load=_needed("load", load, FORCE),
             hardness=_needed("hardness", hardness, STRESS),
             cutoff=_needed("cutoff", cutoff, LENGTH),
@@ -158,9 +157,10 @@ class Surface:
         self, slider: "Surface | None" = None, *, share: float = 0.01, longest: Any = None
     ) -> tuple[Doubles, Doubles]:
         """Return cut-offs in um and N_jm at each, at a share of the area in contact."""
-        return count_over_cutoff(
-            self.map, None if slider is None else slider.map, share=share, longest=_length("longest", longest)
-        )
+        other, most = self.map.turned() if slider is None else slider.map, _length("longest", longest)
+        return SlidingContact(
+            self.map, other, share * other.area, 1.0, 0.0, most, other.size[0], (self.map, other)
+        ).count_over_cutoff()
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the map as netCDF, in the form that SurfaceTopography reads; refuses an existing file unless forced."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import asdict
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -202,7 +201,7 @@ def _wanted(speed: str | None, distance: str | None, mass: str | None, damping_r
 
 def figures(contact: "SlidingContact") -> Iterator[tuple[str, str, str, str, float]]:
     """Yield every figure of an answer: its table and key in JSON, its label, its unit and its value."""
-    gaussian, counted = contact.gaussian, contact.counted
+    gaussian, counted, scenario = contact.gaussian, contact.counted, contact.in_scenario
     exact = (
         ("real_contact_area", "real contact area", "um^2", gaussian.real_contact_area),
         ("junction_count", "junctions", "", gaussian.junction_count),
@@ -227,10 +226,10 @@ def figures(contact: "SlidingContact") -> Iterator[tuple[str, str, str, str, flo
         ("over_gaussian", "counted over exact", "", contact.honesty),
     )
     ours = (
-        ("relative_std", "std/mean", "", contact.scenario_relative_std),
-        ("correlation_length", "correlation length", "um", contact.scenario_correlation_length),
-        ("separation_std", "std of the gap under load", "um", contact.scenario_separation_std),
-        ("separation_slope", "its rms slope", "", contact.scenario_gap_slope),
+        ("relative_std", "std/mean", "", scenario["relative_std"]),
+        ("correlation_length", "correlation length", "um", scenario["correlation_length"]),
+        ("separation_std", "std of the gap under load", "um", scenario["separation_std"]),
+        ("separation_slope", "its rms slope", "", scenario["separation_slope"]),
     )
     for table, rows in (("gaussian", exact), ("counted", maps), ("scenario", ours)):
         yield from ((table, *row) for row in rows)
@@ -243,7 +242,7 @@ def motions(contact: "SlidingContact", wanted: dict[str, Any]) -> dict[str, Any]
         return {}
     return {
         "motion": {
-            name: {**asdict(each), "velocity_level": each.velocity_level}
+            name: {key: getattr(each, key) for key in ("separation_std", "velocity_std", "velocity_level")}
             for name, each in zip(("gaussian", "scenario"), contact.motions(**asked), strict=True)
         }
     }

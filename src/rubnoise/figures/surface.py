@@ -30,8 +30,7 @@ def contact_figure(contact: SlidingContact) -> "Figure":
     """Return the figure of a contact, to be called within `house_style()`."""
     figure = new_figure(9.0, 10.5)
     grid = figure.add_gridspec(3, 2)
-    total = contact.track.on_grid_of(contact.slider)
-    total = total + contact.slider.heights[: total.shape[0], : total.shape[1]]
+    total = contact.heights
     _draw_map(figure.add_subplot(grid[0, 0]), total, contact)
     _draw_bearing(figure.add_subplot(grid[0, 1]), total, contact)
     _draw_spectra(figure.add_subplot(grid[1, 0]), contact)

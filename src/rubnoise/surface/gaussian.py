@@ -7,24 +7,22 @@ chapter 4.6, for the mean Euler characteristics), Nayak (1971, doi:10.1115/1.345
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import exp, inf, pi, sqrt
-from typing import Final, Self
+from math import exp, inf, log, pi, sqrt
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr, ndtri, owens_t
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.surface.waves import Waves
 
 _CELLS: Final = 8192
 """Of the table of the inner integral; its error, of fourth order, is below 1e-11 of the value at rho = 1."""
 
-_NODES: Final = 6
-_FIRST: Final = 64
-_MOST_LAGS: Final = 192
+_RING: Final = 0.8
+"""Where the ring of waves begins whose power says what a change of the cut-off changes, over the cut-off frequency."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +44,14 @@ class GaussianContact:
         return float(-ndtri(self.share))
 
     @cached_property
+    def moments(self) -> Doubles:
+        """Variance in um^2 and mean square slopes along and across, in rows of track and slider."""
+        return np.stack((self.track.moments(), self.slider.moments()))
+
+    @cached_property
     def roughness(self) -> float:
         """Sigma in um: sigma^2 = sigma_1^2 + sigma_2^2."""
-        return sqrt(self.track.variance + self.slider.variance)
+        return sqrt(self.moments[:, 0].sum())
 
     @property
     def height_scale(self) -> float:
@@ -64,22 +67,17 @@ class GaussianContact:
     @cached_property
     def junction_count(self) -> float:
         """N_jm = A0 (2 pi)^-1.5 sqrt((a1 + a2)(b1 + b2))/sigma^2 u exp(-u^2/2), the mean Euler characteristic."""
-        return self._count(self.track.variance + self.slider.variance, *self._slopes)
+        return self._count(self.moments.sum(0))
 
-    @property
-    def _slopes(self) -> tuple[float, float]:
-        (a1, b1), (a2, b2) = self.track.slopes, self.slider.slopes
-        return a1 + a2, b1 + b2
-
-    def _count(self, variance: float, along: float, across: float) -> float:
-        u = self.level
+    def _count(self, moments: Doubles) -> float:
+        (variance, along, across), u = moments.tolist(), self.level
         return self.nominal_area * (2.0 * pi) ** -1.5 * sqrt(along * across) / variance * u * exp(-0.5 * u * u)
 
     @cached_property
     def birth_rate(self) -> float:
         """Lam = A0 (2 pi)^-2 sqrt(a1 a2 (b1 + b2))/sigma^3 (u^2 - 1) exp(-u^2/2) births per um; a life is one blob."""
         u = self.level
-        slopes = sqrt(self.track.slopes[0] * self.slider.slopes[0] * self._slopes[1])
+        slopes = sqrt(self.moments[:, 1].prod() * self.moments[:, 2].sum())
         return self.nominal_area * (2.0 * pi) ** -2 * slopes / self.roughness**3 * (u * u - 1.0) * exp(-0.5 * u * u)
 
     @property
@@ -87,23 +85,30 @@ class GaussianContact:
         """N_jm/lam in um of sliding; inf if one surface is flat along the sliding."""
         return self.junction_count / self.birth_rate if self.birth_rate > 0.0 else inf
 
+    def count_at(self, cutoff: float) -> float:
+        """Return N_jm at the same share of the area without waves shorter than ``cutoff`` in um."""
+        return self._count(self.track.moments(cutoff) + self.slider.moments(cutoff))
+
     def count_slope(self, cutoff: float) -> float:
         """Return dN_jm/d ln(cutoff) at one share of the area, from the power of the waves at the cut-off (in um).
 
-        Of self-affine surfaces with Hurst exponent H far from their longest waves it is -2 (1 - H) N_jm.
+        It is the mean power in a ring of waves, for spectra that continue beyond the cut-off. Of self-affine surfaces
+        with Hurst exponent H far from their longest waves it is -2 (1 - H) N_jm.
         """
-        along, across = self._slopes
-        variance = self.roughness**2
-        edges = [each.at_edge(cutoff) for each in (self.track, self.slider)]
-        d_variance, d_along, d_across = (-sum(edge[i] for edge in edges) for i in range(3))
-        return self.junction_count * (0.5 * d_along / along + 0.5 * d_across / across - d_variance / variance)
+        ends = [self.track.moments(each) + self.slider.moments(each) for each in (cutoff, cutoff / _RING)]
+        variance, along, across = (ends[0] - ends[1]) / -log(_RING) / self.moments.sum(0)
+        return self.junction_count * float(variance - 0.5 * (along + across))
 
     @cached_property
-    def correlations(self) -> tuple[Doubles, Doubles, tuple[float, float]]:
-        """Both autocorrelations over sigma^2 at the lags of one grid, and its spacings: the slider's grid."""
+    def correlations(self) -> tuple[Doubles, Doubles]:
+        """Both autocorrelations over sigma^2, of track and slider, at the lags of the slider's grid."""
         variance = self.roughness**2
-        track = self._at_slider_lags(self.track.correlation())
-        return track / variance, self.slider.correlation() / variance, self.slider.spacing
+        return self._at_slider_lags(self.track.correlation()) / variance, self.slider.correlation() / variance
+
+    @property
+    def cell(self) -> float:
+        """A0 times the area between four of these lags in um^4: what a sum over lags is multiplied by."""
+        return self.nominal_area * self.slider.spacing[0] * self.slider.spacing[1]
 
     def _at_slider_lags(self, values: Doubles) -> Doubles:
         """Return a map over the track's lags at those of the slider: interpolated, and 0 beyond half of the track."""
@@ -116,80 +121,46 @@ class GaussianContact:
         return ndimage.map_coordinates(values, places, order=3, mode="grid-wrap") * np.outer(*inside)
 
     @cached_property
+    def chance(self) -> tuple[Doubles, Doubles]:
+        """Weights over the lags that leave of track and slider what is chance of one map; 0 of exact spectra.
+
+        The power of a wave on one map scatters as much as its mean. Its autocorrelation does not decay to 0, and
+        products of the rest raise R. Lags longer than a quarter of the sides show how much, and it is the same near 0.
+        """
+        along, across = np.ix_(*(np.abs(np.fft.fftfreq(n)) for n in self.slider.power.shape))
+        far = (np.hypot(along, across) > 0.25).astype(np.float64)
+        if self.track.scatter is None or self.slider.scatter is None:
+            return 0.0 * far, 0.0 * far
+        scatters = self._at_slider_lags(self.track.scatter), self.slider.scatter
+        track, slider = (far * sqrt(each.sum() / ((each * far).sum() or inf)) for each in scatters)
+        return track, slider
+
+    @cached_property
     def _integral(self) -> Doubles:
         return _inner_integral(self.level)
 
     @cached_property
-    def _chance(self) -> tuple[float, float, Doubles]:
-        """The part of a map's chance in the sum of rho^2 over all lags: of the track, of the slider, of both by shift.
+    def _chances(self) -> tuple[float, float, Doubles]:
+        track, slider = (own * weight for own, weight in zip(self.correlations, self.chance, strict=True))
+        return float(np.vdot(track, track)), float(np.vdot(slider, slider)), moved_products(track, slider)
 
-        The power of a wave on one map scatters as much as its mean. Its autocorrelation does not decay to 0, and
-        the squares of the rest raise R. Far lags show how much, and it is the same near 0. Both maps share it if one
-        surface slides on itself.
-        """
-        track, slider, _ = self.correlations
-        (shares, beyond), none = self._far, np.zeros(slider.shape[0])
-        if not any(shares):
-            return 0.0, 0.0, none
-        far = [np.where(beyond, track, 0.0), np.where(beyond, slider, 0.0)]
-        sums = [share * float(np.square(own).sum()) for share, own in zip(shares, far, strict=True)]
-        return sums[0], sums[1], self._common(*far)
+    def _covariance(self, track: Doubles, slider: Doubles, shift: int, chance: float) -> float:
+        second = 0.5 * self.level**2 * exp(-(self.level**2)) / (2.0 * pi)
+        return self.cell * (_sum_over_lags(track, slider, shift, self._integral) - second * chance)
 
-    @cached_property
-    def _far(self) -> tuple[tuple[float, float], NDArray[np.bool_]]:
-        """Chance at all lags over that at far lags, of track and slider, 0 of exact spectra; and which lags are far."""
-        shape = self.slider.power.shape
-        # Which lags, wrapped round, are longer than a quarter of the sides.
-        along, across = (np.minimum(np.arange(n), n - np.arange(n)) / n for n in shape)
-        beyond = np.hypot(along[:, None], across[None, :]) > 0.25
-        if self.track.scatter is None or self.slider.scatter is None:
-            return (0.0, 0.0), beyond
-        scatters = (self._at_slider_lags(self.track.scatter), self.slider.scatter)
-        return (
-            float(scatters[0].sum() / scatters[0][beyond].sum()),
-            float(scatters[1].sum() / scatters[1][beyond].sum()),
-        ), beyond
-
-    def _common(self, track: Doubles, slider: Doubles) -> Doubles:
-        """Return by shift the sum of the product of two maps' far lags, as much as all lags have."""
-        common = np.fft.ifft((np.fft.fft(track, axis=0) * np.fft.fft(slider, axis=0).conj()).sum(1)).real
-        shares, _ = self._far
-        return np.asarray(common * sqrt(shares[0] * shares[1]))
-
-    @cached_property
-    def gradients(self) -> tuple[Doubles, Doubles]:
-        """dC/dx over sigma^2 in 1/um of both surfaces at the lags of `correlations`, by their waves."""
-        track, slider, spacing = self.correlations
-        waves = 2j * pi * np.fft.fftfreq(slider.shape[0], spacing[0])[:, None]
-        one, other = (np.fft.ifft(np.fft.fft(each, axis=0) * waves, axis=0).real for each in (track, slider))
-        return np.ascontiguousarray(one), np.ascontiguousarray(other)
-
-    @cached_property
-    def chance_of_slopes(self) -> Doubles:
-        """By shift, the chance in the sum of phi2' C_1x C_2x over all lags: phi2'(u, u; 0) times that of far lags."""
-        (shares, beyond), gradients = self._far, self.gradients
-        if not any(shares):
-            return np.zeros(beyond.shape[0])
-        second = self.level**2 * exp(-(self.level**2)) / (2.0 * pi)
-        return second * self._common(*(np.where(beyond, each, 0.0) for each in gradients))
-
-    def _summed(self, shift: int, which: tuple[bool, bool] = (True, True)) -> float:
+    def ensemble_covariance(self, shift: int) -> float:
         """Return A0 int int [int_0^rho phi2 dr] dx dy at a lag of ``shift`` points, in um^4, on an endless track.
 
-        ``which`` of both autocorrelations count. The part of a single map's chance is subtracted, to second order.
+        The part of a single map's chance is subtracted, to second order.
         """
-        track, slider, spacing = self.correlations
-        maps = [own if counts else np.zeros_like(own) for own, counts in zip((track, slider), which, strict=True)]
-        of_track, of_slider, of_both = self._chance
-        chance = which[0] * of_track + which[1] * of_slider + 2.0 * all(which) * float(of_both[shift % of_both.size])
-        second = 0.5 * self.level**2 * exp(-(self.level**2)) / (2.0 * pi)
-        summed = _sum_over_lags(maps[0], maps[1], shift, self._integral) - second * chance
-        return self.nominal_area * spacing[0] * spacing[1] * summed
+        of_track, of_slider, of_both = self._chances
+        chance = of_track + of_slider + 2.0 * float(of_both[shift % of_both.size])
+        return self._covariance(*self.correlations, shift, chance)
 
     @cached_property
     def ensemble_variance(self) -> float:
         """R(0) in um^4: over all sliders and all tracks."""
-        return self._summed(0)
+        return self.ensemble_covariance(0)
 
     @cached_property
     def frozen_variances(self) -> tuple[float, float]:
@@ -198,7 +169,9 @@ class GaussianContact:
         J_2 is frozen for ever: the mean differs from slider to slider. J_1 is that of the track below the slider, which
         changes when the slider moves by its length.
         """
-        return self._summed(0, (True, False)), self._summed(0, (False, True))
+        (track, slider), (of_track, of_slider, _) = self.correlations, self._chances
+        none = np.zeros_like(slider)
+        return self._covariance(track, none, 0, of_track), self._covariance(none, slider, 0, of_slider)
 
     @property
     def frozen_share(self) -> float:
@@ -215,24 +188,27 @@ class GaussianContact:
         """The same in one run much shorter than the slider: sqrt(R(0) - J_1 - J_2)/A_rm."""
         return sqrt(max(self.ensemble_variance - sum(self.frozen_variances), 0.0)) / self.real_contact_area
 
+    def shifts(self, first: int, near: int, most: int) -> Integers:
+        """Return at most ``most`` lags in points, up to half of the map: all up to ``near``, then ever fewer."""
+        points = self.slider.power.shape[0] // 2
+        far = np.geomspace(near, max(points, near + 1), most - near).astype(np.int64)
+        shifts = np.unique(np.concatenate((np.arange(first, near), far)))
+        return shifts[shifts <= points]
+
     @cached_property
     def curve(self) -> tuple[Doubles, Doubles]:
         """Lags in um up to half of the slider's map, and R(lag) - J_1 - J_2 in um^4, the covariance in a short run."""
-        points, spacing = self.correlations[1].shape[0] // 2, self.correlations[2][0]
-        far = np.geomspace(_FIRST, max(points, _FIRST + 1), _MOST_LAGS - _FIRST)
-        shifts = np.unique(np.concatenate((np.arange(_FIRST), far.astype(np.int64))))
-        shifts = shifts[shifts <= points]
-        frozen = sum(self.frozen_variances)
-        return shifts * spacing, np.array([self._summed(int(each)) for each in shifts]) - frozen
+        shifts = self.shifts(0, 64, 192)
+        moving = np.array([self.ensemble_covariance(int(each)) for each in shifts]) - sum(self.frozen_variances)
+        return np.asarray(shifts * self.slider.spacing[0], dtype=np.float64), moving
 
     def autocovariance(self, lag: Doubles) -> Doubles:
         """Return R(tau) - J_2 in um^4 of a slider of its length on a fresh track, the covariance in a long run.
 
         R(tau) = `curve` + J_1 max(0, 1 - tau/L_x) + J_2, L_x the slider's length; lags in um up to half of the map.
         """
-        lags, moving = self.curve
-        track = self.frozen_variances[0]
-        return np.interp(np.abs(lag), lags, moving) + track * np.maximum(0.0, 1.0 - np.abs(lag) / self.slider_length)
+        track = self.frozen_variances[0] * np.maximum(0.0, 1.0 - np.abs(lag) / self.slider_length)
+        return np.interp(np.abs(lag), *self.curve) + track
 
     def spectrum(self, wavenumber: Doubles) -> Doubles:
         """Return S(k) in um^5 of a short run: int R exp(-i k tau) dtau, two-sided, k in rad/um.
@@ -243,10 +219,10 @@ class GaussianContact:
 
         lags, moving = self.curve
         zero = int(np.argmax(moving <= 0.0)) if (moving <= 0.0).any() else lags.size - 1
-        lag = np.arange(0.0, min(2.0 * lags[zero], lags[-1]), self.correlations[2][0])
+        lag = np.arange(0.0, min(2.0 * lags[zero], lags[-1]), self.slider.spacing[0])
         x = lag / lag[-1]
         window = np.where(x < 0.5, 1.0 - 6.0 * x * x * (1.0 - x), 2.0 * (1.0 - x) ** 3)
-        even = CubicSpline(lags, moving)(lag) * window * self.correlations[2][0]
+        even = CubicSpline(lags, moving)(lag) * window * self.slider.spacing[0]
         k = np.asarray(wavenumber, dtype=np.float64)[..., None]
         return np.asarray(2.0 * (even * np.cos(k * lag)).sum(-1) - even[0])
 
@@ -260,11 +236,6 @@ class GaussianContact:
         """Std D in um at constant load, to first order, of a short run: s_0 sqrt(R(0) - J_1 - J_2)/A_rm."""
         return self.height_scale * self.relative_std_short
 
-    def with_cutoff(self, cutoff: float) -> Self:
-        """Return the contact without waves shorter than ``cutoff`` in um, at the same share of the area."""
-        track, slider = (each.below(cutoff) for each in (self.track, self.slider))
-        return type(self)(track, slider, self.share, self.nominal_area, self.slider_length)
-
 
 def half_width(lags: Doubles, values: Doubles) -> float:
     """Return the first lag at which a curve is half of its first value, by a spline; nan if there is none."""
@@ -277,31 +248,26 @@ def half_width(lags: Doubles, values: Doubles) -> float:
 def _inner_integral(level: float) -> Doubles:
     """Return g = int_0^rho phi2(u, u; r) dr with its slope, at even steps of v = sqrt((1 - rho)/2) from 0 to 1.
 
-    phi2 = exp(-u^2/(1 + r))/(2 pi sqrt(1 - r^2)); with r = sin t it is int exp(-u^2/(1 + sin t)) dt/(2 pi), by Gauss's
-    rule on each step of t. In v the integral has no root at rho = 1.
+    phi2 = exp(-u^2/(1 + r))/(2 pi sqrt(1 - r^2)), so g = Q(u) (1 - Q(u)) - 2 T(u, v/sqrt(1 - v^2)), with T of Owen
+    (1956). In v the integral has no root at rho = 1.
     """
     v = np.linspace(0.0, 1.0, _CELLS + 1)
-    t = 0.5 * pi - 2.0 * np.arcsin(v)
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    middle, half = 0.5 * (t[:-1] + t[1:]), 0.5 * (t[1:] - t[:-1])
-    pieces = (weights * half[:, None] * _density(level, middle[:, None] + half[:, None] * nodes)).sum(1)
-    whole = np.concatenate(([0.0], np.cumsum(pieces)))
-    i = int(np.searchsorted(-t, 0.0)) - 1  # rho = 0 lies in this step
-    at_zero = whole[i] - 0.5 * t[i] * float(weights @ _density(level, 0.5 * t[i] * (1.0 - nodes)))
-    slope = -2.0 * _density(level, t) / np.sqrt(np.maximum(1.0 - v * v, 1e-12))
-    return np.stack((whole - at_zero, slope / _CELLS), axis=1)
+    left = np.maximum(1.0 - v * v, 1e-300)
+    value = ndtr(level) * ndtr(-level) - 2.0 * owens_t(level, v / np.sqrt(left))
+    slope = -np.exp(-0.5 * level * level / left) / (pi * np.sqrt(left))
+    return np.stack((value, slope / _CELLS), axis=1)
 
 
-def _density(level: float, t: Doubles) -> Doubles:
-    below = 1.0 + np.sin(t)
-    return np.exp(-(level * level) / np.maximum(below, 1e-300)) / (2.0 * pi)
+def moved_products(one: Doubles, other: Doubles) -> Doubles:
+    """Return by shift the sum over all points of one map, moved back by the shift along the sliding, times another."""
+    return np.fft.ifft((np.fft.fft(one, axis=0) * np.fft.fft(other, axis=0).conj()).sum(1)).real
 
 
 @compiled
-def _sum_over_lags(track: Doubles, slider: Doubles, shift: int, integral: Doubles) -> float:
+def _sum_over_lags(track: Doubles, slider: Doubles, shift: int, table: Doubles) -> float:
     """Return the sum over (x, y) of g(C1(x + shift, y) + C2(x, y)), correlations over sigma^2, by cubics."""
     along, across = slider.shape
-    cells = integral.shape[0] - 1
+    cells = table.shape[0] - 1
     total = 0.0
     for i in range(along):
         moved = (i + shift) % along
@@ -312,8 +278,8 @@ def _sum_over_lags(track: Doubles, slider: Doubles, shift: int, integral: Double
             cell = min(int(place), cells - 1)
             x = place - cell
             y = 1.0 - x
-            row += y * y * ((1.0 + 2.0 * x) * integral[cell, 0] + x * integral[cell, 1]) + x * x * (
-                (3.0 - 2.0 * x) * integral[cell + 1, 0] - y * integral[cell + 1, 1]
+            row += y * y * ((1.0 + 2.0 * x) * table[cell, 0] + x * table[cell, 1]) + x * x * (
+                (3.0 - 2.0 * x) * table[cell + 1, 0] - y * table[cell + 1, 1]
             )
         total += row
     return total

@@ -33,9 +33,8 @@ class HeightMap:
         """Raises Refused for invalid maps: too few points, a spacing of 0, a height that is not a number."""
         if self.heights.ndim != 2 or min(self.heights.shape) < FEWEST_POINTS:
             shape = " x ".join(map(str, self.heights.shape))
-            raise Refused(
-                f"{self.name}: has {shape} points; a map of {FEWEST_POINTS} x {FEWEST_POINTS} or more is needed"
-            )
+            fewest = f"{FEWEST_POINTS} x {FEWEST_POINTS}"
+            raise Refused(f"{self.name}: has {shape} points; a map of {fewest} or more is needed")
         if not all(0.0 < step < np.inf for step in self.spacing):
             raise Refused(f"{self.name}: its points are {self.spacing} um apart; two lengths above 0 are needed")
         if not np.isfinite(self.heights).all():
@@ -74,11 +73,9 @@ class HeightMap:
         """
         if self.heights.shape == other.heights.shape and np.allclose(self.spacing, other.spacing, rtol=1e-6):
             return self.heights
+        grids = zip(self.heights.shape, other.heights.shape, self.spacing, other.spacing, strict=True)
         points = [
-            np.arange(min(there, int((here - 1) * own / step) + 1)) * (step / own)
-            for here, there, own, step in zip(
-                self.heights.shape, other.heights.shape, self.spacing, other.spacing, strict=True
-            )
+            np.arange(min(there, int((here - 1) * own / step) + 1)) * (step / own) for here, there, own, step in grids
         ]
         return ndimage.map_coordinates(self.heights, np.meshgrid(*points, indexing="ij"), order=3, mode="mirror")
 
@@ -102,22 +99,18 @@ def without_form(surface: HeightMap, form: str) -> HeightMap:
     """
     if form == "none" or surface.periodic:
         return surface
-    along, across = (np.linspace(-1.0, 1.0, n)[index] for n, index in zip(surface.heights.shape, _SIDES, strict=True))
-    fitted = _polynomial(surface.heights, along, across, degree=1 if form == "tilt" else 2)
+    fitted = _polynomial(surface.heights, degree=1 if form == "tilt" else 2)
     if form in ("cylinder", "sphere"):
         fitted = _curved(surface, fitted, form)
     return surface.changed(surface.heights - fitted, FORMS[form])
 
 
-_SIDES: Final = ((slice(None), None), (None, slice(None)))
-
-
-def _polynomial(heights: Doubles, along: Doubles, across: Doubles, degree: int) -> Doubles:
+def _polynomial(heights: Doubles, degree: int) -> Doubles:
     """Return the polynomial of least squares in both places."""
-    terms = [along**i * across**j * np.ones_like(heights) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    normal = np.array([[np.vdot(a, b) for b in terms] for a in terms])
-    weights = np.linalg.solve(normal, [np.vdot(term, heights) for term in terms])
-    return sum((weight * term for weight, term in zip(weights, terms, strict=True)), np.zeros_like(heights))
+    along, across = np.ix_(*(np.linspace(-1.0, 1.0, n) for n in heights.shape))
+    terms = np.stack([(along**i * across**j).ravel() for i in range(degree + 1) for j in range(degree + 1 - i)])
+    weights = np.linalg.solve(terms @ terms.T, terms @ heights.ravel())
+    return (weights @ terms).reshape(heights.shape)
 
 
 _MOST_FITTED: Final = 20_000
@@ -128,39 +121,30 @@ def _curved(surface: HeightMap, start: Doubles, form: str) -> Doubles:
     """Return the sphere or the cylinder of least squares, found from the curvature of a polynomial of second degree."""
     from scipy.optimize import least_squares
 
-    scale = max(surface.size)
-    x, y = (
-        (np.arange(n)[index] - 0.5 * (n - 1)) * (step / scale)
-        for n, step, index in zip(surface.heights.shape, surface.spacing, _SIDES, strict=True)
-    )
-    every = tuple(slice(None, None, max(1, int(n / np.sqrt(_MOST_FITTED)))) for n in surface.heights.shape)
-    unit = float(np.ptp(start)) or 1.0
-
-    def shape(p: Doubles, x: Doubles, y: Doubles) -> Doubles:
-        """Height over ``unit``: level, curvature in units of unit/scale^2, place of the centre, angle of the axis."""
-        level, bend, x0, y0, angle, lean = p
-        a, b = (x - x0) * np.cos(angle) + (y - y0) * np.sin(angle), (y - y0) * np.cos(angle) - (x - x0) * np.sin(angle)
-        square = a * a + (b * b if form == "sphere" else 0.0)
-        steepness = bend * unit / scale  # of the curvature in 1/scale
-        root = np.sqrt(np.maximum(1.0 - steepness * steepness * square, 0.0))
-        return level + bend * square / (1.0 + root) + (lean * b if form == "cylinder" else 0.0)
-
+    scale, unit = max(surface.size), float(np.ptp(start)) or 1.0
+    steps = [step / scale for step in surface.spacing]
+    places = [(np.arange(n) - 0.5 * (n - 1)) * step for n, step in zip(start.shape, steps, strict=True)]
+    fewer = [slice(None, None, max(1, int(each.size / np.sqrt(_MOST_FITTED)))) for each in places]
+    x, y = places[0][:, None], places[1][None, :]
+    wanted = surface.heights[tuple(fewer)] / unit
     # The curvature of the polynomial along its steepest direction is a start for both.
-    second = [
-        np.gradient(np.gradient(start, axis=i), axis=i).mean() / (s / scale) ** 2 for i, s in enumerate(surface.spacing)
-    ]
+    second = [np.gradient(np.gradient(start, axis=i), axis=i).mean() / step**2 for i, step in enumerate(steps)]
     bend = max(second, key=abs) / unit
-    angles = (0.0,) if form == "sphere" else (0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi)
-    wanted = surface.heights[every] / unit
     fits = [
         least_squares(
-            lambda p: (shape(p, x[every[0]], y[:, every[1]]) - wanted).ravel(),
+            lambda p: (_shape(p, x[fewer[0]], y[:, fewer[1]], unit / scale, form) - wanted).ravel(),
             [float(wanted.mean()), bend, 0.0, 0.0, angle, 0.0],
             x_scale=[1.0, abs(bend) or 1.0, 1.0, 1.0, 1.0, 1.0],
         )
-        for angle in angles
+        for angle in ((0.0,) if form == "sphere" else np.pi * np.array([0.0, 0.25, 0.5, 0.75]))
     ]
-    best = min(fits, key=lambda fit: fit.cost)
-    if not np.isfinite(best.cost):
-        raise Refused(f"{surface.name}: no {form} fits it; remove a polynomial instead (--form polynomial)")
-    return unit * shape(best.x, x, y)
+    return unit * _shape(min(fits, key=lambda fit: fit.cost).x, x, y, unit / scale, form)
+
+
+def _shape(p: Doubles, x: Doubles, y: Doubles, slope: float, form: str) -> Doubles:
+    """Return heights in units of ``slope``: of level, curvature, place of the centre, angle and lean of the axis."""
+    level, bend, x0, y0, angle, lean = p
+    a, b = (x - x0) * np.cos(angle) + (y - y0) * np.sin(angle), (y - y0) * np.cos(angle) - (x - x0) * np.sin(angle)
+    square = a * a + (b * b if form == "sphere" else 0.0)
+    root = np.sqrt(np.maximum(1.0 - (bend * slope) ** 2 * square, 0.0))
+    return level + bend * square / (1.0 + root) + (lean * b if form == "cylinder" else 0.0)

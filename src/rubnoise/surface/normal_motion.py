@@ -6,18 +6,16 @@ height scale s_0. With a mass m and a dashpot it does so through m z'' + c z' + 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import exp, pi, sqrt
 from typing import Final
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.compiling import compiled
-from rubnoise.surface.gaussian import GaussianContact
+from rubnoise.surface.gaussian import GaussianContact, moved_products
 from rubnoise.theory.load import level
 
-_NEAR: Final = 64
-_MOST_LAGS: Final = 128
 _FINER: Final = 8
 
 
@@ -36,7 +34,7 @@ class NormalMotion:
 
 def gap_slope(contact: GaussianContact) -> float:
     """Return the root mean square of dD/ds at constant load: s_0 sqrt(-R''(0))/A_rm, exact to first order."""
-    return contact.height_scale * sqrt(_slope_variance(contact)) / contact.real_contact_area
+    return contact.height_scale * sqrt(_Slopes(contact).variance) / contact.real_contact_area
 
 
 def normal_motion(contact: GaussianContact, *, load: float, speed: float, mass: float, ratio: float) -> NormalMotion:
@@ -55,12 +53,10 @@ def normal_motion(contact: GaussianContact, *, load: float, speed: float, mass: 
     area = CubicSpline(lags, moving, bc_type=((1, 0.0), "not-a-knot"))(fine)
     gap = filtered_variance(fine, area, resonance, ratio)
     # What has decayed long before the slider answers is better known by R than by -R'', whose integral is 0.
-    fast = resonance * contact.correlation_length < 1.0
-    slope = (
-        filtered_variance(fine, area, resonance, ratio, of_slope=True)
-        if fast
-        else filtered_variance(*_slope_curve(contact), resonance, ratio)
-    )
+    if resonance * contact.correlation_length < 1.0:
+        slope = filtered_variance(fine, area, resonance, ratio, of_slope=True)
+    else:
+        slope = filtered_variance(*_Slopes(contact).curve(), resonance, ratio)
     return NormalMotion(separation_std=scale * sqrt(max(gap, 0.0)), velocity_std=speed * scale * sqrt(max(slope, 0.0)))
 
 
@@ -73,72 +69,60 @@ def filtered_variance(
     gives the variance of the output's slope, with -K'' for K.
     """
     root = np.sqrt(complex(ratio * ratio - 1.0)) or 1e-6j  # critical damping, by its neighbour
-    poles = -resonance * (ratio - root), -resonance * (ratio + root)
-    slopes = np.diff(values) / np.diff(lags)
-
-    def transform(pole: complex) -> complex:
-        waves = np.exp(pole * lags)
-        return complex((values[-1] * waves[-1] - values[0] - (slopes * np.diff(waves)).sum() / pole) / pole)
-
-    first, second = map(transform, poles)
+    poles = -resonance * np.array([ratio - root, ratio + root])
+    waves = np.exp(poles[:, None] * lags)
+    bends = (np.diff(waves) * (np.diff(values) / np.diff(lags))).sum(1) / poles
+    transforms = (values[-1] * waves[:, -1] - values[0] - bends) / poles
     if of_slope:
-        first, second = -(poles[0] ** 2) * first, -(poles[1] ** 2) * second
-    both = (poles[1] * first - poles[0] * second) / (poles[1] - poles[0])
+        transforms *= -(poles**2)
+    both = (poles[1] * transforms[0] - poles[0] * transforms[1]) / (poles[1] - poles[0])
     return float(0.5 * resonance / ratio * both.real)
 
 
-def _slope_curve(contact: GaussianContact) -> tuple[Doubles, Doubles]:
-    """Return lags in um and -R''(lag) in um^2: exact at 0, and at others where the sum over the map is smooth."""
-    (track, slider), points = contact.gradients, contact.correlations[1].shape[0] // 2
-    far = np.geomspace(_NEAR, max(points, _NEAR + 1), _MOST_LAGS - _NEAR)
-    shifts = np.unique(np.concatenate((np.arange(2, _NEAR), far.astype(np.int64))))
-    shifts = shifts[shifts <= points]
-    maps, spacing, chance = contact.correlations, contact.correlations[2], contact.chance_of_slopes
-    area = contact.nominal_area * spacing[0] * spacing[1]
-    sums = [
-        area * (_sum_of_slopes(maps[0], maps[1], track, slider, int(each), contact.level) - chance[each])
-        for each in shifts
-    ]
-    return np.concatenate(([0], shifts)) * spacing[0], np.array([_slope_variance(contact), *sums])
+class _Slopes:
+    """The slope of the area: -R''(tau) = A0 int int phi2'(u, u; rho) C_1x C_2x dx dy, C_ix = d(C_i/sigma^2)/dx.
 
-
-def _slope_variance(contact: GaussianContact) -> float:
-    """Return -R''(0) = A0 int int phi2'(u, u; rho) C_1x C_2x dx dy in um^2, C_ix = d(C_i/sigma^2)/dx.
-
-    Near lag 0 the integrand is e^(-u^2/2)/(2 pi) a_1 a_2 x^2/(a x^2 + b y^2)^1.5, slopes over sigma. That part, times
-    exp(-(a x^2 + b y^2)/2), has the integral below; the rest is smooth enough for a sum over the points. The product of
-    the maps' chance at far lags, where phi2' is constant, is subtracted.
+    The product of the maps' chance at far lags, where phi2' is phi2'(u, u; 0), is subtracted.
     """
-    track, slider, spacing = contact.correlations
-    u = contact.level
-    (a1, b1), (a2, b2) = (np.array(each.slopes) / contact.roughness**2 for each in (contact.track, contact.slider))
-    x, y = (np.fft.fftfreq(n, 1.0 / n) * step for n, step in zip(slider.shape, spacing, strict=True))
-    square = (a1 + a2) * np.square(x)[:, None] + (b1 + b2) * np.square(y)[None, :]
-    square[0, 0] = 1.0  # where x = 0, so that nothing is counted
-    factor = exp(-0.5 * u * u) / (2.0 * pi) * a1 * a2
-    near = factor * np.square(x)[:, None] / square**1.5 * np.exp(-0.5 * square)
-    of_near = factor * pi * sqrt(0.5 * pi) / ((a1 + a2) * sqrt((a1 + a2) * (b1 + b2)))
-    summed = _sum_of_slopes(track, slider, *contact.gradients, 0, u) - near.sum() - contact.chance_of_slopes[0]
-    return float(contact.nominal_area * (summed * spacing[0] * spacing[1] + of_near))
 
+    def __init__(self, contact: GaussianContact) -> None:
+        self.contact = contact
+        along = contact.correlations[0].shape[0]
+        waves = 2j * pi * np.fft.fftfreq(along, contact.slider.spacing[0])[:, None]
+        self.gradients = [np.fft.ifft(np.fft.fft(each, axis=0) * waves, axis=0).real for each in contact.correlations]
+        far = (own * weight for own, weight in zip(self.gradients, contact.chance, strict=True))
+        self.chance = contact.level**2 * exp(-(contact.level**2)) / (2.0 * pi) * moved_products(*far)
 
-@compiled
-def _sum_of_slopes(
-    track: Doubles, slider: Doubles, by_track: Doubles, by_slider: Doubles, shift: int, u: float
-) -> float:
-    """Return the sum of phi2'(u, u; rho) C_1x(x + shift) C_2x(x) over all points but those at rho = 1."""
-    along, across = slider.shape
-    total = 0.0
-    for i in range(along):
-        moved = (i + shift) % along
-        row = 0.0
-        for j in range(across):
-            rho = track[moved, j] + slider[i, j]
-            left = 1.0 - rho * rho
-            if left > 1e-12:
-                chance = np.exp(-u * u / (1.0 + rho)) / (2.0 * np.pi * np.sqrt(left))
-                row += (
-                    chance * (u * u / ((1.0 + rho) * (1.0 + rho)) + rho / left) * by_track[moved, j] * by_slider[i, j]
-                )
-        total += row
-    return total
+    def summed(self, shift: int) -> float:
+        """Return the sum of phi2' C_1x C_2x over all lags but rho = 1, less chance, at a lag in points."""
+        u, (track, slider) = self.contact.level, self.contact.correlations
+        above = np.maximum(1.0 + np.roll(track, -shift, axis=0) + slider, 1e-9)
+        left = np.maximum((2.0 - above) * above, 1e-12)
+        density = np.exp(-u * u / above) / (2.0 * pi * np.sqrt(left)) * ((u / above) ** 2 + (above - 1.0) / left)
+        moved = np.roll(self.gradients[0], -shift, axis=0)
+        return float((density * moved * self.gradients[1]).sum() - self.chance[shift])
+
+    @cached_property
+    def variance(self) -> float:
+        """-R''(0) in um^2, exact.
+
+        Near lag 0 the integrand is e^(-u^2/2)/(2 pi) a_1 a_2 x^2/(a x^2 + b y^2)^1.5, slopes over sigma. That part,
+        times exp(-(a x^2 + b y^2)/2), has the integral below; the rest is smooth enough for a sum over the points.
+        """
+        contact = self.contact
+        _, slopes, others = (contact.moments / contact.roughness**2).T
+        a, b = slopes.sum(), others.sum()
+        grid = zip(contact.slider.power.shape, contact.slider.spacing, strict=True)
+        x, y = np.ix_(*(np.fft.fftfreq(n, 1.0 / n) * step for n, step in grid))
+        square = a * x * x + b * y * y
+        square[0, 0] = 1.0  # where x = 0, so that nothing is counted
+        factor = exp(-0.5 * contact.level**2) / (2.0 * pi) * slopes.prod()
+        near = factor * x * x / square**1.5 * np.exp(-0.5 * square)
+        of_near = contact.nominal_area * factor * pi * sqrt(0.5 * pi) / (a * sqrt(a * b))
+        return float(contact.cell * (self.summed(0) - near.sum()) + of_near)
+
+    def curve(self) -> tuple[Doubles, Doubles]:
+        """Return lags in um and -R''(lag) in um^2, at 0 and where the sum over the map is smooth."""
+        shifts = self.contact.shifts(2, 64, 128)
+        values = [self.contact.cell * self.summed(int(each)) for each in shifts]
+        return np.append(0, shifts) * self.contact.slider.spacing[0], np.array([self.variance, *values])

@@ -13,13 +13,9 @@ from rubnoise.surface.height_map import HeightMap
 from rubnoise.units import LENGTH, QuantityError, parse_unit
 
 MOST_MISSING: Final = 0.1
-"""Share of missing points above which a map is not filled."""
-
 MOST_BYTES: Final = 1 << 30
 MOST_VALUES: Final = 1 << 26
-"""Bytes of a file and points of a map that are read."""
-
-_REASON: Final = 200
+"""Share of missing points that are filled, bytes of a file and points of a map that are read."""
 
 
 def read_surface(path: str | os.PathLike[str], unit: str | None = None) -> HeightMap:
@@ -44,7 +40,7 @@ def read_surface(path: str | os.PathLike[str], unit: str | None = None) -> Heigh
         reason = " ".join(str(problem).split())
         if "tried" in reason:
             reason = "no reader of SurfaceTopography knows its format"
-        raise Refused(f"{name}: is no surface that can be read: {reason[:_REASON]}") from problem
+        raise Refused(f"{name}: is no surface that can be read: {reason[:200]}") from problem
 
 
 def from_topography(topography: Any, name: str = "surface", unit: str | None = None) -> HeightMap:
@@ -59,17 +55,12 @@ def from_topography(topography: Any, name: str = "surface", unit: str | None = N
     if named is None:
         raise Refused(f'{name}: names no unit of its lengths; say it: unit="um" (--unit um)')
     scale = length_scale(str(named), name)
-    points = int(np.prod(topography.nb_grid_pts))
-    if points > MOST_VALUES:
+    if (points := int(np.prod(topography.nb_grid_pts))) > MOST_VALUES:
         raise Refused(f"{name}: has {points:,} points; up to {MOST_VALUES:,} are read")
+    along, across = (float(step) * scale for step in topography.pixel_size)
     heights, done = _filled(topography, name)
-    return HeightMap(
-        heights=np.ascontiguousarray(heights * scale, dtype=np.float64),
-        spacing=(float(topography.pixel_size[0]) * scale, float(topography.pixel_size[1]) * scale),
-        periodic=bool(topography.is_periodic),
-        name=name,
-        history=done,
-    )
+    periodic, scaled = bool(topography.is_periodic), np.ascontiguousarray(heights * scale)
+    return HeightMap(heights=scaled, spacing=(along, across), periodic=periodic, name=name, history=done)
 
 
 def length_scale(unit: str, name: str) -> float:
@@ -85,13 +76,11 @@ def length_scale(unit: str, name: str) -> float:
 
 def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
     """Return heights without missing points, and how they were filled."""
-    values = topography.heights()
-    heights = np.ma.filled(np.ma.masked_invalid(values), np.nan).astype(np.float64)
-    missing = int(np.isnan(heights).sum())
+    heights = np.ma.masked_invalid(topography.heights())
+    missing = int(np.ma.getmaskarray(heights).sum())
     if missing == 0:
-        return heights, ()
-    share = missing / heights.size
-    if share > MOST_MISSING:
+        return np.asarray(heights.data, dtype=np.float64), ()
+    if (share := missing / heights.size) > MOST_MISSING:
         raise Refused(
             f"{name}: {100.0 * share:.3g} % of its points are missing; up to {100.0 * MOST_MISSING:g} % are filled;"
             " cut out a part that was measured"

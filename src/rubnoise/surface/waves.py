@@ -1,7 +1,7 @@
-"""The waves of a surface: cut-off wavelengths, its spectrum along and across the sliding, and its autocorrelation."""
+"""The waves of a surface: cut-off wavelengths, its power and autocorrelation, and self-affine surfaces from a seed."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from math import inf, isfinite
 from typing import Final, Self
 
 import numpy as np
@@ -10,10 +10,11 @@ from scipy import fft
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.surface.height_map import HeightMap
+from rubnoise.streams import Stream, generator
+from rubnoise.surface.height_map import FEWEST_POINTS, HeightMap
 
-RING: Final = 0.8
-"""Where the ring of waves begins whose power says what a change of the cut-off changes, over the cut-off frequency."""
+MOST_POINTS: Final = 8192
+"""Points a side of a synthetic map at most: such a map takes half a GB, and its transform twice as much."""
 
 
 def check_wavelengths(surface: HeightMap, cutoff: float, longest: float | None) -> None:
@@ -35,33 +36,37 @@ def band_limited(surface: HeightMap, cutoff: float, longest: float | None = None
     one is continued by its mirror image at each edge, without a jump (a cosine transform).
     """
     check_wavelengths(surface, cutoff, longest)
-    sides = surface.heights.shape
+    shape, spacing = surface.heights.shape, surface.spacing
     if surface.periodic:
-        along, across = (fft.fftfreq(n, step) for n, step in zip(sides, surface.spacing, strict=True))
-        waves = fft.fft2(surface.heights)
+        waves = fft.fft2(surface.heights) * _kept(*frequencies(shape, spacing), cutoff, longest)
+        heights = fft.ifft2(waves).real
     else:
-        along, across = (0.5 * np.arange(n) / (n * step) for n, step in zip(sides, surface.spacing, strict=True))
-        waves = fft.dctn(surface.heights, norm="ortho")
-    waves *= _kept(along, across, cutoff, longest)
-    heights = fft.ifft2(waves).real if surface.periodic else fft.idctn(waves, norm="ortho")
+        along, across = np.ix_(*(0.5 * np.arange(n) / (n * step) for n, step in zip(shape, spacing, strict=True)))
+        waves = fft.dctn(surface.heights, norm="ortho") * _kept(along, across, cutoff, longest)
+        heights = fft.idctn(waves, norm="ortho")
     if not np.ptp(heights) > 1e-12 * np.ptp(surface.heights):
         raise Refused(f"{surface.name}: no waves are left between the cut-off and the longest wave")
     limit = "" if longest is None else f", and longer than {longest:.6g} um"
     return surface.changed(heights, f"waves shorter than {cutoff:.6g} um removed{limit}")
 
 
-def _kept(along: Doubles, across: Doubles, cutoff: float, longest: float | None) -> NDArray[np.bool_]:
-    frequency = np.hypot(along[:, None], across[None, :])
-    kept = (frequency <= (1.0 + 1e-9) / cutoff) & (frequency > 0.0)
-    return kept if longest is None else kept & (frequency >= (1.0 - 1e-9) / longest)
+def frequencies(shape: tuple[int, ...], spacing: tuple[float, float]) -> tuple[Doubles, Doubles]:
+    """Return the frequencies of a discrete transform in cycles per um: a column along the sliding, a row across."""
+    along, across = np.ix_(*(fft.fftfreq(n, step) for n, step in zip(shape, spacing, strict=True)))
+    return along, across
+
+
+def _kept(along: Doubles, across: Doubles, cutoff: float, longest: float | None = None) -> NDArray[np.bool_]:
+    frequency = np.hypot(along, across)
+    lowest = (1.0 - 1e-9) / (longest or inf)
+    return (frequency > 0.0) & (frequency >= lowest) & (frequency <= (1.0 + 1e-9) / cutoff)
 
 
 @dataclass(frozen=True, eq=False)
 class Waves:
     """The power of a surface by wave: ``power`` S in um^2 on the grid of the discrete transform, its sum the variance.
 
-    Frequencies f are in cycles per um, first index along the sliding. Source: Nayak, Random process model of rough
-    surfaces (1971, doi:10.1115/1.3451608).
+    First index along the sliding. Source: Nayak, Random process model of rough surfaces (1971, doi:10.1115/1.3451608).
     """
 
     power: Doubles = field(repr=False)
@@ -73,56 +78,66 @@ class Waves:
     def of(cls, surface: HeightMap) -> Self:
         """Return the power of a map; one that is not periodic is tapered by Hann's window, its variance kept."""
         heights = surface.heights - surface.heights.mean()
-        variance = float(np.square(heights).mean())
+        variance, scatter = float(np.square(heights).mean()), np.ones_like(heights)
         if not surface.periodic:
-            along, across = (np.square(np.sin(np.pi * (np.arange(n) + 0.5) / n)) for n in heights.shape)
-            weight = along[:, None] * across[None, :]
+            along, across = np.ix_(*(np.square(np.sin(np.pi * (np.arange(n) + 0.5) / n)) for n in heights.shape))
+            weight = along * across
             heights = (heights - (heights * weight).sum() / weight.sum()) * weight
             spread = fft.ifft2(np.square(np.abs(fft.fft2(np.square(weight))))).real
             scatter = spread / spread[0, 0]
-        else:
-            scatter = np.ones_like(heights)
         power = np.square(np.abs(fft.fft2(heights)))
         power[0, 0] = 0.0
         return cls(power * (variance / (power.sum() or 1.0)), surface.spacing, scatter)
 
-    @cached_property
-    def variance(self) -> float:
-        """Mean square of the heights, sigma^2 = sum S in um^2."""
-        return float(self.power.sum())
+    def moments(self, cutoff: float | None = None) -> Doubles:
+        """Return variance and mean square slopes along and across: sums of S, S (2 pi f_x)^2 and S (2 pi f_y)^2.
 
-    @cached_property
-    def slopes(self) -> tuple[float, float]:
-        """Mean square slopes along and across the sliding: a = sum S (2 pi f_x)^2, b = sum S (2 pi f_y)^2."""
-        along, across = self._frequencies
-        return (
-            float((self.power.sum(1) * np.square(2.0 * np.pi * along)).sum()),
-            float((self.power.sum(0) * np.square(2.0 * np.pi * across)).sum()),
-        )
-
-    @property
-    def _frequencies(self) -> tuple[Doubles, Doubles]:
-        along, across = (fft.fftfreq(n, step) for n, step in zip(self.power.shape, self.spacing, strict=True))
-        return along, across
+        With ``cutoff`` in um, shorter waves do not count.
+        """
+        along, across = frequencies(self.power.shape, self.spacing)
+        power = self.power if cutoff is None else self.power * _kept(along, across, cutoff)
+        slopes = [(power * np.square(2.0 * np.pi * each)).sum() for each in (along, across)]
+        return np.array([power.sum(), *slopes])
 
     def correlation(self) -> Doubles:
         """Return C(x, y) = sum S cos(2 pi (f_x x + f_y y)) in um^2 at the points of the grid, lags wrapped round."""
         return fft.ifft2(self.power).real * self.power.size
 
-    def below(self, cutoff: float) -> Self:
-        """Return the waves without those shorter than ``cutoff`` in um."""
-        along, across = self._frequencies
-        return type(self)(self.power * _kept(along, across, cutoff, None), self.spacing, self.scatter)
 
-    def at_edge(self, cutoff: float) -> tuple[float, float, float]:
-        """Return the loss of variance and of both mean square slopes as ln(cutoff) rises by 1, in um^2, 1 and 1.
+def self_affine(
+    *, points: int, spacing: float, roughness: float, hurst: float, rolloff: float, cutoff: float, seed: int
+) -> HeightMap:
+    """Return a periodic Gaussian surface of points x points, with equal bits for equal arguments.
 
-        -d(sum S)/d ln(cutoff), from the mean power of the waves in a ring at the cut-off, for a spectrum that continues
-        beyond it.
-        """
-        along, across = self._frequencies
-        frequency = np.hypot(along[:, None], across[None, :])
-        ring = (frequency > RING / cutoff) & (frequency <= (1.0 + 1e-9) / cutoff)
-        edge = type(self)(np.where(ring, self.power, 0.0), self.spacing)
-        width = -float(np.log(RING))
-        return edge.variance / width, edge.slopes[0] / width, edge.slopes[1] / width
+    Its power is q^(-2 - 2 H) for frequencies q from 1/rolloff to 1/cutoff, constant below and 0 above (lengths in
+    um), and its rms height is exactly ``roughness`` in um. White noise of a seed is filtered in frequency.
+    Source: Jacobs, Junge, Pastewka, Quantitative characterization of surface topography using spectral analysis (2017,
+    doi:10.1088/2051-672X/aa51f8).
+    """
+    _check(points, spacing, roughness, hurst, rolloff, cutoff)
+    along, across = np.ix_(fft.fftfreq(points, spacing), fft.rfftfreq(points, spacing))
+    frequency = np.maximum(np.hypot(along, across), 1.0 / rolloff)
+    amplitude = np.where(_kept(along, across, cutoff), frequency ** (-1.0 - hurst), 0.0)
+    noise = generator(seed, Stream.SURFACE).standard_normal((points, points))
+    heights = fft.irfft2(fft.rfft2(noise) * amplitude, s=(points, points))
+    heights -= heights.mean()
+    heights *= roughness / np.sqrt(np.square(heights).mean())
+    words = f"self-affine, H = {hurst:g}, waves from {cutoff:g} um to {rolloff:g} um, seed {seed}"
+    name, grid = f"synthetic surface {seed}", (spacing, spacing)
+    return HeightMap(heights=heights, spacing=grid, periodic=True, name=name, history=(words,))
+
+
+def _check(points: int, spacing: float, roughness: float, hurst: float, rolloff: float, cutoff: float) -> None:
+    """Raises Refused for an impossible surface."""
+    if not FEWEST_POINTS <= points <= MOST_POINTS:
+        raise Refused(f"points=: {points} is not between {FEWEST_POINTS} and {MOST_POINTS:,}")
+    for name, value in (("spacing", spacing), ("roughness", roughness)):
+        if not (isfinite(value) and value > 0.0):
+            raise Refused(f"{name}=: {value:g} um is not a length above 0")
+    if not 0.0 < hurst <= 1.0:
+        raise Refused(f"hurst=: {hurst:g} is not above 0 and at most 1")
+    if not 2.0 * spacing <= cutoff <= rolloff <= points * spacing:
+        raise Refused(
+            f"cutoff=: {cutoff:g} um and rolloff=: {rolloff:g} um have to lie, in this order, between two points,"
+            f" {2.0 * spacing:g} um, and the side of the map, {points * spacing:g} um"
+        )
