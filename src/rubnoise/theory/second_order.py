@@ -28,7 +28,7 @@ from rubnoise.theory.sizes import longest_life, panels
 from rubnoise.theory.unit_pulse import Function, UnitLife, area_life, count_life, overlaps
 
 _ROUNDING, _VISIBLE = 1e-12, 1e-26
-_MOST_TICKS, _LAG_PANELS = 512, 32
+_MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
 
 
 def need_random_births(model: Model, quantity: str, *, centred: bool = False) -> None:
@@ -161,7 +161,8 @@ def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
 def spectral_density(model: Model, wavenumber: ArrayLike, *, exact: bool = True) -> Doubles:
     """Return the two-sided S(k) of real contact area in um^4 per rad/um, for k in rad/um of any shape.
 
-    R(tau) = (1/2 pi) int S(k) exp(i k tau) dk. Errors: 1e-8 of S(0) and 1e-6 of the value up to k d = 16, 1e-5 beyond.
+    R(tau) = (1/2 pi) int S(k) exp(i k tau) dk. Errors: 1e-8 of S(0) and 1e-6 of the value up to k d = 16, 1e-5 beyond;
+    1e-4 far out where sizes end hard, and off the centre line the tail has no swing from k d = 256 on.
     Not ``exact``, it is averaged over the swing of its tail, for integrals over panels wider than that.
     """
     return area_noise(model).density(wavenumber, exact=exact)
@@ -227,7 +228,10 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
     memory = model.births.memory
     ticks, reach = model.tick_count + 1, longest_life(model) + (memory if isfinite(memory) else 0.0)
     within = min(ticks - 1, int(reach / model.tick))
-    if distance is None and within <= _MOST_TICKS:
+    typical = 2.0 * model.sizes.moment(2) / model.sizes.moment(1)
+    if distance is None and (
+        within <= _MOST_TICKS or (typical < _FEW_TICKS * model.tick and within <= 32 * _MOST_TICKS)
+    ):
         step = np.arange(within + 1, dtype=np.float64)
         return step * model.tick, np.where(step > 0.0, 2.0 / ticks * (1.0 - step / ticks), 1.0 / ticks)
     length = ticks * model.tick if distance is None else distance

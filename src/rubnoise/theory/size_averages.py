@@ -11,11 +11,12 @@ from scipy.interpolate import CubicSpline
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
-from rubnoise.theory.sizes import cut_sizes, is_one_size, longest_life, sizes_of
+from rubnoise.theory.sizes import cut_sizes, is_one_size, longest_life, size_range, sizes_of
 from rubnoise.theory.unit_pulse import Function, energy, from_birth, settled_energy
 
 _FEW = 8
 _TABLE = 2400
+_TURNS, _NARROW = 400, 2.0
 _AT_ONCE = 4096
 _TOGETHER = 1 << 21
 
@@ -45,9 +46,21 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
         return lambda x: over_sizes(model, unit, power, x)
     scale = 0.5 * model.sizes.moment(2) / model.sizes.moment(1)
     octaves = log1p(longest_life(model) / scale)
-    place = np.linspace(0.0, 1.0, _TABLE + 1)
-    spline = CubicSpline(place, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(place))))
-    return lambda x: spline(np.sqrt(np.minimum(np.log1p(x / scale) / octaves, 1.0)))
+    turns = np.linspace(*size_range(model.sizes), _TURNS)
+
+    def place(x: Doubles) -> Doubles:
+        return np.sqrt(np.minimum(np.log1p(x / scale) / octaves, 1.0))
+
+    even = np.linspace(0.0, 1.0, _TABLE + 1)
+    # Lives of nearly equal sizes turn within a narrow stretch, and end in another.
+    knots = np.unique(np.concatenate([even, place(turns), place(2.0 * turns)])) if _is_narrow(model) else even
+    spline = CubicSpline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
+    return lambda x: spline(place(x))
+
+
+def _is_narrow(model: Model) -> bool:
+    low, high = size_range(model.sizes)
+    return high < _NARROW * low
 
 
 def mean_energy(model: Model, wavenumber: Doubles, *, exact: bool = True) -> Doubles:

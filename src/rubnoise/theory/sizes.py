@@ -15,10 +15,10 @@ from rubnoise.model import Model
 FINE, COARSE = 160.0, 20.0
 """Diameters for a factor e of size: for averages right to 1e-8, and for errors of errors."""
 
-_HARD = 3.0  # times as many for a law whose density jumps: its swings do not fade
+_HARD = 6.0  # times as many for a law whose density jumps: its swings do not fade
 _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
-_NARROWEST = 1e-9  # spread over diameter of a law that counts as one size
+_NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
 _LEFT_OUT = 1e-17
 _CUT_PANELS, _CUT_NODES = 3.0, 16
 _FEWEST = 8

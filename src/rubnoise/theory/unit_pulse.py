@@ -141,10 +141,10 @@ def energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
     if pulse.offset != "none":
         near = _off_centre_energy(pulse)(np.minimum(z, _OFF_CENTRE_END)) / (1.0 + np.minimum(z, _OFF_CENTRE_END) ** 5)
         return np.where(z < _OFF_CENTRE_END - 1.0, near, level(pulse, np.maximum(z, 1.0)))
-    found = np.square(_near_amplitude(pulse)(np.minimum(z, SETTLED)))
+    found = np.asarray(np.square(_near_amplitude(pulse)(np.minimum(z, SETTLED))), dtype=np.float64)
     far = z > SETTLED
     found[far] = np.square(amplitude(pulse, z[far]))
-    return np.asarray(found, dtype=np.float64)
+    return found
 
 
 def level(pulse: Pulse, phase: Doubles) -> Doubles:
