@@ -209,10 +209,7 @@ class SweepResult:
         return run
 
     def scenario(self, point: int) -> "Scenario":
-        """Return the scenario of a point by its number, with the seed of the file.
-
-        Raises RunFileRefused if what the index says of it is not valid.
-        """
+        """Return the scenario of a point by its number, with the seed of the file; raises RunFileRefused."""
         from rubnoise.scenario.reading import stored
 
         resolved = json.loads(self._file.attributes["scenario_resolved"])
@@ -233,9 +230,8 @@ class SweepResult:
     def to_xarray(self) -> "xr.Dataset":
         """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
 
-        A key goes by its last word too, ``.sel(mean_junction_count=20)``, if no other key ends with it. Keys of
-        [sweep.zip] share the dimension `side_by_side`; what has not been measured is nan. ``runs.to_xarray()`` has all
-        runs in one row instead. Raises ExtraMissing without xarray.
+        A key goes by its last word too, if no other key ends with it. Keys of [sweep.zip] share the dimension
+        `side_by_side`; what has not been measured is nan. Raises ExtraMissing without xarray.
         """
         with needing("analysis", "to_xarray"):
             return labelled(self)

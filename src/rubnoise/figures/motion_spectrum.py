@@ -32,14 +32,8 @@ from rubnoise.figures.style import (
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum
 from rubnoise.theory.load import load_spectrum
-from rubnoise.theory.motion import (
-    displacement_spectrum,
-    drive_of,
-    force_spectral_density,
-    response,
-    separation_of,
-    velocity_spectrum,
-)
+from rubnoise.theory.motion import displacement_spectrum, drive_of, force_spectral_density, response, separation_of
+from rubnoise.theory.motion import velocity_spectrum as velocity_density
 from rubnoise.theory.periodogram import through_window
 
 if TYPE_CHECKING:
@@ -125,7 +119,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         column=COLUMNS["velocity"],
         scale=1e-3,
         unit="mm/s",
-        exact=velocity_spectrum,
+        exact=velocity_density,
         white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
         still=lambda motion: motion.slider.natural_angular_frequency * _deflection(motion),
     ),
@@ -141,7 +135,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         column=COLUMNS["normal-velocity"],
         scale=1e-3,
         unit="mm/s",
-        exact=lambda model, frequency: velocity_spectrum(separation_of(model), frequency),
+        exact=lambda model, frequency: velocity_density(separation_of(model), frequency),
         still=lambda motion: motion.slider.natural_angular_frequency * _weight(motion) / motion.slider.stiffness,
         group="load",
     ),

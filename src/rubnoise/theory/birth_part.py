@@ -8,14 +8,13 @@ from functools import cached_property
 from math import ceil, floor, isfinite, pi
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.model import Model
 from rubnoise.theory.size_averages import is_one_life, mean_life_energy
 from rubnoise.theory.sizes import longest_life, sizes_of
-from rubnoise.theory.unit_pulse import Function, amplitude
+from rubnoise.theory.unit_pulse import Function, amplitude, cubic_spline
 
 _AGES = 1 << 19
 _PHASES = 4096
@@ -51,7 +50,7 @@ class BirthPart:
         if self._is_regular_count:
             values[0] -= 0.25 * self._step * rate  # of the jump at birth, whose square has half the weight
         kept = int(self._reach / self._step) + 3
-        spline = CubicSpline(self._step * np.arange(kept), values[:kept])
+        spline = cubic_spline(self._step * np.arange(kept), values[:kept])
         return lambda lag: np.where(lag < self._reach, spline(np.minimum(lag, self._reach)), 0.0)
 
     @property
@@ -88,7 +87,7 @@ class BirthPart:
         points = 2 * max(power.size, _PHASES)
         values = np.fft.irfft(np.append(0.0, power), points) * points
         place = np.arange(values.size + 1) / values.size
-        spline = CubicSpline(place, np.append(values, values[0]), bc_type="periodic")
+        spline = cubic_spline(place, np.append(values, values[0]))
 
         def summed(lag: Doubles) -> Doubles:
             part = (lag / spacing) % 1.0

@@ -3,13 +3,14 @@
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from math import exp
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
+from rubnoise.contact.laws.discrete import has_single_values
 from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
@@ -19,7 +20,11 @@ from rubnoise.tables import fields_as_text
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import mean_count
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import sizes_of
+from rubnoise.theory.sizes import FINE, is_one_size, sizes_of
+from rubnoise.theory.unit_pulse import cubic_spline
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 _POINTS = 1 << 17
 _PLACES = 1 << 12
@@ -34,7 +39,7 @@ class Distribution:
 
     ``area`` are places in um^2, evenly spaced over all of the law but 1e-10 at each end, for a curve. The distribution
     function is right to 1e-7, at a cusp (about two live junctions) to 5e-6; the density to 1e-4 of its largest value,
-    but for the steps of the grid next to 0 and to a cusp.
+    but for the steps of the grid next to 0 and to a cusp, and of few parabolas of nearly equal sizes to a tenth.
     """
 
     area: Doubles
@@ -103,8 +108,9 @@ def _distribution(sizes: Law, pulse: Pulse, count: float, start: float, top: flo
     live = _live_mass(sizes, pulse, step)
     if start > 0.0:
         # Few steps of the grid lie in one life of so many: its mean square is made exact, which the width needs.
-        square = pulse.life_integral(2) * sizes.moment(5) / (pulse.mean_life * sizes.moment(1)) / step**2
-        missing = square - float(live @ np.square(np.arange(_POINTS, dtype=np.float64)))
+        square = _unit_area(pulse)[1] * sizes.moment(5) / sizes.moment(1) / step**2
+        signed = (np.arange(_POINTS) + _POINTS // 2) % _POINTS - _POINTS // 2
+        missing = square - float(live @ np.square(signed.astype(np.float64)))
         live[:3] += 0.5 * missing * np.array([1.0, -2.0, 1.0])
     live = live[order] * fade
     spread = np.zeros(_POINTS)
@@ -127,19 +133,24 @@ def _distribution(sizes: Law, pulse: Pulse, count: float, start: float, top: flo
     )
 
 
+def _has_combs(law: Law, pulse: Pulse) -> bool:
+    """Whether peaks of single sizes, without bound for a parabola, would show in the density of a law that has none."""
+    return pulse.shape == "parabola" and pulse.offset == "none" and not is_one_size(law) and not has_single_values(law)
+
+
 def _live_mass(law: Law, pulse: Pulse, step: float) -> Doubles:
     """Return the probabilities of one live area on an even grid, which wraps around at its end.
 
     Each area is shared out over two neighbours, which keeps the mean, and sharpened by what that takes from a
     transform: a contact of 1e6 junctions keeps its width. Shares are second differences of int_0^x P(a <= y) dy.
     """
-    sizes = sizes_of(law)
+    sizes = sizes_of(law, (4.0 if _has_combs(law, pulse) else 1.0) * FINE)
     share = sizes.probability * sizes.diameter / float(sizes.probability @ sizes.diameter)
     cells = np.ceil(np.minimum(0.25 * np.pi * sizes.diameter**2 / step, 2.0 * _POINTS)).astype(np.int64) + 3
-    places, below, unit = step * np.arange(cells.max()), np.zeros(cells.max() + 1), _shares_below(pulse)
+    places, below, unit = step * np.arange(cells.max()), np.zeros(cells.max() + 1), _unit_area(pulse)[0]
     for diameter, weight, count in zip(sizes.diameter.tolist(), share.tolist(), cells.tolist(), strict=True):
         area = places[:count] / diameter**2
-        peak = np.minimum(area, 0.25 * np.pi)
+        peak = np.minimum(area, unit.x[-1])
         below[1 : count + 1] += weight * diameter**2 * (unit(peak) + area - peak)
         below[count + 1 :] += weight * (
             places[count:] - places[count - 1] + diameter**2 * (unit(peak[-1]) + area[-1] - peak[-1])
@@ -150,14 +161,16 @@ def _live_mass(law: Law, pulse: Pulse, step: float) -> Doubles:
 
 
 @cache
-def _shares_below(pulse: Pulse) -> CubicSpline:
-    """Return int_0^x P(a <= y) dy of unit diameter for x up to pi/4: x v - int_0^v a, v the share of a life below x."""
+def _unit_area(pulse: Pulse) -> tuple["CubicSpline", float]:
+    """Return int_0^x P(a <= y) dy of unit diameter up to its largest area, x v - int_0^v a, and E[a^2].
+
+    v is the share of a life in which the area is below x.
+    """
     even = np.linspace(0.0, 1.0, _PLACES)
     share = even**3 * (10.0 - even * (15.0 - 6.0 * even))  # closer at birth and at mid-life
-    if pulse.offset == "none":
-        area, grown = pulse.area(share, 1.0), pulse.area_so_far(share)
-    else:
-        area = overlap(np.sqrt(1.0 - share), pulse)
-        grown = CubicSpline(even, area * 30.0 * np.square(even * (1.0 - even))).antiderivative()(even)
+    slope = 30.0 * np.square(even * (1.0 - even))
+    area = pulse.area(share, 1.0) if pulse.offset == "none" else overlap(np.sqrt(1.0 - share), pulse)
+    grown = cubic_spline(even, area * slope).antiderivative()(even)
+    square = float(cubic_spline(even, np.square(area) * slope).integrate(0.0, 1.0))
     kept = np.append(np.diff(area) > 0.0, True)
-    return CubicSpline(area[kept], (area * share - grown)[kept])
+    return cubic_spline(area[kept], (area * share - grown)[kept]), square

@@ -6,7 +6,6 @@ from itertools import product
 from math import comb, hypot, inf, nan, sqrt
 
 import numpy as np
-from scipy.linalg import expm
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
@@ -159,6 +158,8 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     From equilibrium it is x_e = E[psi] mean A_r / k; from rest the free decay y of -x_e is added, with
     (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
     """
+    from scipy.linalg import expm
+
     drive = motion_drive_of(model)
     slider, still, duration = drive.slider, mean_displacement(model), distance / drive.speed
     if slider.start == "equilibrium":

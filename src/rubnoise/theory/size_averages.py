@@ -6,13 +6,12 @@ from math import log1p
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.sizes import cut_sizes, is_one_size, longest_life, size_range, sizes_of
-from rubnoise.theory.unit_pulse import Function, energy, from_birth, settled_energy
+from rubnoise.theory.unit_pulse import Function, cubic_spline, energy, from_birth, settled_energy
 
 _FEW = 8
 _TABLE = 2400
@@ -54,7 +53,7 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
     even = np.linspace(0.0, 1.0, _TABLE + 1)
     # Lives of nearly equal sizes turn within a narrow stretch, and end in another.
     knots = np.unique(np.concatenate([even, place(turns), place(2.0 * turns)])) if _is_narrow(model) else even
-    spline = CubicSpline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
+    spline = cubic_spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
     return lambda x: spline(place(x))
 
 

@@ -8,16 +8,18 @@ are integrals over that disc, and transforms over lines through its own (Bracewe
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
-from scipy.special import binom, erfc, gamma, j0, j1, k1, spherical_jn, struve
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.sizes import panels
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 Function = Callable[[Doubles], Doubles]
 
@@ -49,7 +51,7 @@ def area_life(pulse: Pulse) -> UnitLife:
     """Return the area of a pulse; relative error of each function about 1e-9 of its largest value."""
     if pulse.offset == "none":
         return UnitLife(power=2, overlap=overlaps(pulse, 1, 1), mean=lambda t: pulse.area(t, 1.0), so_far=_grown(pulse))
-    mean = CubicSpline(_lags(1024), _off_centre_mean(pulse, _lags(1024)))
+    mean = cubic_spline(_lags(1024), _off_centre_mean(pulse, _lags(1024)))
     grown = mean.antiderivative()
     return UnitLife(
         power=2, overlap=overlaps(pulse, 1, 1), mean=_within(mean), so_far=lambda t: grown(np.minimum(t, 2.0))
@@ -84,7 +86,14 @@ def _lags(count: int) -> Doubles:
     return np.concatenate([turned, 1.0 + turned[1:]])
 
 
-def _within(spline: CubicSpline) -> Function:
+def cubic_spline(places: ArrayLike, values: ArrayLike) -> "CubicSpline":
+    """Return the cubic spline through values; scipy is loaded only where something is calculated."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(places, values)
+
+
+def _within(spline: "CubicSpline") -> Function:
     return lambda t: np.where(t < 2.0, spline(np.minimum(t, 2.0)), 0.0)
 
 
@@ -96,11 +105,11 @@ def overlaps(pulse: Pulse, i: int, j: int) -> Function:
     """
     if pulse.offset == "none":
         lag = _lags(1024 if i == j == 1 else 128)
-        return _within(CubicSpline(lag, _overlap(pulse, lag, i, j)))
+        return _within(cubic_spline(lag, _overlap(pulse, lag, i, j)))
     if i == j == 1:
-        return _within(CubicSpline(_lags(256), _hankel_overlap(pulse, _lags(256))))
+        return _within(cubic_spline(_lags(256), _hankel_overlap(pulse, _lags(256))))
     lag = _lags(32)
-    return _within(CubicSpline(lag, np.array([_off_centre_overlap(pulse, each, i, j) for each in lag.tolist()])))
+    return _within(cubic_spline(lag, np.array([_off_centre_overlap(pulse, each, i, j) for each in lag.tolist()])))
 
 
 def _overlap(pulse: Pulse, lag: Doubles, i: int, j: int) -> Doubles:
@@ -118,6 +127,8 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
     pi H_1(z)/z^2 of the lens (H_1 Struve's), (pi/4) (sin(z/2)/(z/2))^2 of the triangle, pi (sin z - z cos z)/z^3 of
     the parabola.
     """
+    from scipy.special import spherical_jn, struve
+
     z = np.maximum(phase, 1e-6)
     if pulse.shape == "lens":
         return np.asarray(np.pi * struve(1.0, z) / z**2, dtype=np.float64)
@@ -127,9 +138,16 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
 
 
 @cache
-def _near_amplitude(pulse: Pulse) -> CubicSpline:
+def _near_amplitude(pulse: Pulse) -> "CubicSpline":
     z = np.arange(0.0, SETTLED + 2.0 * _AMPLITUDE_STEP, _AMPLITUDE_STEP)
-    return CubicSpline(z, amplitude(pulse, z))
+    return cubic_spline(z, amplitude(pulse, z))
+
+
+def _followed_amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
+    found = np.asarray(_near_amplitude(pulse)(np.minimum(phase, SETTLED)), dtype=np.float64)
+    far = phase > SETTLED
+    found[far] = amplitude(pulse, phase[far])
+    return found
 
 
 def energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
@@ -141,10 +159,7 @@ def energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
     if pulse.offset != "none":
         near = _off_centre_energy(pulse)(np.minimum(z, _OFF_CENTRE_END)) / (1.0 + np.minimum(z, _OFF_CENTRE_END) ** 5)
         return np.where(z < _OFF_CENTRE_END - 1.0, near, level(pulse, np.maximum(z, 1.0)))
-    found = np.asarray(np.square(_near_amplitude(pulse)(np.minimum(z, SETTLED))), dtype=np.float64)
-    far = z > SETTLED
-    found[far] = np.square(amplitude(pulse, z[far]))
-    return found
+    return np.square(_followed_amplitude(pulse, z))
 
 
 def level(pulse: Pulse, phase: Doubles) -> Doubles:
@@ -165,6 +180,8 @@ def settled_energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
     Its integral against anything smooth on the scale z = 10 is that of the energy: the blend, an error function of
     width 8.5, holds no component of the swing above exp(-8.5^2/2).
     """
+    from scipy.special import erfc
+
     z = np.asarray(phase, dtype=np.float64)
     kept = 0.5 * erfc((z - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
     followed = energy(pulse, np.minimum(z, SETTLED))
@@ -174,20 +191,28 @@ def settled_energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
 def from_birth(pulse: Pulse, phase: Doubles, *, exact: bool) -> Complexes:
     """Return the transform of the mean life E[a(t)] about its birth, E[int a(t) exp(-i z t) dt], at z = k d >= 0.
 
-    Not ``exact``, and from z = 160 on, only what begins at birth is left of it, which averages over sizes need.
+    Not ``exact``, only what begins at birth is left of it from z = 160 on, which averages over sizes need.
     """
-    near = _from_birth(pulse)(np.minimum(phase, SETTLED))
-    kept = (phase < SETTLED) if exact else 0.5 * erfc((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
+    from scipy.special import erfc
+
+    if pulse.offset == "none" and exact:
+        return np.asarray(np.exp(-1j * phase) * _followed_amplitude(pulse, phase), dtype=np.complex128)
+    within = np.minimum(phase, SETTLED)
+    if pulse.offset == "none":
+        near = np.exp(-1j * within) * _near_amplitude(pulse)(within)
+    else:
+        near = _from_birth(pulse)(within)
+    kept = 0.5 * erfc((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
     return np.asarray(kept * near + (1.0 - kept) * _beginning(pulse, np.maximum(phase, _STEP_FROM)))
 
 
 @cache
-def _from_birth(pulse: Pulse) -> CubicSpline:
+def _from_birth(pulse: Pulse) -> "CubicSpline":
     age, weight = panels(np.linspace(0.0, 2.0, 9), 48, rooted=True)
     z = np.arange(0.0, SETTLED + 2.0 * _AMPLITUDE_STEP, _AMPLITUDE_STEP)
     mass = weight * area_life(pulse).mean(age)
     rows = [np.exp(-1j * np.multiply.outer(some, age)) @ mass for some in np.array_split(z, 16)]
-    return CubicSpline(z, np.concatenate(rows))
+    return cubic_spline(z, np.concatenate(rows))
 
 
 def _beginning(pulse: Pulse, phase: Doubles) -> Complexes:
@@ -195,6 +220,8 @@ def _beginning(pulse: Pulse, phase: Doubles) -> Complexes:
 
     a' = sqrt(t (2 - t)) of the lens, pi/4 of the triangle, (pi/2) (1 - t) of the parabola.
     """
+    from scipy.special import binom, gamma
+
     turn = np.asarray(1j * phase, dtype=np.complex128)
     if pulse.offset != "none":
         return 0.0 * turn
@@ -212,19 +239,23 @@ def _disc_energy(pulse: Pulse, q: Doubles) -> Doubles:
 
     (pi J_1(q/2)/q)^2 of circles, and pi^2 J_2(q)/q^2 of paraboloids, J_2 = 2 J_1/q - J_0.
     """
+    from scipy.special import j0, j1
+
     if pulse.shape == "parabola":
         return np.asarray(np.square(np.pi**2 * (2.0 * j1(q) / q - j0(q)) / q**2), dtype=np.float64)
     return np.asarray((np.pi * j1(0.5 * q) / q) ** 4, dtype=np.float64)
 
 
 def _hankel_overlap(pulse: Pulse, lag: Doubles) -> Doubles:
+    from scipy.special import j0
+
     q, weight = panels(np.arange(0.0, 1201.0 if pulse.shape == "lens" else 3001.0, 4.0), 12)
     mass = _disc_energy(pulse, q) * q * weight / (4.0 * np.pi)
     return np.array([float(j0(each * q) @ mass) for each in lag.tolist()])
 
 
 @cache
-def _off_centre_energy(pulse: Pulse) -> CubicSpline:
+def _off_centre_energy(pulse: Pulse) -> "CubicSpline":
     """Return (1 + z^5) E[|a^|^2] up to z = 256, the integral of the energy of the disc over lines across z.
 
     Polynomials through 20 places on each panel of 4 follow it, and are sampled closely.
@@ -238,7 +269,7 @@ def _off_centre_energy(pulse: Pulse) -> CubicSpline:
     fine = np.linspace(-1.0, 1.0, 513)[:-1]
     values = (np.polynomial.legendre.legvander(fine, x.size - 1) @ series).T
     places = (edges[:-1, None] + 2.0 * (fine + 1.0)).ravel()
-    return CubicSpline(places, values.ravel())
+    return cubic_spline(places, values.ravel())
 
 
 def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
@@ -278,6 +309,8 @@ def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
     diameter sqrt(1 - b^2). Of lenses 4 (b/z)^2 K_1(z b)^2 comes from the turn at mid-life, and pi (1 - b^2)^(3/2)/z^5
     from both ends. Passes through both centres have one row, with its swing.
     """
+    from scipy.special import k1
+
     if pulse.offset == "none":
         return energy(pulse, phase)[None], np.ones(1)
     phi, share = _offsets()
@@ -293,6 +326,8 @@ def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
 
 
 def _squared_parabola(phase: Doubles) -> Doubles:
+    from scipy.special import spherical_jn
+
     return np.asarray(np.square(np.pi * spherical_jn(1, np.maximum(phase, 1e-6)) / np.maximum(phase, 1e-6)))
 
 
