@@ -319,5 +319,8 @@ def test_a_signal_leaves_nothing_behind(here: Path) -> None:
         "export", "x.h5", "--to", "csv", "--group", "trace", part=here / "x_trace.csv.part"
     )
     answer = stop(export_of_it, signal.SIGTERM)
-    assert (answer.code, answer.err) == (143, "stopped by a signal; nothing was kept\n")
+    assert (answer.code, answer.err) == (
+        143,
+        "stopped by a signal; nothing was kept, and the same command begins again\n",
+    )
     assert names(here) == ["x.h5"]

@@ -203,7 +203,10 @@ def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     slowly = ("listen", "x.h5", "--speed-up", "0.01")
     listening: subprocess.Popen[str] = begin(*slowly, part=here / "x_velocity.wav.part")
     answer = stop(listening, signal.SIGTERM)
-    assert (answer.code, answer.err) == (143, "stopped by a signal; nothing was kept\n")
+    assert (answer.code, answer.err) == (
+        143,
+        "stopped by a signal; nothing was kept, and the same command begins again\n",
+    )
     assert names(here) == ["x.h5"]
 
 
@@ -296,5 +299,8 @@ def test_without_ffmpeg_an_mp4_is_refused(contact_result: Path, here: Path, monk
 def test_a_signal_leaves_no_film_behind(contact_result: Path, here: Path) -> None:
     drawing: subprocess.Popen[str] = begin("animate", "x.h5", "--seconds", "50", part=here / "x.gif.part")
     answer = stop(drawing, signal.SIGINT)
-    assert (answer.code, answer.err) == (130, "stopped by a signal; nothing was kept\n")
+    assert (answer.code, answer.err) == (
+        130,
+        "stopped by a signal; nothing was kept, and the same command begins again\n",
+    )
     assert names(here) == ["x.h5"]

@@ -50,7 +50,7 @@ def command(
 ) -> None:
     """Play a run again and compare every value of its result; the exit code is 3 if something differs.
 
-    For the folder of a sweep, check its journals, names and index too, and every run.
+    For the folder of a sweep, check its names and index too, and every run.
 
     Example: rubnoise verify fig5.h5
     """

@@ -17,7 +17,7 @@ _FEW = 8
 _TABLE = 2400
 _TURNS, _NARROW = 400, 2.0
 _AT_ONCE = 4096
-_TOGETHER = 1 << 21
+_TOGETHER = 1 << 17
 
 
 def is_one_life(model: Model) -> bool:
