@@ -37,7 +37,7 @@ TOLERANCES = {
 BY_LARGEST = {"autocovariance", "area_from_empty", "count_from_empty", "estimated_densities"}
 NOT_AT_RANDOM = {"coupling": 1e-4, "count": 1e-6}
 """Of births that are not at random, whose cumulants from the third on are not known either."""
-FEW = {"bouncing": {"distribution": 3e-4}}
+FEW = {"bouncing": {"distribution": 3e-4, "estimated_errors": 2e-2}}
 """Of less than one live junction."""
 LINES_ALONE = {"regular_fixed"}
 """What has lines alone, and between them nothing but rounding."""
@@ -108,10 +108,12 @@ def farthest(found: np.ndarray[Any, Any], held: np.ndarray[Any, Any]) -> float:
 
 
 def assert_like(found: Mapping[str, float], held: Mapping[str, float], allowed: float) -> None:
-    """Check that figures are those that were; errors are less sharp, and those that are nan now are not known now."""
-    assert found.keys() == held.keys()
+    """Check that figures are those that were; errors are less sharp, and of regular births no shape is known now."""
+    gone = held.keys() - found.keys()
+    assert gone <= {"real_contact_area_skewness_exact", "real_contact_area_excess_kurtosis_exact"}
+    assert found.keys() <= held.keys()
     for name, value in held.items():
-        if not math.isnan(found[name]):
+        if name not in gone and not math.isnan(found[name]):
             assert found[name] == pytest.approx(value, rel=ERRORS if name.endswith("_error") else allowed), name
 
 

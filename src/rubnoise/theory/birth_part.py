@@ -66,10 +66,12 @@ class BirthPart:
     def line_power(self) -> Doubles:
         """Power of each line, lam^2 |E[A^(k_n)]|^2 times the share that births keep."""
         k, model = self.line_wavenumber, self._model
-        if self._of_count:
+        d = float(sizes_of(model.sizes).diameter[0])
+        if self._of_count and is_one_life(model):
+            power = np.square(2.0 * model.birth_rate * np.sin(k * d) / k)
+        elif self._of_count:
             power = self._squares[self._spacings :: self._spacings][: k.size]
-        elif is_one_life(self._model):
-            d = sizes_of(model.sizes).diameter[0]
+        elif is_one_life(model):
             power = np.square(model.birth_rate * d**3 * amplitude(model.pulse, k * d))
             power[power < _NO_POWER * model.stationary_mean_area**2] = 0.0
         else:
