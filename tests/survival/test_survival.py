@@ -28,8 +28,8 @@ BARE = Story(name="contact alone")
 def test_forty_kills_leave_no_incomplete_result_and_the_same_command_gives_the_bits() -> None:
     outcome = kills.kills(40, seed=3, stories=KILLED)
     assert outcome.findings == []
-    assert outcome.counts["exit code -9"] > 20
-    assert outcome.counts["left a part"] > 10
+    assert outcome.counts["exit code -9"] > 8
+    assert outcome.counts["left a part"] > 2
 
 
 def test_a_final_name_before_the_end_is_found_by_kills(monkeypatch: pytest.MonkeyPatch) -> None:
