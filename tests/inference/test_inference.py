@@ -70,7 +70,7 @@ def test_energies_are_those_of_theory(name: str, shape: float, pulse: Pulse) -> 
     model = replace(contact("fixed", 0.0, 20.0, 1500), sizes=POPULATIONS[name].law(1.0, shape), pulse=pulse)
     exact = mean_energy(model, z)
     energy = energy_table(name, shape, pulse).at(z)[0]
-    rel = 2e-4 if pulse is OFF_CENTRE_LENS else 1e-5  # far out its level is known to first order
+    rel = 4e-4 if pulse is OFF_CENTRE_LENS else 1e-5  # far out its level is known to first order
     assert energy == pytest.approx(exact, rel=rel, abs=2e-12 if pulse is PARABOLA else 0.0), "parabolas reach 0"
     other = {"fixed": "normal", "exponential": "gamma"}.get(name, name)
     assert energy_table(other, 1.05 * shape or 0.05, pulse).at(z)[0] != pytest.approx(exact, rel=1e-3)
