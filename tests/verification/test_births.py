@@ -13,7 +13,6 @@ from rubnoise.contact.births import ClusteredBirths, GammaBirths, JitteredBirths
 from rubnoise.contact.deviates import normal_quantile
 from rubnoise.contact.laws import Fixed, Spread
 from rubnoise.contact.laws.discrete import largest_of
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario
@@ -273,10 +272,14 @@ def test_the_largest_size_may_be_of_any_part() -> None:
     assert largest_of(law) == law.support[1] > float(law.draw(np.array([1.0 - 2.0**-53]))[0])
 
 
-def test_what_needs_a_density_is_refused() -> None:
-    assert exact(scenario(SMOOTH).model()).distribution().cdf(1e9) == 1.0
-    with pytest.raises(Refused, match="several single diameters"):
-        exact(scenario(TWO).model()).distribution()
+@pytest.mark.parametrize("table", [SMOOTH, TWO])
+def test_a_mixture_has_a_distribution(table: str) -> None:
+    theory = exact(scenario(table).model())
+    law = theory.distribution()
+    assert law.cdf(1e9) == 1.0
+    places = np.linspace(0.0, float(law.area[-1]), 200_001)
+    left = 1.0 - law.cdf(places)
+    assert np.trapezoid(left, places) == pytest.approx(theory.area.mean, rel=1e-4)
 
 
 @pytest.mark.parametrize(
