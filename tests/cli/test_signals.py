@@ -156,7 +156,7 @@ def installed(tmp_path: Path) -> Path:
 
 def test_a_run_works_where_kernels_cannot_be_kept(here: Path, installed: Path, unprivileged: tuple[str, ...]) -> None:
     environment = {name: text for name, text in os.environ.items() if not name.startswith(("NUMBA_", "XDG_"))}
-    environment |= {"PYTHONPATH": str(installed), "HOME": str(installed / "nobody")}
+    environment |= {"PYTHONPATH": str(installed), "HOME": str(installed / "absent")}
     here.joinpath("where.py").write_text("import rubnoise.api\nprint(rubnoise.__file__)", encoding="utf-8")
     told = subprocess.run(
         [*unprivileged, sys.executable, "where.py"], env=environment, capture_output=True, text=True, check=False

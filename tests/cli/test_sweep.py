@@ -127,7 +127,7 @@ def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> Non
         assert sweep.scenario(1).interface.mean_junction_count == 40.0
         assert sweep.figures[:2] == ("real_contact_area_mean", "real_contact_area_std")
         with pytest.raises(KeyError, match="no run is named"):
-            sweep.run("nobody")
+            sweep.run("unknown")
 
 
 def test_keys_side_by_side_share_a_dimension(here: Path) -> None:

@@ -187,7 +187,8 @@ def test_memory_does_not_grow_with_the_run(
     peak_bytes(tmp_path / "warm.h5", 1, compression)
     short = peak_bytes(tmp_path / "short.h5", few, compression)
     long = peak_bytes(tmp_path / "long.h5", many, compression)
-    assert long < 1.1 * short
+    # What the interpreter keeps of its own between two runs is within 64 KiB; a byte kept per row would be 1.3 MB.
+    assert long < 1.1 * short + 2**16
     assert long < 0.2 * expected_bytes(describe(many * 2000, many * 20_000, slider=many * 21_000).extent, EVERYTHING)
 
 

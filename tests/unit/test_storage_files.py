@@ -259,8 +259,6 @@ def test_all_is_read_and_written(tmp_path: Path, short: Shorten) -> None:
         assert disk.read(file.fileno(), len(CONTENT), 3) == CONTENT
         assert disk.read(file.fileno(), 10**5, 3) == CONTENT
         assert disk.read(file.fileno(), 10, 10**5) == b""
-        disk.append_all(file.fileno(), memoryview(b"0123456789"))
-        assert disk.read(file.fileno(), 13, 0) == b"0123456789" + CONTENT[7:10]
 
 
 @pytest.mark.parametrize("compression", ["none", "gzip"])
@@ -281,10 +279,7 @@ def test_a_result_is_the_same_file(tmp_path: Path, short: Shorten, compression: 
 def test_a_system_that_writes_nothing_is_not_asked_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "pwrite", lambda *_: 0)
     monkeypatch.setattr(os, "write", lambda *_: 0)
-    with (tmp_path / "file").open("w+b") as file:
-        with pytest.raises(OSError, match=os.strerror(errno.EIO)):
-            disk.write_all(file.fileno(), memoryview(b"x"), 0)
-        with pytest.raises(OSError, match=os.strerror(errno.EIO)):
-            disk.append_all(file.fileno(), memoryview(b"x"))
+    with (tmp_path / "file").open("w+b") as file, pytest.raises(OSError, match=os.strerror(errno.EIO)):
+        disk.write_all(file.fileno(), memoryview(b"x"), 0)
     with pytest.raises(RubnoiseError, match="cannot be written: Input/output error"):
         attempt(tmp_path / "x.h5")

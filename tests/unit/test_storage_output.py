@@ -16,7 +16,6 @@ import pytest
 
 from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.storage import disk, output
-from rubnoise.storage.lock import Held, holding, is_held
 from rubnoise.storage.output import (
     OutputInUse,
     OutputSwappedError,
@@ -40,7 +39,7 @@ def make_pipe(path: Path) -> None:
 
 
 def make_link(path: Path) -> None:
-    (path.parent / "elsewhere.h5").write_bytes(b"of somebody")
+    (path.parent / "elsewhere.h5").write_bytes(b"of another")
     path.symlink_to(path.parent / "elsewhere.h5")
 
 
@@ -57,7 +56,7 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path
         with pytest.raises(OutputRefused, match="not a regular file"):
             attempt(tmp_path / "run.h5", force=force)
     assert names(tmp_path) == before
-    assert not (tmp_path / "elsewhere.h5").exists() or (tmp_path / "elsewhere.h5").read_bytes() == b"of somebody"
+    assert not (tmp_path / "elsewhere.h5").exists() or (tmp_path / "elsewhere.h5").read_bytes() == b"of another"
 
 
 def itself(path: Path) -> Path:
@@ -278,21 +277,21 @@ def test_a_part_that_was_swapped_is_not_published_and_stays(tmp_path: Path, comp
     (tmp_path / "run.h5").write_bytes(b"older")
     with pytest.raises(OutputSwappedError, match=r"run\.h5\.part: another file has taken its place .* is not written"):
         attempt(
-            tmp_path / "run.h5", compression=compression, force=True, meanwhile=lambda: replaced(part, b"of somebody")
+            tmp_path / "run.h5", compression=compression, force=True, meanwhile=lambda: replaced(part, b"of another")
         )
     assert (tmp_path / "run.h5").read_bytes() == b"older"
     assert names(tmp_path) == ["run.h5", "run.h5.part"]
-    assert part.read_bytes() == b"of somebody"
+    assert part.read_bytes() == b"of another"
 
 
 def test_a_part_that_was_swapped_stays_where_a_run_fails(tmp_path: Path) -> None:
     def swap() -> None:
-        replaced(tmp_path / "run.h5.part", b"of somebody")
+        replaced(tmp_path / "run.h5.part", b"of another")
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         attempt(tmp_path / "run.h5", meanwhile=swap)
-    assert (tmp_path / "run.h5.part").read_bytes() == b"of somebody"
+    assert (tmp_path / "run.h5.part").read_bytes() == b"of another"
     assert names(tmp_path) == ["run.h5.part"]
 
 
@@ -369,67 +368,3 @@ def failing(number: int) -> Callable[..., None]:
         raise OSError(number, os.strerror(number))
 
     return fail
-
-
-# A lock is held by one alone or shared by several, and its file goes with the last of them, whatever else fails.
-SOON = 0.02
-
-
-def test_held_alone_it_keeps_all_others_away(tmp_path: Path) -> None:
-    path = tmp_path / "lock"
-    with holding(path):
-        assert is_held(path)
-        for shared in (False, True):
-            with pytest.raises(Held), holding(path, shared=shared, patience=SOON):
-                raise AssertionError
-        assert names(tmp_path) == ["lock"]
-    assert not is_held(path)
-    assert names(tmp_path) == []
-
-
-def test_a_shared_lock_goes_with_the_last_who_holds_it(tmp_path: Path) -> None:
-    path = tmp_path / "lock"
-    with holding(path, shared=True):
-        with holding(path, shared=True), pytest.raises(Held), holding(path, patience=SOON):
-            raise AssertionError
-        assert names(tmp_path) == ["lock"]
-        with pytest.raises(Held), holding(path, patience=SOON):
-            raise AssertionError
-    assert names(tmp_path) == []
-    with holding(path):
-        pass
-
-
-def test_of_many_who_share_or_want_it_alone_none_is_wrong(tmp_path: Path) -> None:
-    path, guard = tmp_path / "lock", threading.Lock()
-    inside, wrong, turns = [0, 0], [0], [0, 0]
-
-    def contend(*, shared: bool) -> None:
-        for _ in range(100):
-            with holding(path, shared=shared, patience=None):
-                with guard:
-                    inside[shared] += 1
-                    turns[shared] += 1
-                    wrong[0] += inside[False] > (0 if inside[True] else 1)
-                os.sched_yield()
-                with guard:
-                    inside[shared] -= 1
-
-    threads = [threading.Thread(target=contend, kwargs={"shared": n % 2 == 0}) for n in range(6)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert wrong == [0]
-    assert turns == [300, 300]
-    assert names(tmp_path) == []
-
-
-def test_a_lock_made_anew_by_others_stays_theirs(tmp_path: Path) -> None:
-    """If another process removes the file of a lock that is held, its holder leaves the next one alone."""
-    path = tmp_path / "lock"
-    with holding(path):
-        path.unlink()
-        with path.open("w") as other:
-            fcntl.flock(other, fcntl.LOCK_EX)
-    assert names(tmp_path) == ["lock"]

@@ -174,7 +174,7 @@ def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(
 
 
 class Client:
-    """A client of a Dask scheduler one of whose workers answers as it is told, one time after another."""
+    """A client of a Dask scheduler with one worker, whose answers to requests are given in order."""
 
     def __init__(self, *answers: Any) -> None:
         self.answers = iter(answers)

@@ -39,7 +39,7 @@ from rubnoise.storage.reader import open_run
 SHOWN: Final = 10
 """How many names of one kind are listed; of others their number is."""
 
-UNFINISHED: Final = (".part", ".part.journal", ".part.rows")
+UNFINISHED: Final = ".part"
 Watch = Callable[[int, int], None]
 
 

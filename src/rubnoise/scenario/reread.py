@@ -12,7 +12,7 @@ from rubnoise.scenario.problems import report
 from rubnoise.scenario.reading import checked, examined, replaced, stored_sizes
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
-from rubnoise.scenario.sweep import PointOverlay, Sweep
+from rubnoise.scenario.sweep import PointOverlay
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
 
 NAME: Final = "scenario_toml"
@@ -58,12 +58,6 @@ def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
     if not first or "calibration" in scenario.given.get("interface", {}):
         return scenario
     return replace(replaced(scenario, {"interface.calibration": _FIRST_CALIBRATION}), text=scenario.text)
-
-
-def sweep_as_made(sweep: Sweep, made: Mapping[str, Any]) -> Sweep:
-    """Return a sweep with the defaults of the time of its runs, the first of which is ``made``; see `as_made`."""
-    cases = tuple(replace(case, scenario=as_made(case.scenario, made)) for case in sweep.cases)
-    return replace(sweep, cases=cases)
 
 
 def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Reread:

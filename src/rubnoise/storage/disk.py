@@ -16,6 +16,13 @@ from typing import Final
 from rubnoise.errors import RubnoiseError
 from rubnoise.regular_file import flags
 
+try:
+    import fcntl
+except ImportError:  # on Windows nothing is locked
+    LOCKS = False
+else:
+    LOCKS = True
+
 LARGEST = 1 << 30
 """Bytes in one call at most: some systems take no more."""
 
@@ -31,6 +38,23 @@ class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
     def __str__(self) -> str:
         """Say so."""
         return f"{super().__str__()} on disk differs from what was written"
+
+
+def lock(descriptor: int) -> None:
+    """Lock a file alone, as long as it is open; raises BlockingIOError if another process holds a lock of it."""
+    fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def share(descriptor: int) -> bool:
+    """Take a lock that readers share, as long as a file is open; False if another process holds it alone."""
+    if LOCKS:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError:  # if a file system has no locks, no other process has one either
+            return True
+    return True
 
 
 def open_or_create(path: Path) -> int:
@@ -99,12 +123,6 @@ def _write_some(descriptor: int, data: memoryview, offset: int) -> int:
         return os.write(descriptor, data)
 
 
-def append_all(descriptor: int, data: memoryview) -> None:
-    """Write all of a contiguous buffer of bytes to a pipe, or at the end of a file that is open for appending."""
-    while data:
-        data = data[_some(os.write(descriptor, data[:LARGEST])) :]
-
-
 def _some(written: int) -> int:
     """Return a count of bytes; raises OSError if it is 0, since the caller would try again for ever."""
     if not written:
@@ -126,15 +144,6 @@ def allocate(descriptor: int, size: int) -> None:
 def sync(descriptor: int) -> None:
     """Flush a file to disk (fsync)."""
     os.fsync(descriptor)
-
-
-def sync_file(path: Path) -> None:
-    """Flush a file that is not open to disk (fsync)."""
-    descriptor = reopen(path)
-    try:
-        sync(descriptor)
-    finally:
-        close(descriptor)
 
 
 def begin_sync(descriptor: int) -> None:

@@ -23,7 +23,7 @@ OBJECTS_LIMIT: Final = 20_000
 """More groups and columns are in no file of ours, be it the index of the largest sweep."""
 
 DEEPEST: Final = 4
-"""How far below the root our files have columns: /traces/0/trace/distance in an index."""
+"""Groups that lie deeper below the root than this are in no file of ours."""
 
 GROUP, DATASET = "group", "dataset"
 

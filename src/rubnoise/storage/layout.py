@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Final, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -97,6 +97,3 @@ def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:
         for group in stored_groups(features)
         for column in group.columns
     )
-
-
-DTYPES: Final = {(group.name, column.name): column.dtype for group in GROUPS for column in group.columns}

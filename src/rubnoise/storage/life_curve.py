@@ -65,9 +65,6 @@ CURVE_ROWS = 2 * HALF_POINTS + 1
 TABLE_STEPS = 32
 TABLE_ROWS = (2 * TABLE_STEPS + 1) * (TABLE_STEPS + 1)
 
-LIFE_TABLES = ("life_curve", "life_table")
-"""Names of the groups that a file has of its pulse alone, before its first row."""
-
 
 def life_tables(pulse: Pulse) -> dict[str, dict[str, NDArray[np.float64]]]:
     """Return the group of columns that describes the area of any life of a pulse, by its name."""

@@ -18,13 +18,6 @@ from typing import Final
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.storage import disk
 
-try:
-    import fcntl
-except ImportError:
-    LOCKS = False
-else:
-    LOCKS = True
-
 SUFFIX: Final = ".part"
 
 NO_LOCKS = (
@@ -108,7 +101,7 @@ def _check_not_read(names: Iterable[Path], reads: Iterable[str | os.PathLike[str
 
 def check_locks(path: str | os.PathLike[str]) -> None:
     """Raise OutputRefused on a system without the locks that a sweep needs."""
-    if not LOCKS:
+    if not disk.LOCKS:
         raise OutputRefused(f"{path}: {NO_LOCKS}")
 
 
@@ -157,7 +150,7 @@ class PartFile:
                 f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
                 " is not written"
             )
-        if not LOCKS:
+        if not disk.LOCKS:
             self._let_go()  # Windows renames no open file
         self._rename()
         self.about = about
@@ -244,10 +237,10 @@ def _locked(part: Path) -> int:
 
 def _lock(descriptor: int) -> None:
     """Lock a file if the system has locks; raises BlockingIOError if another process holds it longer than a moment."""
-    deadline, waiting = monotonic() + PATIENCE_SECONDS, LOCKS
+    deadline, waiting = monotonic() + PATIENCE_SECONDS, disk.LOCKS
     while waiting:
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            disk.lock(descriptor)
             waiting = False
         except BlockingIOError:
             if monotonic() > deadline:

@@ -24,7 +24,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import column_chunks
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
-from rubnoise.storage import disk, lock
+from rubnoise.storage import disk
 from rubnoise.storage.chunks import rows_of_chunks
 from rubnoise.storage.layout import row_count, stored_extent
 from rubnoise.storage.objects import REMEDY, Place, naming_damage, opened_by_hdf5
@@ -309,7 +309,7 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
 
 def _share(descriptor: int) -> None:
     """Take the lock that HDF5 takes for reading, as long as the file is open."""
-    if not lock.share(descriptor):
+    if not disk.share(descriptor):
         raise InUse("is being written by another program")
 
 

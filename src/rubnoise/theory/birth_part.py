@@ -107,8 +107,7 @@ class BirthPart:
 
     def _whole_lives(self, lag: Doubles) -> Doubles:
         """Return the covariance of a whole number of equal lives and one more with probability f."""
-        lives, part = longest_life(self._model) / self._model.births.mean, None
-        nearest = round(lives)
-        f = 0.0 if abs(lives - nearest) <= 1e-12 * lives else lives - floor(lives)
+        lives = longest_life(self._model) / self._model.births.mean
+        f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives - floor(lives)
         part = (lag / self._model.births.mean) % 1.0
         return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f

@@ -103,8 +103,9 @@ def _distribution(sizes: Law, pulse: Pulse, count: float, start: float, top: flo
     # From before the start on, where sharpened cells ring; a fading factor keeps what lies beyond the grid from coming
     # back at its begin.
     place = round(start / step) - _BEFORE + np.arange(_POINTS)
-    fade = np.exp(-(_TILT if start == 0.0 else 0.0) / _POINTS * place)
     order = place % _POINTS
+    fade = np.empty(_POINTS)
+    fade[order] = np.exp(-(_TILT if start == 0.0 else 0.0) / _POINTS * place)
     live = _live_mass(sizes, pulse, step)
     if start > 0.0:
         # Few steps of the grid lie in one life of so many: its mean square is made exact, which the width needs.
@@ -112,10 +113,7 @@ def _distribution(sizes: Law, pulse: Pulse, count: float, start: float, top: flo
         signed = (np.arange(_POINTS) + _POINTS // 2) % _POINTS - _POINTS // 2
         missing = square - float(live @ np.square(signed.astype(np.float64)))
         live[:3] += 0.5 * missing * np.array([1.0, -2.0, 1.0])
-    live = live[order] * fade
-    spread = np.zeros(_POINTS)
-    spread[order] = live
-    mass = np.fft.irfft(np.exp(count * (np.fft.rfft(spread) - 1.0)), _POINTS)[order] / fade
+    mass = (np.fft.irfft(np.exp(count * (np.fft.rfft(live * fade) - 1.0)), _POINTS) / fade)[order]
     if start == 0.0:
         mass[_BEFORE] -= atom
     cdf = np.cumsum(mass) - 0.5 * mass + (atom if start == 0.0 else 0.0)
