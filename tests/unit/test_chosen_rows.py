@@ -18,7 +18,7 @@ import rubnoise
 from rubnoise import arrays
 from rubnoise.analysis import selection
 from rubnoise.analysis.selection import gather, select
-from rubnoise.analysis.where import DEEPEST, LONGEST, ConditionRefused, condition
+from rubnoise.analysis.where import LONGEST, ConditionRefused, condition
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import JUNCTIONS, TRACE, Dataset
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
@@ -208,16 +208,16 @@ REFUSED = {
     "3 < 4": ("neither side is a column", "3 < 4", ""),
     "diameter < max_area": ("diameter is in um, max_area in um^2", "diameter < max_area", ""),
     "diameter >": ("the end stands where a column or a number is needed", "", ""),
-    "diameter > > 6": ('">" stands where a column or a number is needed', ">", ""),
+    "diameter > > 6": ('">" does not belong here', ">", ""),
     "(diameter > 3": ("this parenthesis is not closed", "(", ""),
     "diameter > 3)": ("no parenthesis is open here", ")", ""),
-    "()": ('")" stands where', ")", ""),
-    "diameter > 3 AND complete": ('"AND" does not belong here', "AND", "write and"),
+    "()": ("no condition", "()", "for instance: diameter > 6 um"),
+    "diameter > 3 AND complete": ("no column AND", "AND", "write and"),
     "diameter > 3 complete": ('"complete" does not belong here', "complete", "conditions are joined by and, or"),
     "NOT complete": ("no column NOT", "NOT", "write not"),
     "diameter > 3 && complete": ('"&&" is no operator', "&&", "write and"),
     "!complete": ('"!" is no operator', "!", "write not"),
-    "state < complete": ("states have no order", "<", "write state == complete"),
+    "state < complete": ("states have no order", "state < complete", "write state == complete"),
     "diameter == complete": ("complete is a state", "diameter == complete", "write complete, or not complete"),
     'diameter > "6"': ('""" is no part', '"', "names and states are written without quotation marks"),
     "": ("no condition", None, "for instance: diameter > 6 um"),
@@ -249,12 +249,11 @@ def test_a_column_of_other_runs_is_told_apart_from_a_slip() -> None:
 
 def test_length_and_depth_are_bounded() -> None:
     longest = "diameter > 1" + " " * (LONGEST - 12)
-    deepest = "(" * DEEPEST + "complete" + ")" * DEEPEST
+    deepest = "(" * 100 + "not " * 100 + "complete" + ")" * 100
     assert condition(longest).columns == {"diameter"}
     assert condition(deepest).columns == {"state"}
-    assert condition(f"{deepest} and {deepest}").columns == {"state"}
-    for text in (f"{longest} ", f"({deepest})", "not " * (DEEPEST + 1) + "complete", "(" * LONGEST):
-        with pytest.raises(ConditionRefused, match="more than"):
+    for text in (f"{longest} ", "(" * 400 + "complete" + ")" * 400, "(" * LONGEST):
+        with pytest.raises(ConditionRefused):
             condition(text)
 
 
