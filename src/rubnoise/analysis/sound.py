@@ -119,7 +119,11 @@ class Sound:
 
     def about(self, mean: float) -> Iterator[Doubles]:
         """Yield the samples less a mean, in the unit of the column."""
-        return resampled((chunk - mean for chunk in self.chunks()), self.ratio)
+
+        def read(first: int, stop: int) -> Doubles:
+            return self.file.column(self.group, self.column, self.first + first, self.first + stop) - mean
+
+        return resampled(read, self.rows, self.ratio)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
