@@ -25,8 +25,6 @@ ROOT: Final = Path(__file__).resolve().parent.parent
 PAGE: Final = ROOT / "docs" / "gallery.md"
 PICTURES: Final = ROOT / "docs" / "pictures"
 ROOMS_FILE: Final = Path(__file__).with_name("gallery.toml")
-FRAME: Final = 10
-"""The frame of the film that the page shows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,10 +130,8 @@ def call(folder: Path, command: str) -> None:
 
 
 def kept(path: Path) -> bytes:
-    """Return a picture, or a frame of a film, as the gallery has it."""
+    """Return a picture as the gallery has it."""
     with Image.open(path) as picture:
-        if path.suffix == ".gif":
-            picture.seek(FRAME)
         stream = BytesIO()
         picture.convert("RGB").save(stream, format="PNG")
     return small(stream.getvalue())

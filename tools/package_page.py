@@ -1,4 +1,4 @@
-"""The page of the package on an index, README.md with links that work there, and the pages of docs in the wheel.
+"""The page of the package on an index: README.md with links that work there.
 
 The address of the repository stands once, in pyproject.toml under [tool.rubnoise]. With an address, relative links lead
 to the files of this version. Without one, a link becomes its text, and a picture is left out.
@@ -9,7 +9,6 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 CHECKOUT = "## Two commands"
@@ -53,24 +52,6 @@ def with_links(page: str, address: str, version: str) -> str:
         return f"{picture}[{text}]({address}/{'raw' if picture else 'blob'}/{version}/{target})"
 
     return LINK.sub(absolute, page)
-
-
-class ShippedDocs(BuildHookInterface):  # type: ignore[type-arg]
-    """Puts the pages of docs and their light drawings into the wheel, for `rubnoise docs`."""
-
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Name the files; called by hatchling. An editable install finds them in the checkout."""
-        if version == "editable":
-            return
-        docs = Path(self.root) / "docs"
-        drawn = (path for path in docs.glob("pictures/drawn/*.svg") if not path.stem.endswith("-dark"))
-        for path in (*docs.glob("*.md"), *drawn):
-            build_data["force_include"][str(path)] = f"rubnoise/{path.relative_to(self.root).as_posix()}"
-
-
-def get_build_hook() -> type[BuildHookInterface]:  # type: ignore[type-arg]
-    """Return the hook of the wheel; called by hatchling."""
-    return ShippedDocs
 
 
 def get_metadata_hook() -> type[MetadataHookInterface]:

@@ -26,7 +26,6 @@ READERS = {
     "compare": (),
     "verify": (),
     "plot": (),
-    "animate": (),
     "listen": (),
     "view": (),
     "report": (),
@@ -41,7 +40,6 @@ WRITERS = {
     "run": ("scenario.toml", "-o", "{}"),
     "new": ("{}",),
     "plot": ("good.h5", "-o", "{}"),
-    "animate": ("good.h5", "-o", "{}", "--seconds", "0.5", "--fps", "4"),
     "listen": ("good.h5", "-o", "{}"),
     "view": ("good.h5", "-o", "{}"),
     "export": ("good.h5", "--to", "csv", "--group", "trace", "-o", "{}"),
@@ -52,7 +50,6 @@ WRITERS = {
 ENDINGS = {
     "run": "h5",
     "new": "toml",
-    "animate": "gif",
     "listen": "wav",
     "export": "csv",
     "teach": "html",
@@ -285,7 +282,6 @@ def test_what_is_there_is_replaced_only_by_force(place: Path, command: str) -> N
 
 DRAWING = {
     "plot": ("good.h5",),
-    "animate": ("good.h5",),
     "junction": ("good.h5", "0", "--plot"),
     "theory": ("scenario.toml", "--plot"),
     "figures": ("fig3",),

@@ -15,8 +15,10 @@ from rich.text import Text
 
 import rubnoise
 from rubnoise.cli import export, info, listen, plot, version
-from rubnoise.cli.app import COMMANDS, program
+from rubnoise.cli.app import COMMANDS as REGISTERED
+from rubnoise.cli.app import program
 from rubnoise.cli.commands import literal
+from rubnoise.cli.ended import INSTEAD
 from rubnoise.cli.figures import PICTURES
 from rubnoise.cli.options import ENGINES
 from rubnoise.cli.version import commit_of_checkout, version_line
@@ -26,6 +28,8 @@ from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call, spawn
 
 # What the command line says about itself.
+COMMANDS = [name for name in REGISTERED if name not in INSTEAD]
+
 # Newer versions of typer load pydantic themselves when they build a command.
 HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'pint', 'simpy', 'matplotlib', 'mpmath', 'xarray', 'rubnoise.scenario'}"
 LOADED = f"""
@@ -121,10 +125,18 @@ def test_the_version_is_told() -> None:
     )
 
 
+@pytest.mark.parametrize("command", INSTEAD)
+def test_a_command_that_ended_says_what_to_call(command: str) -> None:
+    for words in ((), ("x.h5", "--force", "-q")):
+        answer = call(command, *words)
+        assert (answer.code, answer.out, answer.err) == (2, "", f"rubnoise {command}: {INSTEAD[command]}\n")
+    assert f" {command} " not in call("--help").out
+
+
 def test_without_a_command_help_is_shown() -> None:
     answer = call()
     assert answer.code == 2
-    assert all(command in answer.out + answer.err for command in COMMANDS if command != "resume")
+    assert all(command in answer.out + answer.err for command in COMMANDS)
 
 
 def test_the_schema_is_the_one_that_is_kept_with_the_scenarios() -> None:

@@ -70,7 +70,7 @@ def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) 
 
 @pytest.mark.parametrize(
     "words",
-    [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("plot",), ("animate",), ("listen",)],
+    [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("plot",), ("listen",)],
 )
 def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[str, ...]) -> None:
     answer = call(words[0], SLIDER, *words[1:])

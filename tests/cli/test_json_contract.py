@@ -140,8 +140,6 @@ BASE = tuple(
     for word in ("--set", f"slider.{change}")
 )
 WEAKENING = ("--set", "slider.excitation=velocity-weakening", "--set", "slider.slope=0.1 N*s/m")
-SURFACE = ("--radius", "50 um", "--height", "0.5 um", "--density", "300 1/mm^2", "--modulus", "100 GPa")
-GREENWOOD = (*SURFACE, "--load", "1 N")
 FREE = ("elastic.toml", "damped.toml")
 LONGER = ("--set", "sliding.distance=700 um")
 
@@ -224,7 +222,6 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("theory", ("theory", full, "--white", "--json")),
         ("theory", ("theory", "based.toml", *BASE, "--json")),
         ("theory", ("theory", full, *WEAKENING, "--json")),
-        ("contact", ("contact", *GREENWOOD, "--json")),
         ("junction", ("junction", "full.h5", "17", "--json")),
         ("junction", ("junction", "bare.h5", "3", "--json")),
         ("junctions", ("junctions", "full.h5", "--json")),

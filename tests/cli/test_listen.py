@@ -1,4 +1,4 @@
-"""`rubnoise listen` and `rubnoise animate`: a run as sound and as a film."""
+"""`rubnoise listen`: a run as sound."""
 
 import shutil
 import signal
@@ -10,7 +10,6 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from PIL import Image
 
 import rubnoise
 from rubnoise.analysis.hearing import Hearing
@@ -250,57 +249,3 @@ def test_the_middle_of_a_slow_tone_is_found_too(result: Path, here: Path) -> Non
         assert answer.code == 0
         [told[speed_up]] = [each.split()[-2] for each in answer.out.splitlines() if "half of the power" in each]
     assert float(told["0.05"]) == pytest.approx(0.05 * float(told["1"]), rel=0.01)
-
-
-# `rubnoise animate`: a run as a film.
-SHORT = ("--seconds", "0.4", "--fps", "5")
-
-
-@pytest.fixture
-def contact_result(here: Path) -> Path:
-    assert call("run", CONTACT, "-q", "-o", "x.h5").code == 0
-    return here / "x.h5"
-
-
-def _pictures(path: Path) -> tuple[int, tuple[int, int]]:
-    with Image.open(path) as gif:
-        return gif.n_frames, gif.size
-
-
-def test_a_gif_is_made_where_nothing_is_said(contact_result: Path, here: Path) -> None:
-    answer = call("animate", "x.h5", *SHORT)
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith("x.gif: 2 frames, 0 to 32.8634 um of sliding, ")
-    assert _pictures(here / "x.gif") == (2, (960, 540))
-    assert names(here) == ["x.gif", "x.h5"]
-
-
-def test_a_stretch_is_chosen_in_um_or_with_units(contact_result: Path, here: Path) -> None:
-    for name, stretch in (
-        ("a.gif", ("--from", "50", "--to", "90")),
-        ("b.gif", ("--from", "0.05 mm", "--to", "90 um")),
-        ("c.gif", ("--from", "50", "--to", "91")),
-    ):
-        answer = call("animate", "x.h5", "-o", name, *stretch, *SHORT)
-        assert answer.code == 0
-        assert f"{name}: 2 frames, 50 to 9" in answer.out
-    first, same, other = ((here / name).read_bytes() for name in ("a.gif", "b.gif", "c.gif"))
-    assert first == same
-    assert first != other
-
-
-def test_without_ffmpeg_an_mp4_is_refused(contact_result: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", str(here))
-    answer = call("animate", "x.h5", "-o", "x.mp4")
-    said = "an mp4 needs ffmpeg, which is not installed here; a gif needs nothing more\n"
-    assert (answer.code, answer.out, answer.err) == (2, "", said)
-
-
-def test_a_signal_leaves_no_film_behind(contact_result: Path, here: Path) -> None:
-    drawing: subprocess.Popen[str] = begin("animate", "x.h5", "--seconds", "50", part=here / "x.gif.part")
-    answer = stop(drawing, signal.SIGINT)
-    assert (answer.code, answer.err) == (
-        130,
-        "stopped by a signal; nothing was kept, and the same command begins again\n",
-    )
-    assert names(here) == ["x.h5"]

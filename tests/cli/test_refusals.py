@@ -45,7 +45,6 @@ READING = (
     "view run.html -o run.html",
     "plot run.png -o run.png",
     "plot slider.h5 slider --with run.png -o run.png",
-    "animate run.gif -o run.gif",
     "junction run.png 1 --plot run.png",
     "theory contact.png --plot contact.png",
     "listen run.wav -o run.wav",
@@ -59,7 +58,7 @@ def test_force_does_not_replace_what_is_read(
     place = tmp_path / "place"
     shutil.copytree(made, place)
     monkeypatch.chdir(place)
-    for name in ("run.html", "run.png", "run.gif", "run.wav"):
+    for name in ("run.html", "run.png", "run.wav"):
         shutil.copy("slider.h5", name)
     shutil.copy("contact.toml", "contact.png")
     Path("scan.nc").write_bytes(b"a scan")

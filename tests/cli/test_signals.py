@@ -1,4 +1,4 @@
-"""Signals in the middle of a run, what is left of `rubnoise resume`, and installations that cannot be written to."""
+"""Signals in the middle of a run, and installations that cannot be written to."""
 
 import os
 import shutil
@@ -14,23 +14,8 @@ from rubnoise.cli.progress import SIGNALS, stoppable, watching
 from rubnoise.errors import RunStopped
 from tests.cli.terminal import LONG, begin, call, names, spawn_program, stop
 
-# `rubnoise resume` of an earlier version.
 SLIDER = Path("../given/slider.toml")
 SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
-
-
-def test_nothing_is_resumed_and_resume_says_so(here: Path) -> None:
-    (here / "x.h5.part").write_bytes(b"of a dead run")
-    for more in ((), ("--force", "--json", "-q")):
-        answer = call("resume", "x.h5.part", *more)
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err == (
-            "x.h5.part: runs are not resumed any more; the `rubnoise run` that began it makes it again, with the same"
-            " bits\n"
-        )
-    assert "resume" not in call("--help").out
-    assert call("run", SLIDER, "-o", "x.h5", "-q", *SHORT).code == 0
-    assert names(here) == ["x.h5"]
 
 
 # A signal in the middle of a long run: gone within a second, and nothing is left.
@@ -75,7 +60,7 @@ def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> 
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_what_writes_pages_and_films_is_stopped_between_pieces_alone(number: signal.Signals) -> None:
+def test_what_writes_pages_and_sounds_is_stopped_between_pieces_alone(number: signal.Signals) -> None:
     """An exception in the middle is swallowed by a library that is being loaded, which then warns of itself."""
     with stoppable() as between:
         between()

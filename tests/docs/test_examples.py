@@ -229,7 +229,7 @@ def test_it_shows_every_picture_that_can_be_drawn() -> None:
     assert {words[0] for words in drawn} >= set(PICTURES)
     assert {words[2] for words in drawn if "--of" in words} == set(get_args(Heard))
     assert {words[2] for words in map(split, COMMAND_LINES) if words[1] == "figures"} == set(FIGURES)
-    assert {"junction", "theory", "animate"} <= {split(command)[1] for command in COMMAND_LINES}
+    assert {"junction", "theory"} <= {split(command)[1] for command in COMMAND_LINES}
 
 
 def test_its_commands_are_there() -> None:

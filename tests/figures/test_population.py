@@ -1,4 +1,4 @@
-"""Histograms of single junctions beside their laws, spectrograms, the contact from above, and how pictures look."""
+"""Histograms of single junctions beside their laws, the contact from above, and how pictures look."""
 
 from pathlib import Path
 from typing import Any
@@ -64,15 +64,6 @@ def test_histograms_are_those_of_the_laws_and_not_of_others(stretch: Stretch) ->
     assert np.abs(scores(np.full(gaps.size, model.births.mean), by_gap, shares)).max() > 6.0
 
 
-def test_a_spectrogram_shows_the_slider_at_its_natural_frequency(stretch: Stretch) -> None:
-    figure = drawing("spectrogram", stretch, heard="velocity")
-    mesh = figure.axes[0].collections[0]
-    frequency = mesh.get_coordinates()[:, 0, 1]  # type: ignore[attr-defined]
-    level = np.asarray(mesh.get_array()).mean(axis=1)
-    loudest = 0.5 * (frequency[level.argmax()] + frequency[level.argmax() + 1])
-    assert loudest == pytest.approx(38.98, abs=frequency[1] - frequency[0])
-
-
 def test_the_contact_from_above_tells_its_number_and_area(stretch: Stretch) -> None:
     row = round(1000.0 / stretch.model.tick)
     area, count = (
@@ -93,7 +84,7 @@ def test_size_style_and_titles_are_those_asked_for(stretch: Stretch, style: Any)
 
 def test_too_little_is_refused(stretch: Stretch) -> None:
     short = Stretch.of(stretch.file, 0.0, 1.0)
-    for name in ("sizes", "gaps", "spectrogram"):
+    for name in ("sizes", "gaps"):
         with pytest.raises(Refused):
             PICTURES[name](short)  # type: ignore[index]
 

@@ -88,8 +88,8 @@ def _of_colour(pixels: np.ndarray, colour: str) -> int:
     return int(np.all(np.abs(pixels - wanted) < 0.02, axis=2).sum())
 
 
-WITHOUT_THEORY = {"overview", "spectrogram", "contact"}
-PALE = {"histogram", "sizes", "life_distances", "gaps", "spectrogram", "contact"}
+WITHOUT_THEORY = {"overview", "contact"}
+PALE = {"histogram", "sizes", "life_distances", "gaps", "contact"}
 """Pictures in which nothing is exact, and those whose colours are mixed."""
 
 

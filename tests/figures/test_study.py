@@ -345,36 +345,3 @@ def test_of_a_long_record_the_beginning_is_read(file: RunFile, monkeypatch: pyte
     monkeypatch.setattr(stretches, "MOST_READ", 50)
     record = Stretch.of(file, 10.0, 20.0).record("trace", "real_contact_area")
     np.testing.assert_array_equal(record, file.column("trace", "real_contact_area", 100, 150))
-
-
-# The spectra of a sweep's points, one above the other.
-SPEEDS = ("1 mm/s", "4 mm/s")
-
-
-def test_spectra_of_a_sweep_are_those_of_its_runs_a_decade_apart(tmp_path: Path) -> None:
-    scenario = rubnoise.load("paper/fig5")
-    with rubnoise.sweep(scenario, tmp_path / "s", grid={SPEED: SPEEDS}, jobs=1) as sweep:
-        lines = sweep.plot("psd", of="velocity").axes[0].lines
-        assert [text.get_text() for text in sweep.plot("psd").axes[0].texts] == list(SPEEDS)
-        for row, speed in enumerate(SPEEDS):
-            simulated, exact = (np.asarray(lines[2 * row + place].get_ydata()) / 10.0**row for place in (0, 1))
-            frequency = np.asarray(lines[2 * row].get_xdata())
-            # The integral of a density from 2 bins on is the variance, less what lies below: the peak holds nearly all.
-            variance = float(np.trapezoid(simulated, frequency))
-            with sweep.run(str(sweep.runs["run_id"][row])) as run:
-                assert variance == pytest.approx(float(np.var(run.slider["velocity"][:])) * 1e-6, rel=0.1)
-            theory = rubnoise.exact(scenario.replace(speed=speed)).slider.velocity_std * 1e-3
-            places = np.asarray(lines[2 * row + 1].get_xdata())
-            assert float(np.trapezoid(exact, places)) == pytest.approx(theory**2, rel=0.05)
-        with pytest.raises(Refused, match="of velocity: is for psd"):
-            sweep.plot("displacement_std", of="velocity")
-
-
-def test_spectra_need_the_files_of_the_runs(tmp_path: Path) -> None:
-    text = rubnoise.load("paper/fig5").to_toml()
-    (tmp_path / "s.toml").write_text(f'{text}\n[sweep]\nkeep = "summary"\n[sweep.grid]\n{SPEED} = {list(SPEEDS)}\n')
-    with (
-        rubnoise.sweep(tmp_path / "s.toml", tmp_path / "s", jobs=1) as sweep,
-        pytest.raises(Refused, match="has no file"),
-    ):
-        sweep.plot("psd")

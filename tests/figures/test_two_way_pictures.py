@@ -16,7 +16,6 @@ from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES, TWO_WAY
 from rubnoise.figures import motion as motions
 from rubnoise.figures import slider as phases
-from rubnoise.figures.animation import Film
 from rubnoise.figures.axis_labels import quantity_label
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.motion import STICKS, Motion, spans
@@ -335,7 +334,7 @@ def test_a_run_without_a_slider_has_the_spectrum_of_its_force(force_alone: Stret
     labels = {str(line.get_label()) for line in above.lines}
     assert "one per mean life" in labels
     assert not any("Kilburn" in label or "natural" in label for label in labels)
-    for name in ("psd", "histogram", "spectrogram"):
+    for name in ("psd", "histogram"):
         assert picture(name, force_alone, "png", heard="force")
         with pytest.raises(Refused, match="no slider to draw"):
             picture(name, force_alone, "png", heard="velocity")
@@ -408,29 +407,7 @@ def test_they_are_drawn_to_files_and_cut_nothing_off(two_way: Stretch, name: str
     assert picture(name, two_way, "svg").startswith(b"<?xml")
 
 
-# Films, and Figure 5
-
-
-def test_a_film_of_a_two_way_slider_stands_still_while_it_sticks(two_way: Stretch) -> None:
-    film = Film.of(two_way, seconds=2.0, rate=20)
-    stuck = np.array(["stick" in label for label in film.labels])
-    assert 5 < stuck.sum() < 39
-    moved = np.diff(film.distances)
-    both = stuck[:-1] & stuck[1:]
-    assert np.any(moved[both] == 0.0)
-    assert moved[~both].max() > 5.0
-    last = Motion.of(film.stretch).last - 1
-    distance = _column(two_way, "distance")
-    assert film.distances[[0, -1]].tolist() == [distance[0], distance[last]]
-    middle = last * 20 / 39
-    assert film.distances[20] == pytest.approx(np.interp(middle, np.arange(last + 1), distance[: last + 1]))
-    assert f"t = {middle * 1e-4:.4f} s" in film.labels[20]
-
-
-def test_a_film_of_a_one_way_slider_slides_evenly(one_way: Stretch) -> None:
-    film = Film.of(one_way, seconds=1.0, rate=20)
-    np.testing.assert_allclose(np.diff(film.distances), np.diff(film.distances)[0])
-    assert set(film.labels) == {""}
+# Figure 5
 
 
 def test_figure_5_of_a_two_way_slider_has_no_one_way_band(folder: Path) -> None:

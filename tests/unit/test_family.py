@@ -213,20 +213,6 @@ def test_a_rough_contact_has_its_published_figures() -> None:
     assert rubnoise.scenario.loads(text).model().mean_real_contact_area == pytest.approx(500.0, rel=1e-8)
 
 
-def test_the_command_prints_them() -> None:
-    words = ("--radius", "50 um", "--height", "0.5 um", "--density", "20 1/mm^2", "--modulus", "100 GPa")
-    words = (*words, "--separation", "0 um", "--heights", "exponential")
-    told = call("contact", *words, "--hardness", "2 GPa").out.splitlines()
-    shown = {line[:30].strip(): line[30:].split()[0] for line in told if line.startswith("  ")}
-    found = rubnoise.greenwood_williamson(
-        radius=50.0, height=0.5, density=2e-5, modulus=1e5, hardness=2e3, separation=0.0, heights="exponential"
-    )
-    assert float(shown["load"].replace(",", "")) == pytest.approx(found.load, rel=1e-6)
-    assert float(shown["real contact area"].replace(",", "")) == pytest.approx(found.real_contact_area, rel=1e-6)
-    assert (float(shown["contacts"]), float(shown["plasticity index"])) == pytest.approx((20.0, 5.0), rel=1e-6)
-    assert "plasticity index              not known without a hardness" in call("contact", *words).out
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [

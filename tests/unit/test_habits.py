@@ -65,7 +65,7 @@ sc.to_dict()["interface"]["mean_junction_count"]
 run.summary[0].z
 run.psd("velocity").plot()
 trace.acf(longest="10 ms").plot()
-sweep.plot("psd", of="velocity", size="single", style="paper")
+sweep.plot("displacement_std", size="single", style="paper")
 run.trace.to_pandas().describe()
 run.trace["distance"] * 1e-3
 run.to_xarray()["trace"]["real_contact_area"].sel(distance=100.0, method="nearest")

@@ -139,12 +139,12 @@ class Neighbours:
     def alive(self, distance: float, *, just_before: bool = False) -> Self:
         """Return the rows alive at a distance in um, birth <= s < death, or ``just_before`` it, birth < s <= death."""
         if just_before:
-            return self._chosen((self.birth < distance) & (distance <= self.death))
-        return self._chosen((self.birth <= distance) & (distance < self.death))
+            return self.chosen((self.birth < distance) & (distance <= self.death))
+        return self.chosen((self.birth <= distance) & (distance < self.death))
 
     def only(self, number: int) -> Self:
         """Return the junction with a row number."""
-        return self._chosen(self.rows == number)
+        return self.chosen(self.rows == number)
 
     def area(self, distance: float) -> Doubles:
         """Return the area in um^2 of each at a distance in um at which all are alive."""
@@ -161,10 +161,11 @@ class Neighbours:
         """Return the sum of their areas in um^2 at sliding distances in um; memory holds some junctions at a time."""
         total = np.zeros(distance.size)
         for part in slices(0, self.rows.size, max(1, AREAS_AT_ONCE // max(1, distance.size))):
-            total += self._chosen(part).areas(distance).sum(axis=0)
+            total += self.chosen(part).areas(distance).sum(axis=0)
         return total
 
-    def _chosen(self, which: NDArray[np.bool_] | slice) -> Self:
+    def chosen(self, which: NDArray[np.bool_] | slice) -> Self:
+        """Return some of the rows."""
         return type(self)(
             rows=self.rows[which],
             birth=self.birth[which],

@@ -216,9 +216,9 @@ class Contents(ABC):
         """Draw a picture of the run beside theory, and return it as a matplotlib figure.
 
         ``what`` is "overview", "trace", "lives", "lifelines", "histogram", "psd", "acf", "count", "sizes",
-        "life_distances", "gaps", "spectrogram", "contact" (from above, at ``start``), "slider", "phase" or "landmarks",
+        "life_distances", "gaps", "contact" (from above, at ``start``), "slider", "phase" or "landmarks",
         as for `rubnoise plot`; without it "overview", or "load" of a slider that moves freely. ``of`` is whose spectrum
-        "psd" and "spectrogram" show: "area", "force", "displacement" or "velocity". With ``ax`` it takes the place of
+        "psd" shows: "area", "force", "displacement" or "velocity". With ``ax`` it takes the place of
         these axes, and the whole figure is returned. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
         another run, for "slider", "phase" and spectra in Hz, or for "psd" a `Trace` or its file. ``size`` is
         "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is whether axes have titles;

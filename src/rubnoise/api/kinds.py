@@ -17,7 +17,6 @@ Kind = Literal[
     "sizes",
     "life_distances",
     "gaps",
-    "spectrogram",
     "contact",
     "load",
 ]

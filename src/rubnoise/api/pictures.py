@@ -72,7 +72,7 @@ def drawn(
             raise Refused('beside: a trace of yours goes with "psd", another run with "slider", "phase" and "load"')
         beside = _measurement(beside, whole=what != "psd" or heard is not None)
     if heard is not None and what not in HEARD:
-        raise Refused(f'of={of!r}: is for "psd", "spectrogram" and "histogram"')
+        raise Refused(f'of={of!r}: is for "psd" and "histogram"')
     if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and not (what == "psd" and heard):
         raise Refused('beside: another run goes with "slider", "phase", "load", and "psd" of anything but the area')
     if isinstance(beside, Trace) and what != "psd":
@@ -185,17 +185,16 @@ def drawn_sweep(
     sweep: "SweepResult",
     what: Any,
     *,
-    of: str = AREA,
     size: str | None = None,
     title: bool = True,
     style: str = "screen",
 ) -> "Figure":
-    """Draw a quantity of a sweep, or the spectra of its points, and return the figure (see SweepResult.plot)."""
+    """Draw a quantity of a sweep, and return the figure (see SweepResult.plot)."""
     from rubnoise.figures.catalogue import sweep_drawing
 
     if what is not None and not isinstance(what, str):
         raise Refused(f'{what!r}: is no quantity of a sweep; right form: sweep.plot("real_contact_area_std")')
-    return sweep_drawing(sweep, what, heard=heard_of(of), look=appearance(size, style, title=title))
+    return sweep_drawing(sweep, what, look=appearance(size, style, title=title))
 
 
 def heard_of(of: str) -> "Heard | None":

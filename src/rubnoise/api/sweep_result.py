@@ -258,21 +258,19 @@ class SweepResult:
         self,
         quantity: str | None = None,
         *,
-        of: str = "area",
         size: str | None = None,
         title: bool = True,
         style: "Style" = "screen",
     ) -> "Figure":
         """Draw a quantity, such as "displacement_std", against what is swept, with intervals and the exact curve.
 
-        Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. "psd" draws
-        the spectra of its points, each a decade above the one before: ``of`` is "area", "force", "displacement" or
-        "velocity". ``size``, ``title`` and ``style`` are as in `Run.plot`. Raises Refused for a quantity that the sweep
-        does not have, PicturesMissing without matplotlib.
+        Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. ``size``,
+        ``title`` and ``style`` are as in `Run.plot`. Raises Refused for a quantity that the sweep does not have,
+        PicturesMissing without matplotlib.
         """
         from rubnoise.api.pictures import drawn_sweep
 
-        return drawn_sweep(self, quantity, of=of, size=size, title=title, style=style)
+        return drawn_sweep(self, quantity, size=size, title=title, style=style)
 
     def _points_with(self, key: str, value: Any) -> list[int]:
         """Return the points at which a swept key has a value; raises Refused for one of another kind."""

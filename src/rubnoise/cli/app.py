@@ -21,6 +21,7 @@ import typer
 from typer import Typer
 
 from rubnoise.cli.commands import Command, Commands, escaping
+from rubnoise.cli.ended import INSTEAD
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
 
 DEBUG = "--debug"
@@ -31,7 +32,6 @@ HEADINGS: Final = {
         "examples": "new.print_examples",
         "check": "check.command",
         "run": "run.command",
-        "resume": "resume.command",
         "sweep": "sweep.command",
     },
     "Look at a result": {
@@ -41,7 +41,6 @@ HEADINGS: Final = {
         "junction": "junction.command",
         "junctions": "junctions.command",
         "report": "report.command",
-        "animate": "animate.command",
         "listen": "listen.command",
         "export": "export.command",
     },
@@ -55,14 +54,12 @@ HEADINGS: Final = {
     "Measure": {
         "infer": "infer.command",
         "surface": "surface.command",
-        "contact": "contact.command",
     },
-    "Teach and cite": {
+    "Teach": {
         "teach": "teach.command",
-        "docs": "docs.command",
-        "cite": "version.cite",
         "schema": "new.print_schema",
     },
+    "Ended": dict.fromkeys(INSTEAD, "ended.command"),
 }
 """The commands under the headings of --help: the module of this package and the function of each."""
 
@@ -75,7 +72,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         name="rubnoise",
         cls=Commands,
         help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
-        "Begin with: rubnoise run paper/fig5, rubnoise view fig5.h5, rubnoise plot fig5.h5. All pages: rubnoise docs",
+        "Begin with: rubnoise run paper/fig5, rubnoise view fig5.h5, rubnoise plot fig5.h5.",
         no_args_is_help=True,
         pretty_exceptions_enable=False,
     )

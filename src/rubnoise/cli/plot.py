@@ -64,8 +64,7 @@ def command(
     of: Annotated[
         SpectrumOf,
         typer.Option(
-            help="Of what psd, spectrogram and histogram are: area, or force, displacement, velocity, normal-velocity"
-            " or load.",
+            help="Of what psd and histogram are: area, or force, displacement, velocity, normal-velocity or load.",
             metavar="QUANTITY",
         ),
     ] = SpectrumOf.area,
@@ -149,7 +148,7 @@ def _plot_run(
     heard = _heard(of)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
     if heard is not None and what not in HEARD:
-        raise typer.BadParameter(f"--of is for psd, spectrogram and histogram, not for {what}")
+        raise typer.BadParameter(f"--of is for psd and histogram, not for {what}")
     if has_measured and what != "psd":
         raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what}")
     if beside is not None and not has_measured and what not in OVERLAID and not (what == "psd" and heard):
@@ -172,18 +171,17 @@ def _plot_run(
 def _plot_sweep(
     folder: Path, what: str | None, of: SpectrumOf, output: Path | None, look: "Appearance", *, force: bool
 ) -> None:
-    from rubnoise.figures.catalogue import SPECTRA, first_quantity, sweep_drawing
+    from rubnoise.figures.catalogue import first_quantity, sweep_drawing
     from rubnoise.figures.style import as_bytes, house_style
 
-    heard = _heard(of)
-    if heard is not None and what != SPECTRA:
-        raise typer.BadParameter(f"--of is for psd, not for {what or 'a quantity of a sweep'}")
+    if of is not SpectrumOf.area:
+        raise typer.BadParameter(f"--of is for psd and histogram of a run, not for {what or 'a quantity of a sweep'}")
     with rubnoise.open_sweep(folder) as sweep, house_style(look.style):
         shown = what or first_quantity(sweep)
-        path = output or Path(f"{folder.resolve().name}_{shown}{_ending(heard)}.png")
+        path = output or Path(f"{folder.resolve().name}_{shown}.png")
         kind = check_picture(path, force=force)
         try:
-            content = as_bytes(sweep_drawing(sweep, shown, heard=heard, look=look), kind)
+            content = as_bytes(sweep_drawing(sweep, shown, look=look), kind)
         except Refused as refusal:
             raise type(refusal)(f"{folder}: {refusal}") from refusal
     write_picture(path, lambda _: content, force=force)

@@ -20,18 +20,6 @@ def version_line() -> str:
     return f"rubnoise {rubnoise.__version__}" + (f" (commit {commit[:SHOWN_DIGITS]})" if commit else "")
 
 
-def cite() -> None:
-    """Print how to cite this version, as a line of text and as BibTeX.
-
-    Example: rubnoise cite > rubnoise.bib
-    """
-    title = "rubnoise: event-driven simulation of vibrations excited by adhesive micro-junctions during sliding"
-    version = rubnoise.__version__
-    print(f"% The rubnoise developers, {title}, version {version}.")
-    fields = {"author": "{The rubnoise developers}", "title": title, "version": version}
-    print("@software{rubnoise,", *(f"  {name} = {{{value}}}," for name, value in fields.items()), "}", sep="\n")
-
-
 def commit_of_checkout(package: Path) -> str:
     """Return the commit of the checkout that a package is in, "" if it is in no checkout of this project.
 

@@ -8,16 +8,14 @@ from rubnoise.analysis.sound import Heard
 from rubnoise.api.kinds import Kind, Style
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
 from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
+from rubnoise.figures.contact import contact_figure
 from rubnoise.figures.load import load_figure, motion_histogram_figure
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
 from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
-from rubnoise.figures.spectrogram import spectrogram_figure
-from rubnoise.figures.stage import contact_figure
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import draw_study
@@ -32,7 +30,6 @@ from rubnoise.figures.style import (
     one_line,
     shortened,
 )
-from rubnoise.figures.waterfall import waterfall_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,14 +50,12 @@ PICTURES: Final[dict[Kind, Callable[[Stretch], "Figure"]]] = {
     "sizes": sizes_figure,
     "life_distances": life_distances_figure,
     "gaps": gaps_figure,
-    "spectrogram": spectrogram_figure,
     "contact": contact_figure,
     "load": load_figure,
 }
 
 HEARD: Final[dict[Kind, Callable[[Stretch, Heard], "Figure"]]] = {
     "psd": motion_spectrum_figure,
-    "spectrogram": spectrogram_figure,
     "histogram": motion_histogram_figure,
 }
 """Pictures that can be of force, motion or load, in place of the area."""
@@ -115,7 +110,7 @@ def drawing(
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows; with ``ax``, their whole figure.
 
-    heard: the quantity of `psd`, `spectrogram` and `histogram`, in place of the area; beside: a run that is drawn over
+    heard: the quantity of `psd` and `histogram`, in place of the area; beside: a run that is drawn over
     the first; measured: a spectrum of the user's; look: its size, its style, and whether it has titles. Raises Refused
     if a run does not have what the picture shows.
     """
@@ -127,9 +122,6 @@ def drawing(
     return whole
 
 
-SPECTRA: Final = "psd"
-"""The name of the picture of a sweep that shows no quantity but the spectra of its points."""
-
 FIRST_QUANTITIES: Final = ("displacement_std", "real_contact_area_std")
 """The quantity of a sweep that is drawn if none is named: the first of these that it has."""
 
@@ -139,21 +131,13 @@ def first_quantity(sweep: SweepResult) -> str:
     return next((name for name in FIRST_QUANTITIES if name in sweep.runs), FIRST_QUANTITIES[-1])
 
 
-def sweep_drawing(
-    sweep: SweepResult, what: str | None, *, heard: Heard | None = None, look: Appearance = AS_IT_IS
-) -> "Figure":
-    """Return a quantity of a sweep against the swept key, or with "psd" the spectra of its points, as a figure.
+def sweep_drawing(sweep: SweepResult, what: str | None, *, look: Appearance = AS_IT_IS) -> "Figure":
+    """Return a quantity of a sweep against the swept key as a figure; look: size, style, and whether there are titles.
 
-    heard: the quantity of the spectra, in place of the area; look: size, style, and whether there are titles. Raises
-    Refused if the sweep does not have the quantity.
+    Raises Refused if the sweep does not have the quantity.
     """
-    if heard is not None and what != SPECTRA:
-        raise Refused(f"of {heard}: is for psd, the spectra of a sweep's points")
     with house_style(look.style), of_size(look.inches):
-        if what == SPECTRA:
-            figure = waterfall_figure(sweep, heard)
-        else:
-            figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)))
+        figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)))
         if not look.title:
             without_titles(figure)
         return figure

@@ -1,4 +1,4 @@
-"""A report of a run or a sweep: one page with words, figures beside exact values, pictures, sound, film and origin."""
+"""A report of a run or a sweep: one page with words, figures beside exact values, pictures, sound and origin."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,10 +12,8 @@ from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.api.kinds import Kind
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
-from rubnoise.figures.animation import Film
 from rubnoise.figures.axis_labels import key_label, quantity_words
 from rubnoise.figures.catalogue import picture
-from rubnoise.figures.film import write_film
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
@@ -60,7 +58,6 @@ RATE: Final = 44_100
 SPEED_UP: Final = 1.0
 """Length of the sound in s at most, samples a second, and how much faster it is than the run."""
 
-FILM_SECONDS, FILM_RATE = 6.0, 10
 Between = Callable[[], None]
 
 
@@ -80,7 +77,6 @@ def run_report(file: Reader, between: Between) -> str:
         _section("Noise of the normal motion", _normal_motion(file, stretch.model)),
         _section("Pictures", "".join(_pictures(stretch, between))),
         _section("Sound", _sound(file, between), "on-screen"),
-        _section("Film", _film(stretch, between), "on-screen"),
         _section("Scenario", f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>"),
         _section("How to repeat this run", _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes)),
     ]
@@ -197,16 +193,6 @@ def _sound(file: Reader, between: Between) -> str:
     what = "velocity of the slider" if sound.group == "slider" else "normal velocity of the slider"
     words = f"The {what}, {sound.seconds:.3g} s of it, as fast as it happened."
     return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{coded(content)}"></audio>'
-
-
-def _film(stretch: Stretch, between: Between) -> str:
-    try:
-        film = Film.of(stretch, seconds=FILM_SECONDS, rate=FILM_RATE)
-    except Refused:
-        return ""
-    content = written(lambda path: write_film(path, film, "gif", between))
-    caption = "Junctions slide over each other; below them the real contact area grows."
-    return f"<details><summary>Show the film, which moves</summary>{_picture(content, caption, 'gif')}</details>"
 
 
 def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:

@@ -1,11 +1,10 @@
-"""Junctions as pairs of circles that slide over each other, each pair at its own place; and a picture of them."""
+"""The contact from above: junctions as pairs of circles, each pair at its own place."""
 
 from dataclasses import dataclass
-from math import ceil, pi, sqrt
+from math import ceil, pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
@@ -16,6 +15,7 @@ from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above, ne
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
@@ -34,18 +34,18 @@ CELL: Final = (2.9, 1.12)
 MARGINS: Final = (0.6, 0.4, 0.2)
 """From the edge to the first pair, of every second row to the right, and above the last row, in places."""
 
-SPARE: Final = 1.05
+ASPECT: Final = 2.2
 ARC_POINTS: Final = 25
-GOLDEN: Final = (sqrt(5.0) - 1.0) / 2.0
 SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
 """From little area to much; a grey printer keeps them in order."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stage:
-    """Junctions and the places of their lower circles, in um; the model has no places: these are only for the eye."""
+    """Junctions at a sliding distance and the places of their lower circles, in um; the places are only for the eye."""
 
     junctions: Neighbours
+    distance: float
     x: Doubles
     y: Doubles
     width: float
@@ -63,44 +63,41 @@ class Stage:
             axes.spines[side].set_visible(False)
         _add_key(axes, self.largest_area)
 
-    def draw(self, axes: "Axes", distance: float) -> list[Any]:
-        """Draw the pairs that are near each other at a distance in um, and return the artists."""
+    def draw(self, axes: "Axes") -> None:
+        """Draw the pairs, their overlaps, and signs of births and deaths."""
         from matplotlib.collections import PolyCollection
 
         pairs = self.junctions
-        shift = distance - pairs.birth - pairs.half_life
-        lead = LEAD * pairs.diameter
-        near = np.flatnonzero((distance >= pairs.birth - lead) & (distance < pairs.death + lead))
-        touching = np.flatnonzero((distance >= pairs.birth) & (distance < pairs.death))
+        shift = self.distance - pairs.birth - pairs.half_life
+        touching = np.flatnonzero((self.distance >= pairs.birth) & (self.distance < pairs.death))
         aside = None if pairs.offset is None else pairs.offset[touching]
-        areas = area_of(pairs.pulse, distance - pairs.birth[touching], pairs.diameter[touching], aside)
+        areas = area_of(pairs.pulse, self.distance - pairs.birth[touching], pairs.diameter[touching], aside)
         lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
-        overlap = PolyCollection(lenses, array=areas, cmap=_shades(), clim=(0.0, self.largest_area), lw=0.0, zorder=2)
-        drawn = [
-            axes.add_collection(self._circles(near, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)),
-            axes.add_collection(overlap),
-            axes.add_collection(self._circles(near, shift, 0.5, facecolor="none", edgecolor=INK, zorder=3)),
-        ]
-        drawn += self._signs(axes, pairs.birth, BORN, distance, marker="o", mfc="white", ms=5.0)
-        drawn += self._signs(axes, pairs.death, LEAD, distance, marker="x", ms=6.0)
-        return [*drawn, *_edge_marks(axes, self.width, self.height, distance)]
+        axes.add_collection(self._circles(0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1))
+        axes.add_collection(
+            PolyCollection(lenses, array=areas, cmap=_shades(), clim=(0.0, self.largest_area), lw=0.0, zorder=2)
+        )
+        axes.add_collection(self._circles(shift, 0.5, facecolor="none", edgecolor=INK, zorder=3))
+        self._signs(axes, pairs.birth, BORN, marker="o", mfc="white", ms=5.0)
+        self._signs(axes, pairs.death, LEAD, marker="x", ms=6.0)
+        _edge_marks(axes, self.width, self.height, self.distance)
 
-    def _signs(self, axes: "Axes", events: Doubles, lasting: float, distance: float, **look: Any) -> list[Any]:
+    def _signs(self, axes: "Axes", events: Doubles, lasting: float, **look: Any) -> None:
         """Mark the first and last touch of pairs, and early ends, for some diameters of sliding."""
         pairs = self.junctions
-        which = (events <= distance) & (distance < events + lasting * pairs.diameter)
+        which = (events <= self.distance) & (self.distance < events + lasting * pairs.diameter)
         middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
-        return axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
+        axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
 
-    def _circles(self, which: NDArray[np.int64], shift: Doubles, aside: float, **look: Any) -> Any:
+    def _circles(self, shift: Doubles, aside: float, **look: Any) -> "PolyCollection":
         """Return circles ``shift`` um along the motion and a part of their offsets across it."""
         from matplotlib.collections import PolyCollection
 
         turn = np.linspace(0.0, 2.0 * pi, 2 * ARC_POINTS, endpoint=False)
-        radius = 0.5 * self.junctions.diameter[which][:, np.newaxis]
-        x = (self.x + shift)[which][:, np.newaxis] + radius * np.cos(turn)
-        across = 0.0 if self.junctions.offset is None else aside * self.junctions.offset[which][:, np.newaxis]
-        y = self.y[which][:, np.newaxis] + across + radius * np.sin(turn)
+        radius = 0.5 * self.junctions.diameter[:, np.newaxis]
+        x = (self.x + shift)[:, np.newaxis] + radius * np.cos(turn)
+        across = 0.0 if self.junctions.offset is None else aside * self.junctions.offset[:, np.newaxis]
+        y = self.y[:, np.newaxis] + across + radius * np.sin(turn)
         return PolyCollection(list(np.stack([x, y], axis=-1)), lw=0.7, **look)
 
     def _lens(self, row: int, shift: float) -> Doubles:
@@ -129,28 +126,28 @@ class Stage:
         return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
 
 
-def stage_of(junctions: Neighbours, aspect: float) -> Stage:
-    """Return a stage of a width over height, on which no two pairs that are visible together have the same place.
+def stage_of(stretch: Stretch, distance: float) -> Stage:
+    """Return the pairs that are near each other at a distance, each at its own place.
 
-    Raises Refused if more of them are visible together than a picture shows.
+    Raises Refused if there are more of them than a picture shows.
     """
-    largest = float(junctions.diameter.max(initial=1.0))
+    margin = stretch.model.mean_life_distance
+    junctions = neighbours(stretch.file, -1, distance - margin, distance + margin)
     lead = LEAD * junctions.diameter
-    begins, ends = junctions.birth - lead, junctions.death + lead
-    slots = _most_at_once(begins, ends)
-    if slots > MOST_AT_ONCE:
-        raise Refused(f"{slots:,} junctions are there at once, of which a film shows {MOST_AT_ONCE} at most")
-    order = _places(begins, ends)
-    cells = ceil(SPARE * max(slots, 1))
+    junctions = junctions.chosen((distance >= junctions.birth - lead) & (distance < junctions.death + lead))
+    count = junctions.diameter.size
+    if count > MOST_AT_ONCE:
+        raise Refused(f"{count:,} junctions are there at once, of which a picture shows {MOST_AT_ONCE} at most")
+    largest = float(junctions.diameter.max(initial=1.0))
     spread = 1.0 if junctions.offset is None else 2.0  # circles lie on either side of the line of motion
     wide, high = CELL[0] * largest, spread * CELL[1] * largest
-    columns = min(range(1, cells + 1), key=lambda count: _height(cells, count, aspect, spread))
+    cells = max(count, 1)
+    columns = min(range(1, cells + 1), key=lambda columns: _height(cells, columns, spread))
     rows = ceil(cells / columns)
-    # Multiples of the golden section leave no corner empty for long.
-    spread_out = np.argsort(np.arange(1, columns * rows + 1) * GOLDEN % 1.0, kind="stable")
-    row, column = np.divmod(spread_out[order], columns)
+    row, column = np.divmod(np.arange(count), columns)
     return Stage(
         junctions=junctions,
+        distance=distance,
         x=(column + MARGINS[0] + MARGINS[1] * (row % 2)) * wide,
         y=(row + MARGINS[0]) * high,
         width=_columns_width(columns) * wide,
@@ -163,54 +160,23 @@ def _columns_width(columns: int) -> float:
     return columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]
 
 
-def _height(cells: int, columns: int, aspect: float, spread: float) -> float:
-    """Return the height in diameters of a view of this width over height, with the places in ``columns`` columns.
+def _height(cells: int, columns: int, spread: float) -> float:
+    """Return the height in diameters of a view with the places in ``columns`` columns.
 
     Places are ``spread`` times as high as those of centred passes.
     """
-    return max((ceil(cells / columns) + MARGINS[2]) * spread * CELL[1], _columns_width(columns) * CELL[0] / aspect)
+    return max((ceil(cells / columns) + MARGINS[2]) * spread * CELL[1], _columns_width(columns) * CELL[0] / ASPECT)
 
 
-def shades(count: int) -> NDArray[np.uint8]:
-    """Return the colours of areas from none to the largest, one row of red, green and blue for each."""
-    colours: NDArray[np.uint8] = _shades()(np.linspace(0.0, 1.0, count), bytes=True)[:, :3]
-    return colours
-
-
-def _most_at_once(begins: Doubles, ends: Doubles) -> int:
-    """Return the largest number that exist at once, each from its begin to just before its end."""
-    first, last = np.sort(begins), np.sort(ends)
-    there = np.arange(1, first.size + 1) - np.searchsorted(last, first, side="right")
-    return int(there.max(initial=0))
-
-
-def _places(begins: Doubles, ends: Doubles) -> NDArray[np.int64]:
-    """Return a number for each junction, different from those of all others at the same time; few numbers are used."""
-    free_from: list[float] = []
-    numbers = np.empty(begins.size, dtype=np.int64)
-    for i in np.argsort(begins, kind="stable").tolist():
-        begin, end = float(begins[i]), float(ends[i])
-        # The place that has been empty longest, so that births are seen all over the stage.
-        emptiest = min(range(len(free_from)), key=free_from.__getitem__, default=-1)
-        if emptiest < 0 or free_from[emptiest] > begin:
-            emptiest = len(free_from)
-            free_from.append(end)
-        free_from[emptiest] = end
-        numbers[i] = emptiest
-    return numbers
-
-
-def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> list[Any]:
+def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> None:
     """Draw marks along both edges, those of the upper surface moving with it."""
     from matplotlib.collections import LineCollection
 
     spacing, length = width / 24.0, 0.035 * height
-    drawn = []
     for edge, inwards, shift, colour in ((height, -length, distance % spacing, INK), (0.0, length, 0.0, FAINT)):
         places = np.arange(0.0, width, spacing) + shift
         marks = [[(x, edge), (x, edge + inwards)] for x in places.tolist()]
-        drawn.append(axes.add_collection(LineCollection(marks, colors=colour, lw=1.0)))
-    return drawn
+        axes.add_collection(LineCollection(marks, colors=colour, lw=1.0))
 
 
 def _shades() -> "Colormap":
@@ -241,13 +207,12 @@ def contact_figure(stretch: Stretch) -> "Figure":
     picture shows.
     """
     distance = stretch.start if stretch.chosen else 0.5 * (stretch.start + stretch.stop)
-    margin = stretch.model.mean_life_distance
-    stage = stage_of(neighbours(stretch.file, -1, distance - margin, distance + margin), 2.2)
+    stage = stage_of(stretch, distance)
     alive = stage.junctions.alive(distance)
     figure = new_figure(7.2, 4.4)
     words = f"{alive.rows.size} junctions, {float(alive.area(distance).sum()):.4g} µm² in contact"
     add_title(figure, stretch, f"The contact from above at {distance:,.1f} µm: {words}")
     axes = figure.subplots()
     stage.set_up(axes)
-    stage.draw(axes, distance)
+    stage.draw(axes)
     return figure

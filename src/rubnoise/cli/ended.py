@@ -1,0 +1,27 @@
+"""Commands of earlier versions: each says what to call now, and ends with exit code 2."""
+
+from typing import Any, Final
+
+import typer
+
+from rubnoise.errors import Refused
+
+INSTEAD: Final = {
+    "animate": "films are not drawn any more; `rubnoise teach RUN.h5` shows the junctions of a run as they slide",
+    "cite": "the entry to cite is CITATION.cff of the project; `rubnoise --version` prints the version to give with it",
+    "contact": "call rubnoise.greenwood_williamson(...) in Python, which takes the same words",
+    "docs": "the pages stand in the folder docs of the project, and on its site",
+    "resume": "a run is not resumed any more; the `rubnoise run` that began it makes it again, with the same bits",
+}
+"""What to do in place of each."""
+
+SETTINGS: Final[dict[str, Any]] = {
+    "hidden": True,
+    "context_settings": {"allow_extra_args": True, "ignore_unknown_options": True},
+}
+"""How the commands are registered: whatever follows them is taken."""
+
+
+def command(context: typer.Context) -> None:
+    """Say what to call instead."""
+    raise Refused(f"rubnoise {context.info_name}: {INSTEAD[str(context.info_name)]}")

@@ -1,0 +1,131 @@
+"""The contact from above shows the junctions of a run where they overlap, and their areas."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis.selection import Neighbours
+from rubnoise.errors import Refused
+from rubnoise.figures import contact, style
+from rubnoise.figures.contact import BORN, LEAD, MOST_AT_ONCE, Stage, contact_figure, stage_of
+from rubnoise.figures.stretch import Stretch
+from rubnoise.storage.reader import open_run
+
+SCENARIO: dict[str, Any] = {
+    "format": 1,
+    "title": "a contact",
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
+    "diameter": {"law": "normal", "spread": "0.4 um"},
+    "sliding": {"distance": 400.0},
+    "output": {"tick": "0.1 um"},
+}
+AT = 150.0
+
+
+@pytest.fixture(scope="module")
+def stretch(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
+    path = tmp_path_factory.mktemp("contact") / "run.h5"
+    rubnoise.run(rubnoise.build(SCENARIO), path, seed=3).close()
+    with open_run(path) as file:
+        yield Stretch.of(file)
+
+
+@pytest.fixture(scope="module")
+def stage(stretch: Stretch) -> Stage:
+    return stage_of(stretch, AT)
+
+
+def _area_of(outline: np.ndarray) -> float:
+    """Return the area of a polygon."""
+    x, y = outline.T
+    return abs(0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+
+
+def test_the_lens_that_is_drawn_has_the_area_of_the_junction(stage: Stage) -> None:
+    pairs = stage.junctions
+    for row in range(5):
+        diameter = float(pairs.diameter[row])
+        for since in (0.1, 0.5, 1.0, 1.7):
+            outline = stage._lens(row, (since - 1.0) * diameter)
+            exact = float(pairs.pulse.area(np.array([since * diameter]), np.array([diameter]))[0])
+            assert _area_of(outline) == pytest.approx(exact, rel=0.01)
+        assert _area_of(stage._lens(row, 0.0)) == pytest.approx(0.25 * pi * diameter**2, rel=0.01)
+
+
+def test_the_lens_lies_in_both_circles(stage: Stage) -> None:
+    radius = 0.5 * float(stage.junctions.diameter[0])
+    for shift in (-1.3 * radius, 0.0, 0.4 * radius):
+        away = stage._lens(0, shift) - [stage.x[0], stage.y[0]]
+        for centre in (0.0, shift):
+            assert np.hypot(away[:, 0] - centre, away[:, 1]).max() <= radius * (1.0 + 1e-9)
+
+
+def test_each_pair_has_a_place_of_its_own_inside_the_stage(stage: Stage) -> None:
+    places = list(zip(stage.x.tolist(), stage.y.tolist(), strict=True))
+    assert len(set(places)) == len(places) > 10
+    reach = (1.5 + LEAD) * stage.junctions.diameter
+    assert np.all(stage.y - 0.5 * stage.junctions.diameter > 0.0)
+    assert np.all(stage.y + 0.5 * stage.junctions.diameter < stage.height)
+    assert np.all(stage.x - reach > 0.0)
+    assert np.all(stage.x + reach < stage.width)
+    assert 1.2 < stage.width / stage.height < 4.0
+
+
+def test_who_is_near_is_drawn_and_nobody_else(stage: Stage, stretch: Stretch) -> None:
+    rows = stretch.file
+    birth, death, diameter = (
+        rows.column("junctions", name) for name in ("birth_distance", "death_distance", "diameter")
+    )
+    near = (birth - LEAD * diameter <= AT) & (death + LEAD * diameter > AT)
+    assert stage.junctions.rows.tolist() == np.flatnonzero(near).tolist()
+
+
+def test_a_crowd_is_refused_and_nobody_at_all_is_a_stage_too(
+    stage: Stage, stretch: Stretch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def alike(count: int) -> Neighbours:
+        names = ("rows", "birth", "death", "diameter")
+        return replace(
+            stage.junctions, **{name: np.repeat(getattr(stage.junctions, name)[:1], count) for name in names}
+        )
+
+    for count in (MOST_AT_ONCE, 0):
+        monkeypatch.setattr(contact, "neighbours", lambda *_, count=count: alike(count))
+        assert stage_of(stretch, AT).x.size == count
+    monkeypatch.setattr(contact, "neighbours", lambda *_: alike(MOST_AT_ONCE + 1))
+    with pytest.raises(Refused, match="401 junctions are there at once, of which a picture shows 400 at most"):
+        stage_of(stretch, AT)
+
+
+def test_births_and_deaths_have_their_signs_where_circles_touch(stage: Stage, stretch: Stretch) -> None:
+    pairs = stage.junctions
+    for event, lasting, side, marker in ((pairs.birth, BORN, -0.5, "o"), (pairs.death, LEAD, 0.5, "x")):
+        row = int(np.argmax(event > 140.0))
+        for since, shown in ((0.01, True), (0.9 * lasting, True), (1.1 * lasting, False), (-0.1, False)):
+            seen = stage_of(stretch, float(event[row] + since * pairs.diameter[row]))
+            with style.house_style():
+                axes = style.new_figure(3.0, 2.0).subplots()
+                seen.draw(axes)
+            signs = next(line for line in axes.lines if line.get_marker() == marker)
+            there = np.flatnonzero(seen.junctions.rows == pairs.rows[row])
+            wanted = [[seen.x[place] + side * pairs.diameter[row], seen.y[place]] for place in there.tolist()]
+            where = np.column_stack(signs.get_data()).reshape(-1, 2)
+            assert any(np.all(np.isclose(where, each), axis=1).any() for each in wanted) is shown
+
+
+def test_areas_in_the_picture_are_those_of_the_junctions(stretch: Stretch) -> None:
+    with style.house_style():
+        figure = contact_figure(Stretch.of(stretch.file, AT, AT + 10.0))
+    overlap = next(each for each in figure.axes[0].collections if each.get_array() is not None)
+    drawn = np.asarray(overlap.get_array())
+    row = round(AT / stretch.model.tick)
+    assert drawn.sum() == pytest.approx(stretch.file.column("trace", "real_contact_area", row, row + 1)[0])
+    outlines = sum(_area_of(path.vertices[:-1]) for path in overlap.get_paths())
+    assert outlines == pytest.approx(drawn.sum(), rel=0.01)
+    texts = {text.get_text() for text in figure.axes[0].get_legend().get_texts()} | {figure.axes[1].get_ylabel()}
+    assert {"birth", "death", "area of a junction (µm²)"} <= texts
