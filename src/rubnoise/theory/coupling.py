@@ -12,8 +12,7 @@ from rubnoise.model import Model
 from rubnoise.theory.cumulants import strengths_of
 from rubnoise.theory.motion import Drive, Response, drive_of, force_spectral_density, response
 from rubnoise.theory.sampling import MotionErrors, motion_errors
-from rubnoise.theory.second_order import are_at_random, area_noise
-from rubnoise.theory.size_averages import is_one_life
+from rubnoise.theory.second_order import are_at_random, area_noise, is_one_life
 from rubnoise.theory.sizes import panels
 
 _ROUNDING = 1e-12  # of the variance for births at random, below which a variance is none

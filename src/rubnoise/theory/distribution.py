@@ -20,8 +20,7 @@ from rubnoise.tables import fields_as_text
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import mean_count
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import FINE, is_one_size, sizes_of
-from rubnoise.theory.unit_pulse import cubic_spline
+from rubnoise.theory.sizes import FINE, cubic_spline, is_one_size, sizes_of
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

@@ -192,7 +192,7 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
     sum_j w_j^2 w'_j^2 / (h (sum w^2)^2), about 1/(lam T). inf if a bin holds nothing. Raises Refused unless births
     are a Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
     """
-    need_random_births(model, "the error of a spectrum", centred=True)
+    need_random_births(model, "the error of a spectrum")
     n, energy_of_window = window.size, float(window @ window)
     lags = min(2 + int(_reach(model) / model.tick), _LONGEST * n)
     covariance = _tick_covariance(model, model.tick, lags)
