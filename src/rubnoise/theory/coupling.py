@@ -10,13 +10,15 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import strengths_of
-from rubnoise.theory.motion import Drive, Response, drive_of, force_spectral_density, response
+from rubnoise.theory.motion import Response, drive_of, force_spectral_density, response
 from rubnoise.theory.sampling import MotionErrors, motion_errors
 from rubnoise.theory.second_order import are_at_random, area_noise, is_one_life
 from rubnoise.theory.sizes import panels
 
 _ROUNDING = 1e-12  # of the variance for births at random, below which a variance is none
 _FASTEST = 3000.0  # phase k times the mean life to which the slope of the force is followed
+WEAK = 0.1  # first change of the variance, 3 Pi + q, from which more than the law of weak coupling is at work
+WHITE = 0.95  # r^2 / Pi below which the slider feels that junctions live for a while
 
 
 def force_slope_std(model: Model) -> float:
@@ -24,8 +26,7 @@ def force_slope_std(model: Model) -> float:
 
     Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, finite for every pulse; births that are not at
     random add E[psi]^2 times the integral of k^2 of their part of the spectrum and of their lines (right to 1e-4, since
-    a slope jumps). Raises Refused without a strength.
-    Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse psi A'.
+    a slope jumps). Raises Refused without a strength. Source: as `shot_cumulants`, for the pulse psi A'.
     """
     psi, noise = strengths_of(model), area_noise(model)
     at_random = model.birth_rate * psi.moment(2) * model.pulse.squared_slope * model.sizes.moment(3)
@@ -42,20 +43,12 @@ def force_slope_std(model: Model) -> float:
     return sqrt(variance) if variance > _ROUNDING * at_random else 0.0
 
 
-WEAK = 0.1
-"""First change of the variance, 3 Pi + q, from which more than the law of weak coupling is at work."""
-
-WHITE = 0.95
-"""r^2 / Pi below which the slider feels that junctions live for a while."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:
     """The strength of two-way coupling for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
 
-    Pi is nan unless births are at random at constant separation.
-    ``expected_change`` is nan if the law of weak coupling does not hold, and ``unknown`` then says why; else it is
-    None.
+    Pi is nan unless births are at random at constant separation. ``expected_change`` is nan if the law of weak coupling
+    does not hold, and ``unknown`` then says why; else it is None.
     """
 
     strength: float
@@ -75,15 +68,36 @@ def coupling(model: Model) -> Coupling:
     force white to the slider (r^2 >= 0.95 Pi, so that w_0 d/V and c d/(m V) are small) and 3 Pi + q < 0.1, with the
     kick q = c_1 E[psi^3] m_9 / (E[psi^2] m_6 m V^2). Raises Refused without slider, strength or speed.
     """
-    drive = drive_of(model)
-    strength = _strength(model, drive)
-    unknown = _unknown(model, drive, strength)
+    drive, known = drive_of(model), are_at_random(model) and model.separation is None
+    slider, psi, sizes = drive.slider, drive.strengths, model.sizes
+    strength = inf if known else nan  # a force of other births, or under a load, says nothing at low frequency
+    if known and slider.damping > 0.0:
+        density = float(force_spectral_density(model, psi, 0.0))
+        strength = density / (2.0 * slider.mass * slider.damping * drive.speed**3)
+    impulse = model.pulse.cubed_integral / model.pulse.squared_integral * psi.moment(3) / psi.moment(2)
+    kick = impulse * sizes.moment(9) / sizes.moment(6) / (slider.mass * drive.speed**2)
+    unknown = _unknown(model, strength, kick)
     return Coupling(
         strength=strength,
-        stick_number=force_slope_std(model) / drive.slider.stiffness,
-        expected_change=nan if unknown else weak_coupling_change(strength, _kick(model, drive)),
+        stick_number=force_slope_std(model) / slider.stiffness,
+        expected_change=nan if unknown else weak_coupling_change(strength, kick),
         unknown=unknown,
     )
+
+
+def _unknown(model: Model, strength: float, kick: float) -> str | None:
+    """Return the reason why the change is unknown, if it is."""
+    if strength == inf:
+        return "without damping nothing is stationary"
+    if not are_at_random(model):
+        return "it is known for births at random alone"
+    if model.separation is not None:
+        return "it is known at constant separation alone"
+    if 3.0 * strength + kick >= WEAK:
+        return "the coupling is too strong for the law of weak coupling"
+    if response(model).one_way_validity ** 2 < WHITE * strength:
+        return "a junction lives too long for the slider to take its force for white noise"
+    return None
 
 
 def weak_coupling_change(strength: float, kick: float) -> float:
@@ -138,33 +152,3 @@ def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
         displacement_std=hypot(change * errors.displacement_std, unknown * motion.displacement_std),
         velocity_std=hypot(change * errors.velocity_std, unknown * motion.velocity_std),
     )
-
-
-def _strength(model: Model, drive: Drive) -> float:
-    if not are_at_random(model) or model.separation is not None:
-        return nan  # at low frequency a force of other births, or under a load, says nothing about its power
-    if drive.slider.damping == 0.0:
-        return inf
-    density = float(force_spectral_density(model, drive.strengths, 0.0))
-    return density / (2.0 * drive.slider.mass * drive.slider.damping * drive.speed**3)
-
-
-def _kick(model: Model, drive: Drive) -> float:
-    sizes, strengths = model.sizes, drive.strengths
-    impulse = model.pulse.cubed_integral / model.pulse.squared_integral * strengths.moment(3) / strengths.moment(2)
-    return impulse * sizes.moment(9) / sizes.moment(6) / (drive.slider.mass * drive.speed**2)
-
-
-def _unknown(model: Model, drive: Drive, strength: float) -> str | None:
-    """Return the reason why the change is unknown, if it is."""
-    if strength == inf:
-        return "without damping nothing is stationary"
-    if not are_at_random(model):
-        return "it is known for births at random alone"
-    if model.separation is not None:
-        return "it is known at constant separation alone"
-    if 3.0 * strength + _kick(model, drive) >= WEAK:
-        return "the coupling is too strong for the law of weak coupling"
-    if response(model).one_way_validity ** 2 < WHITE * strength:
-        return "a junction lives too long for the slider to take its force for white noise"
-    return None

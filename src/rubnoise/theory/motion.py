@@ -54,11 +54,10 @@ class Drive:
 
     def gain(self, wavenumber: Doubles) -> Doubles:
         """Return 1 / |k - m w^2 + i c w|^2 in um^2/uN^2; of a base, which drives by k y + c y', times k^2 + c^2 w^2."""
-        slider = self.slider
-        passed = 1.0
-        if slider.excitation != "friction":
-            passed = np.square(slider.stiffness) + np.square(slider.damping * self.speed * wavenumber)
-        return np.asarray(passed * np.square(np.abs(self.compliance(wavenumber))), dtype=np.float64)
+        gain = np.square(np.abs(self.compliance(wavenumber)))
+        if self.slider.excitation == "friction":
+            return gain
+        return gain * (self.slider.stiffness**2 + np.square(self.slider.damping * self.speed * wavenumber))
 
 
 def drive_of(model: Model) -> Drive:
@@ -114,9 +113,9 @@ class Frequencies:
     alone: Doubles
     together: Doubles
 
-    def power(self, strengths: Law) -> Doubles:
+    def force(self, model: Model, strengths: Law) -> Doubles:
         """Return the variance of force at each wavenumber, in uN^2."""
-        return self.weight * (strengths.moment(2) * self.alone + strengths.mean**2 * self.together)
+        return self.weight * _force_density(model, strengths, self.wavenumber, self.alone, self.together)
 
 
 @lru_cache(maxsize=8)
@@ -164,14 +163,22 @@ def _octaves(lowest: float, highest: float) -> Doubles:
 def force_spectral_density(model: Model, strengths: Law, wavenumber: ArrayLike, *, exact: bool = True) -> Doubles:
     """Return the two-sided spectral density of friction force in uN^2 per rad/um between lines; k in rad/um.
 
-    E[psi^2] goes with single junctions and E[psi]^2 with births. Under a load that weighs a junction brings
-    psi - E[psi] + r E[psi], r being `Drive.borne` of the separation. Source: as `spectral_density`, for psi A.
+    Source: as `spectral_density`, for psi A.
     """
     k, noise = np.abs(np.asarray(wavenumber, dtype=np.float64)), area_noise(model)
+    return _force_density(model, strengths, k, noise.alone(k, exact=exact), noise.together(k, exact=exact))
+
+
+def _force_density(model: Model, strengths: Law, k: Doubles, alone: Doubles, together: Doubles) -> Doubles:
+    """Return the density of force from both parts of that of area.
+
+    E[psi^2] goes with single junctions and E[psi]^2 with births. Under a load that weighs a junction brings
+    psi - E[psi] + r E[psi], r being `Drive.borne` of the separation.
+    """
     if model.separation is None:
-        return noise.density(k, strengths.moment(2), strengths.mean**2, exact=exact)
+        return strengths.moment(2) * alone + strengths.mean**2 * together
     borne = np.square(np.abs(drive_of(separation_of(model)).borne(k)))
-    return noise.density(k, exact=exact) * (spread_of(strengths) + strengths.mean**2 * borne)
+    return alone * (spread_of(strengths) + strengths.mean**2 * borne)
 
 
 def spread_of(strengths: Law) -> float:
@@ -182,9 +189,9 @@ def spread_of(strengths: Law) -> float:
 def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
     """Return the two-sided spectral density S_x(w) of the slider's displacement in um^2 per rad/s, w in rad/s.
 
-    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F that of the force; Cov[x(t), x(t + u)] is (1/2 pi) times the
-    integral of S_x exp(i w u). Of regular births it is the part beside lines at w = V k_n. Raises Refused without
-    slider, strength or speed, and without damping, if nothing is stationary.
+    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F that of the force, between the lines of regular births at
+    w = V k_n; Cov[x(t), x(t + u)] is (1/2 pi) int S_x exp(i w u) dw. Raises Refused as `motion_drive_of`, and without
+    damping, if nothing is stationary.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     drive = motion_drive_of(model)
@@ -232,20 +239,15 @@ def response(model: Model) -> Response:
     """Return the stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 
     Var x = (1/pi) int_0^inf S_x dw, Var x' = (1/pi) int_0^inf w^2 S_x dw; lines add 2 E[psi]^2 power times the gain.
-    Over a base y stands for the force, and its gain is k^2 + c^2 w^2 times as large. inf without damping. Relative
-    error below 1e-8. Raises Refused without slider, strength or speed.
-    Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
+    inf without damping. Relative error below 1e-8. Raises Refused as `motion_drive_of`. Source: as above.
     """
     drive = motion_drive_of(model)
     spreads = (inf, inf)
     if drive.slider.damping > 0.0:
         rule, (lines, power) = frequencies(model), area_noise(model).lines
         k = np.concatenate([rule.wavenumber, lines])
-        if model.separation is None:
-            force = rule.power(drive.strengths)
-        else:
-            force = rule.weight * force_under_load(model, drive.strengths, rule)
-        moved = np.concatenate([force, 2.0 * drive.strengths.mean**2 * power]) * drive.gain(k)
+        force = np.concatenate([rule.force(model, drive.strengths), 2.0 * drive.strengths.mean**2 * power])
+        moved = force * drive.gain(k)
         spreads = (sqrt(float(moved.sum())), sqrt(float(moved @ np.square(drive.speed * k))))
     return Response(
         mean_displacement=mean_displacement(model),
@@ -255,13 +257,7 @@ def response(model: Model) -> Response:
     )
 
 
-def force_under_load(model: Model, strengths: Law, rule: Frequencies) -> Doubles:
-    """Return the density of friction force under a load that weighs at the wavenumbers of a rule; see above."""
-    borne = np.square(np.abs(drive_of(separation_of(model)).borne(rule.wavenumber)))
-    return rule.alone * (spread_of(strengths) + strengths.mean**2 * borne)
-
-
 def force_variance(model: Model) -> float:
     """Return the variance of friction force in uN^2 under a load that weighs, (1/pi) int_0^inf S_F dk."""
-    rule, strengths = frequencies(model), model.strengths or drive_of(separation_of(model)).strengths
-    return float(rule.weight @ force_under_load(model, strengths, rule))
+    strengths = model.strengths or drive_of(separation_of(model)).strengths
+    return float(frequencies(model).force(model, strengths).sum())

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
-from math import comb, hypot, inf, nan, sqrt
+from math import factorial, hypot, inf, nan, sqrt
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
-from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants, strengths_of
+from rubnoise.theory.cumulants import AREA_ITSELF, force_cumulants, shot_cumulants, strengths_of
 from rubnoise.theory.load import FORCE, load_motion
 from rubnoise.theory.motion import (
     drive_of,
@@ -25,9 +25,7 @@ from rubnoise.theory.second_order import area_noise, joint_cumulant, lag_rule, n
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import pass_energies
 
-Powers = tuple[int, int]
-
-_ORDER = 4
+_ORDERS = 5  # 0 to 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,36 +70,35 @@ def mean_force_error(model: Model, distance: float | None = None) -> float:
     return deviations + psi.mean / drive.strengths.mean * carried
 
 
-def standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
+def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
+    """Return `standard_errors` of friction force at constant separation: joint cumulants gain E[psi^(i + j)]."""
+    return standard_errors(model, distance, strengths_of(model))
+
+
+def standard_errors(model: Model, distance: float | None = None, strengths: Law = AREA_ITSELF) -> StandardErrors:
     """Return the standard errors of mean, std, skewness and excess kurtosis of A_r over a stationary record.
 
     The record is continuous over ``distance`` um or, without one, the model's ticks. The errors are of first order in
     life/distance (trust them from some 100 lives on). Each estimate moves with the mean over the record of a polynomial
     f in z = (A_r - mean)/std, its influence function: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2) g (z^2 - 1);
     z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis; and Var = sum over lags of weight times
-    Cov[f(0), f(tau)], from `joint_cumulant`. Raises
-    Refused unless births are a Poisson process.
+    Cov[f(0), f(tau)], from `joint_cumulant`. Raises Refused unless births are a Poisson process.
     Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
     """
-    return _standard_errors(model, distance, area_cumulants(model), (1.0,) * (2 * _ORDER + 1))
-
-
-def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
-    """Return the same for friction force: the joint cumulants of psi A gain E[psi^(i + j)]."""
-    psi = strengths_of(model)
-    return _standard_errors(model, distance, force_cumulants(model), tuple(map(psi.moment, range(2 * _ORDER + 1))))
-
-
-def _standard_errors(
-    model: Model, distance: float | None, cumulants: Cumulants, strength_moments: tuple[float, ...]
-) -> StandardErrors:
     need_random_births(model, "the standard error of a moment")
+    cumulants = shot_cumulants(model, strengths)
     lags, weights = lag_rule(model, distance)
-    joint = _joint_cumulants(model, cumulants, strength_moments, lags)
-    moments, orders = _joint_moments(joint), range(1, _ORDER + 1)
-    covariances = np.array(
-        [[weights @ (moments[i, j] - moments[i, 0] * moments[0, j]) for j in orders] for i in orders]
-    )
+    series = np.zeros((_ORDERS, _ORDERS, lags.size))
+    for i, j in product(range(_ORDERS), repeat=2):
+        if i and j:
+            joint = strengths.moment(i + j) * joint_cumulant(model, lags, i, j)
+        else:
+            joint = np.full(lags.size, cumulants.values[i + j - 1] if i + j > 1 else 0.0)
+        series[i, j] = joint / (cumulants.std ** (i + j) * factorial(i) * factorial(j))
+    moments = _exponential(series)
+    covariances = (moments - moments[:, :1] * moments[:1]) @ weights
+    scale = np.array([factorial(i) for i in range(_ORDERS)])
+    covariances = (covariances * np.outer(scale, scale))[1:, 1:]
     g, b = cumulants.skewness, cumulants.excess_kurtosis + 3.0
     influence = ([1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0])
     mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in map(np.array, influence))
@@ -110,37 +107,16 @@ def _standard_errors(
     )
 
 
-def _joint_cumulants(
-    model: Model, cumulants: Cumulants, strength_moments: tuple[float, ...], lags: Doubles
-) -> dict[Powers, Doubles]:
-    """Return kappa_ij of z(0) and z(tau), i and j up to 4, z = (A_r - mean)/std."""
-    found = {}
-    for i, j in product(range(_ORDER + 1), repeat=2):
-        order = i + j
-        if i and j:
-            found[i, j] = strength_moments[order] * joint_cumulant(model, lags, i, j) / cumulants.std**order
-        elif order:
-            value = cumulants.values[order - 1] / cumulants.std**order if order > 1 else 0.0
-            found[i, j] = np.full_like(lags, value)
+def _exponential(series: Doubles) -> Doubles:
+    """Return exp of a power series in x and y without a constant: of cumulants over i! j! that gives the moments'."""
+    found = term = np.zeros_like(series)
+    found[0, 0] = 1.0
+    for power in range(1, 2 * _ORDERS - 1):
+        longer = np.zeros_like(series)
+        for i, j in product(range(_ORDERS), repeat=2):
+            longer[i:, j:] += series[i, j] * term[: _ORDERS - i, : _ORDERS - j] / power
+        found, term = found + longer, longer
     return found
-
-
-def _joint_moments(cumulants: dict[Powers, Doubles]) -> dict[Powers, Doubles]:
-    """Return E[x^i y^j] up to i = j = 4 from the joint cumulants kappa_ij.
-
-    E[x^(i+1) y^j] = sum over a <= i, b <= j of C(i, a) C(j, b) kappa_(a+1, b) E[x^(i-a) y^(j-b)], and likewise in y
-    (Smith 1995, doi:10.1080/00031305.1995.10476146).
-    """
-    none = np.zeros_like(cumulants[1, 1])
-    moments: dict[Powers, Doubles] = {(0, 0): none + 1.0}
-    for i, j in product(range(_ORDER + 1), repeat=2):
-        if i:
-            terms = ((a, b, comb(i - 1, a) * comb(j, b)) for a in range(i) for b in range(j + 1))
-            moments[i, j] = sum((c * cumulants[a + 1, b] * moments[i - 1 - a, j - b] for a, b, c in terms), none)
-        elif j:
-            lower = (comb(j - 1, b) * cumulants[0, b + 1] * moments[0, j - 1 - b] for b in range(j))
-            moments[0, j] = sum(lower, none)
-    return moments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,17 +155,17 @@ def mean_displacement_error(model: Model, distance: float) -> float:
     """
     drive = motion_drive_of(model)
     change = carried_momentum(model) * drive.speed / distance
-    if drive.slider.excitation == "base":
-        lifted = replace(model, strengths=drive.strengths)
-        change += 2.0 * drive.slider.damping * force_cumulants(lifted).std * drive.speed / distance
-        return mean_force_error(lifted, distance) + change / drive.slider.stiffness
-    return (mean_force_error(model, distance) + change) / drive.slider.stiffness
+    if drive.slider.excitation != "base":
+        return (mean_force_error(model, distance) + change) / drive.slider.stiffness
+    lifted = replace(model, strengths=drive.strengths)
+    change += 2.0 * drive.slider.damping * force_cumulants(lifted).std * drive.speed / distance
+    return mean_force_error(lifted, distance) + change / drive.slider.stiffness
 
 
 def carried_momentum(model: Model) -> float:
     """Return a bound in uN s of the spread of m dv + c dx over a run, which the mean force does not balance."""
-    drive, motion = motion_drive_of(model), response(model)
-    slider, natural = drive.slider, drive.slider.natural_angular_frequency
+    slider, motion = motion_drive_of(model).slider, response(model)
+    natural = slider.natural_angular_frequency
     start = hypot(motion.displacement_std, motion.velocity_std / natural)
     return slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
 
@@ -209,11 +185,11 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     def gains(k: Doubles) -> Doubles:
         return drive.gain(k) * np.stack([np.ones_like(k), np.square(drive.speed * k)])
 
-    displacement, velocity = np.sqrt(mean_square_variances(model, drive.strengths, gains, distance))
+    displacement, velocity = np.sqrt(mean_square_variances(model, drive.strengths, gains, distance)).tolist()
     return MotionErrors(
         mean_displacement=mean_displacement_error(model, distance),
-        displacement_std=float(displacement) / (2.0 * motion.displacement_std),
-        velocity_std=float(velocity) / (2.0 * motion.velocity_std),
+        displacement_std=displacement / (2.0 * motion.displacement_std),
+        velocity_std=velocity / (2.0 * motion.velocity_std),
     )
 
 
@@ -226,16 +202,12 @@ def mean_square_variances(
     junction of any strength, size and offset. Source: cumulants of filtered shot noise (Rice 1944, as above).
     """
     rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
-    powers, mean = gains(rule.wavenumber), strengths.mean
-    if model.separation is None:
-        terms = np.ones((1, rule.wavenumber.size))
-        density = strengths.moment(2) * rule.alone
-    else:
+    powers, terms = gains(rule.wavenumber), np.ones((1, rule.wavenumber.size))
+    if model.separation is not None:
         # Under a load a junction brings q + E[psi] r, q = psi - E[psi]: factors of q^2, q and 1.
-        borne = mean * drive_of(separation_of(model)).borne(rule.wavenumber)
+        borne = strengths.mean * drive_of(separation_of(model)).borne(rule.wavenumber)
         terms = np.stack([np.ones(borne.size), 2.0 * borne.real, np.square(np.abs(borne))])
-        density = rule.alone * (spread_of(strengths) + terms[2])
-    gaussian = 2.0 * np.square(density * powers) @ rule.weight
+    gaussian = 2.0 * np.square(rule.force(model, strengths) * powers) @ (1.0 / rule.weight)
     fourth = np.zeros(len(powers))
     for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
         lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
@@ -273,36 +245,35 @@ def load_errors(model: Model, distance: float, *, from_start: bool = True) -> Lo
     """Return standard errors of the motion under a load over a run of ``distance`` um.
 
     Those of `motion_errors` for the separation, which bounds the mean's. The mean of P - W is what momentum and damping
-    carry from start to end, (m dz' + c dz)/T. A run ``from_start`` has `start_excess` in the squares of z' and P - W,
+    carry from start to end, (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in the squares of z' and P - W,
     which is as uncertain as it is large: for Gaussian z and z' its root mean square is at most sqrt(3) times as much.
     """
-    separation = separation_of(model)
+    separation, psi = separation_of(model), model.strengths
     drive, motion = drive_of(separation), load_motion(model)
     errors = motion_errors(separation, distance)
-    fast, excess = (sqrt(3.0) * each * from_start for each in start_excess(model, distance))
+    fast, excess = (sqrt(3.0) * each * from_start for each in _start_excess(model, distance))
 
     def held(k: Doubles) -> Doubles:
         return np.square(np.abs(drive.borne(k)))[None]
 
     square = float(mean_square_variances(separation, drive.strengths, held, distance)[0])
-    force_mean, force_std = nan, nan
-    if model.strengths is not None:
-        std, share = motion.covariance(FORCE, FORCE) ** 0.5, model.strengths.mean / drive.strengths.mean
-        own = mean_square_variances(model, model.strengths, lambda k: np.ones((1, k.size)), distance)[0]
-        force_mean = mean_force_error(model, distance)
-        force_std = hypot(sqrt(float(own)), share**2 * excess) / (2.0 * std)
+    force_std = nan
+    if psi is not None:
+        std, share = motion.covariance(FORCE, FORCE) ** 0.5, psi.mean / drive.strengths.mean
+        own = float(mean_square_variances(model, psi, lambda k: np.ones((1, k.size)), distance)[0])
+        force_std = hypot(sqrt(own), share**2 * excess) / (2.0 * std)
     return LoadErrors(
         separation_mean=errors.mean_displacement,
         separation_std=errors.displacement_std,
         velocity_std=hypot(errors.velocity_std, fast / (2.0 * motion.velocity_std)),
         load_mean=carried_momentum(separation) * drive.speed / distance,
         load_std=hypot(sqrt(square), excess) / (2.0 * motion.load_std),
-        force_mean=force_mean,
+        force_mean=nan if psi is None else mean_force_error(model, distance),
         force_std=force_std,
     )
 
 
-def start_excess(model: Model, distance: float) -> tuple[float, float]:
+def _start_excess(model: Model, distance: float) -> tuple[float, float]:
     """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
 
     It is the free decay y from the values of a stationary separation, over ``distance`` um or T: E[int y'^2 dt]/T
@@ -312,6 +283,6 @@ def start_excess(model: Model, distance: float) -> tuple[float, float]:
     drive, motion = drive_of(separation_of(model)), load_motion(model)
     slider, square = drive.slider, motion.separation_std**2
     energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
-    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) / slider.stiffness
+    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) * slider.stiffness
     rate = drive.speed / distance
-    return energy / slider.damping * rate, slider.stiffness**2 * decay * rate
+    return energy / slider.damping * rate, decay * rate
