@@ -17,8 +17,8 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.tables import fields_as_text
-from rubnoise.theory.second_order import are_at_random, autocovariance, need_random_births
-from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
+from rubnoise.theory.second_order import are_at_random, autocovariance, covariance_reach, need_random_births
+from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import energy
 
 _LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
@@ -28,11 +28,10 @@ def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend:
     """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks.
 
     X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n) over one segment and X' the same over one that begins ``shift``
-    >= 0 ticks later; without ``detrend`` nothing is subtracted, and the record is taken to have mean zero. With C the
-    covariance by ticks (zero beyond those given), rho the autocorrelation of the window, W its transform, u and v the
-    covariances of a tick with the mean of the other segment:
-    sum_tau rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2,
-    U and V the transforms of w u and w v. Exact, in n log n operations.
+    >= 0 ticks later; without ``detrend`` nothing is subtracted, of a record of mean zero. With C the covariance by
+    ticks (zero beyond those given), rho the autocorrelation of the window, W its transform, u and v the covariances of
+    a tick with the mean of the other segment, U and V the transforms of w u and w v, it is
+    sum_tau rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2, exactly.
     """
     n = window.size
     taus = np.arange(1 - n, n)
@@ -61,11 +60,9 @@ def expected_periodogram(
     """Return wavenumbers k in rad/um and the exact mean of a windowed periodogram of A_r there, in um^4 per rad/um.
 
     P(k) = h |sum_j w_j (x_j - mean x) exp(-i k j h)|^2 / sum_j w_j^2 over n = len(window) ticks of h = ``tick`` um,
-    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2. It is the Welch estimate of scipy.signal for one
-    segment (fs = 1/h, scaling "density", detrend "constant"), halved, but for p = 0 and, n even, p = n / 2; the mean
-    over segments has the same expectation. Without ``detrend`` nothing is subtracted, and the mean of A_r leaks from
-    k = 0. E[P] = (h / sum w^2) w^H C w with C the covariances R(h (j - l)): aliasing, leakage and the removed mean are
-    all in it. Raises Refused for a window of fewer than 2 ticks or none but zeros.
+    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2: Welch's estimate for one segment, or the mean over
+    many. Aliases, leakage and the removed mean are in it; without ``detrend`` nothing is subtracted, and the mean of
+    A_r leaks from k = 0. Raises Refused for a window of fewer than 2 ticks or none but zeros.
     Source: Priestley, Spectral Analysis and Time Series (1981), chapter 6.
     """
     weights = _checked(window)
@@ -86,10 +83,8 @@ def _tick_covariance(model: Model, tick: float, count: int) -> Doubles:
 
 @lru_cache(maxsize=8)
 def _reach(model: Model) -> float:
-    """Return a lag in um beyond which R is nothing: the longest life, or less if lives that long are too rare."""
-    lags = longest_life(model) * 0.8 ** np.arange(120.0)
-    correlated = autocovariance(model, lags) > 1e-12 * autocovariance(model, np.zeros(1))
-    return float(lags[max(int(np.argmax(correlated)) - 1, 0)])
+    """Return a lag in um beyond which R is nothing."""
+    return covariance_reach(model, 1e-12)
 
 
 def through_window(
@@ -119,12 +114,8 @@ def _checked(window: NDArray[np.float64]) -> Doubles:
     return weights
 
 
-SEGMENTS = 64
-"""About how many segments, which half overlap, a record has by default."""
-
-MOST_TICKS = 1 << 18
-"""Of one segment, by default and at most: its errors take some ten seconds and a hundred megabytes."""
-
+SEGMENTS = 64  # about how many, which half overlap, a record has by default
+MOST_TICKS = 1 << 18  # of one segment: its errors take some ten seconds and a hundred megabytes
 _LONGEST = 4  # lengths of a segment beyond which a correlation is left out: a record of a few such lives says nothing
 _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
@@ -171,14 +162,10 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
     errors = np.full(density.size, np.nan)
     if are_at_random(model) and model.pulse.offset == "none":
         errors = welch_errors(model, window, count, step)
-    held = np.isfinite(errors)
+        held = np.isfinite(errors)
+        errors[held] *= density[held]
     return EstimatedSpectrum(
-        model=model,
-        ticks=int(length),
-        segments=count,
-        wavenumber=wavenumber,
-        density=density,
-        standard_error=np.where(held, density * np.where(held, errors, 0.0), errors),
+        model=model, ticks=int(length), segments=count, wavenumber=wavenumber, density=density, standard_error=errors
     )
 
 
@@ -193,21 +180,22 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
     are a Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
     """
     need_random_births(model, "the error of a spectrum")
+    if model.pulse.offset != "none":
+        raise Refused("the error of a spectrum is known for passes through both centres alone (pulse.offset)")
     n, energy_of_window = window.size, float(window @ window)
     lags = min(2 + int(_reach(model) / model.tick), _LONGEST * n)
     covariance = _tick_covariance(model, model.tick, lags)
     mean = cross_spectrum(covariance, window, 0, detrend=True).real
     held = mean > _EMPTY_BIN * mean.max()
-    variance, shared = np.full(mean.size, np.inf), 0.0
-    variance[held] = 0.0
+    variance, shared = np.where(held, 0.0, np.inf), 0.0
     for apart in range(min(count, 1 + (n + lags) // step)):
         shift, weight = apart * step, (2.0 if apart else 1.0) / count * (1.0 - apart / count)
-        ordinary = cross_spectrum(covariance, window, shift, detrend=True)
         product = np.zeros(n)
         product[shift:] = window[shift:] * window[: max(n - shift, 0)]
-        turned = np.fft.fft(product)[2 * np.arange(mean.size) % n] / energy_of_window
-        variance[held] += weight * (np.square(np.abs(ordinary[held]) / mean[held]) + np.square(np.abs(turned[held])))
-        shared += weight * float(np.square(product).sum()) / energy_of_window**2
+        ordinary = cross_spectrum(covariance, window, shift, detrend=True)[held] / mean[held]
+        turned = np.fft.fft(product)[2 * np.arange(mean.size) % n][held] / energy_of_window
+        variance[held] += weight * (np.square(np.abs(ordinary)) + np.square(np.abs(turned)))
+        shared += weight * float(product @ product) / energy_of_window**2
     variance[held] += shared / (model.birth_rate * model.tick) * _scatter(model, mean.size, n)[held]
     return np.sqrt(variance)
 
@@ -215,10 +203,9 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
 def _scatter(model: Model, bins: int, ticks: int) -> Doubles:
     """Return E[|A^|^4] / E[|A^|^2]^2 at each bin."""
     sizes, k = sizes_of(model.sizes, COARSE), segment_wavenumbers(model.tick, ticks)[:bins]
-    weight = sizes.probability * sizes.diameter**6
     mean, fourth = np.zeros(bins), np.zeros(bins)
-    for diameter, share in zip(sizes.diameter.tolist(), weight.tolist(), strict=True):
-        own = energy(model.pulse, k * diameter)
+    for diameter, share in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
+        own = diameter**6 * energy(model.pulse, k * diameter)
         mean += share * own
-        fourth += share * diameter**6 * np.square(own)
+        fourth += share * np.square(own)
     return fourth / np.square(mean)
