@@ -1,8 +1,4 @@
-"""Models of others beside the contact's own: a lifted base, a force that falls with speed, and white noise.
-
-Rice and Moslehy's asperities lift the base of the slider; Block's and Oden and Martins' force falls with speed and has
-no junctions; Kilburn's is a mean force with white noise of the contact's level at low frequency.
-"""
+"""Models of others: a lifted base (Rice and Moslehy), a force that falls with speed (Block), white noise (Kilburn)."""
 
 from dataclasses import dataclass, replace
 from math import atan2, exp, inf, pi, sqrt
@@ -29,11 +25,10 @@ class BaseResponse:
 
 
 def base_response(model: Model) -> BaseResponse:
-    """Return the stationary motion of a slider that its base drives; the mean of x is that of y.
+    """Return the stationary motion of a slider that its base drives; the mean of x is that of y, inf without damping.
 
-    A triangle of height r d is 4 r/(pi d) times the area of a triangular life of one size d, and so is y of the area;
-    S_x(w) = S_y(w/V)/V (k^2 + c^2 w^2) / |k - m w^2 + i c w|^2. Infinite without damping. Raises Refused for a slider
-    without a base, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
+    A triangle of height r d is 4 r/(pi d) times the area of a triangular life of one size d. Raises Refused for a
+    slider without a base, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
     """
     if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
         raise Refused('this needs slider.excitation = "base" with its asperity_height')
@@ -51,8 +46,8 @@ def base_response(model: Model) -> BaseResponse:
 class Weakening:
     """What becomes of the slider: steady at ``mean_displacement`` (um), or a cycle of sticks and slips.
 
-    border: slope in N s/m from which steady sliding is unstable, c; amplitude: half of the range of the displacement in
-    um, velocity_range in um/s, period in s, stick_fraction of it; all 0 if it is steady.
+    border: slope in N s/m from which sliding is unstable, c; amplitude: half of the range of x in um; slowest and
+    fastest velocity in um/s; period in s, stick_fraction of it.
     """
 
     steady: bool
@@ -68,9 +63,9 @@ class Weakening:
 def velocity_weakening(model: Model) -> Weakening:
     """Return what a slider does under m x'' + c x' + k x = F(V - x'), F(v) = F_m - a (v - V) while it slides forward.
 
-    The border a = c is exact. Beyond it the slider sticks, V = x', until k x + c V reaches F(0) = F_m + a V, and slips
-    until its speed is V again. A slope of c exactly is taken for steady: nothing grows.
-    Raises Refused for a slider that is not driven so, and if the force would change its sign.
+    Beyond a = c, where nothing grows yet, the slider sticks, V = x', until k x + c V reaches F(0) = F_m + a V, and
+    slips until its speed is V again. Raises Refused for a slider that is not driven so, and if the force would change
+    its sign.
     Source: Block (1940), J. Acoust. Soc. Am. 12; Oden and Martins (1985), doi:10.1016/0045-7825(85)90009-X.
     """
     slider, speed = model.slider, model.sliding_speed
@@ -83,11 +78,10 @@ def velocity_weakening(model: Model) -> Weakening:
 
 
 def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakening:
-    """Return the cycle of sticks and slips.
+    """Return the cycle of sticks and slips: with y = x - F_m/k and g = a - c a slip is m y'' - g y' + k y = 0.
 
-    With y = x - F_m/k and g = a - c the slip is m y'' - g y' + k y = 0, from the speed V without acceleration:
-    y' = V e^(s t) (cos w t - (s/w) sin w t), s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before
-    2 pi/w; y = (g y' - m y'')/k is largest where y' = 0 for the first time, and least a half turn later.
+    y' = V e^(s t) (cos w t - (s/w) sin w t), s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before 2
+    pi/w; y = (g y' - m y'')/k is largest where y' = 0 for the first time, and least a half turn later.
     """
     from scipy.optimize import brentq
 
@@ -126,8 +120,8 @@ def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakenin
 class WhiteNoise:
     """White noise S_F in uN^2 s (two-sided, per rad/s), and the spread of a slider that it drives, in um and um/s.
 
-    ``wavenumber`` in rad/um is where the contact's own spectrum has fallen to a half, ``life_phase`` that times the
-    mean life; both are None unless births are a Poisson process.
+    At ``wavenumber`` in rad/um the contact's own spectrum is a half, ``life_phase`` is that times the mean life; None
+    unless births are Poisson.
     """
 
     force_density: float
@@ -140,8 +134,7 @@ class WhiteNoise:
 def white_noise(model: Model) -> WhiteNoise:
     """Return white noise that matches the contact's force at low frequency, S_F = S_force(0)/V, and what it drives.
 
-    For Poisson births S_force(0) is E[psi^2] S_A(0). Exact: Var x = S_F/(2 c k), Var x' = S_F/(2 c m), inf without
-    damping. Raises Refused without slider, strength or speed.
+    Exact: Var x = S_F/(2 c k), Var x' = S_F/(2 c m), inf without damping. Raises Refused as `drive_of`.
     Source: Kilburn (1974); Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     density, slider = _level(model), drive_of(model).slider
@@ -157,10 +150,7 @@ def white_noise(model: Model) -> WhiteNoise:
 
 
 def white_displacement_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return S_F / ((k - m w^2)^2 + (c w)^2), the two-sided density in um^2 per rad/s that white noise would leave.
-
-    w in rad/s of any shape; w^2 times it is that of the velocity. Errors and source as `white_noise`.
-    """
+    """Return S_F / ((k - m w^2)^2 + (c w)^2) in um^2 per rad/s, what white noise would leave; w in rad/s."""
     drive = drive_of(model)
     return _level(model) * np.square(np.abs(drive.compliance(np.asarray(angular_frequency) / drive.speed)))
 

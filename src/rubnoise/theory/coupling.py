@@ -24,9 +24,8 @@ WHITE = 0.95  # r^2 / Pi below which the slider feels that junctions live for a 
 def force_slope_std(model: Model) -> float:
     """Return the standard deviation of F' = dF/ds in uN/um, F the stationary friction force; its mean is 0.
 
-    Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, finite for every pulse; births that are not at
-    random add E[psi]^2 times the integral of k^2 of their part of the spectrum and of their lines (right to 1e-4, since
-    a slope jumps). Raises Refused without a strength. Source: as `shot_cumulants`, for the pulse psi A'.
+    Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life (Campbell); other births add E[psi]^2 times the
+    integral of k^2 of their part of the spectrum, to 1e-4. Raises Refused without a strength.
     """
     psi, noise = strengths_of(model), area_noise(model)
     at_random = model.birth_rate * psi.moment(2) * model.pulse.squared_slope * model.sizes.moment(3)
@@ -45,11 +44,7 @@ def force_slope_std(model: Model) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:
-    """The strength of two-way coupling for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
-
-    Pi is nan unless births are at random at constant separation. ``expected_change`` is nan if the law of weak coupling
-    does not hold, and ``unknown`` then says why; else it is None.
-    """
+    """Pi, theta, and std x over that in one-way coupling: numbers, nan where unknown, and why that is."""
 
     strength: float
     stick_number: float
@@ -61,12 +56,10 @@ class Coupling:
 def coupling(model: Model) -> Coupling:
     """Return how strongly a slider acts back on its contact, and the change of vibration for weak coupling.
 
-    strength Pi = S_F(0)/(2 m c V^3), S_F the spectral density of the force (E[psi^2] S of the area, Poisson births);
-    inf without damping. It is the square of r = std x'/V, one-way, for a force white in s; r^2/Pi <= 1 is the mean of
-    S_F(k)/S_F(0) over the slider's response. stick_number theta = std F'/k, F' = dF/ds: beyond about 1 a slow slider
-    sticks. expected_change = std x, two-way, over std x, one-way, of `weak_coupling_change`, for Poisson births, a
-    force white to the slider (r^2 >= 0.95 Pi, so that w_0 d/V and c d/(m V) are small) and 3 Pi + q < 0.1, with the
-    kick q = c_1 E[psi^3] m_9 / (E[psi^2] m_6 m V^2). Raises Refused without slider, strength or speed.
+    strength Pi = S_F(0)/(2 m c V^3), Poisson births at constant separation, inf without damping: the square of r = std
+    x'/V, one-way, for a force white in s. stick_number theta = std F'/k: beyond about 1 a slow slider sticks.
+    expected_change as `weak_coupling_change`, for r^2 >= 0.95 Pi and 3 Pi + q < 0.1, q = c_1 E[psi^3] m_9 / (E[psi^2]
+    m_6 m V^2). Raises Refused as `drive_of`.
     """
     drive, known = drive_of(model), are_at_random(model) and model.separation is None
     slider, psi, sizes = drive.slider, drive.strengths, model.sizes
@@ -101,13 +94,11 @@ def _unknown(model: Model, strength: float, kick: float) -> str | None:
 
 
 def weak_coupling_change(strength: float, kick: float) -> float:
-    """Return sqrt(u/Pi), u the smaller root of u = Pi (1 + q + (3 + 10 q) u + 15 u^2); 1 + 1.5 Pi + q/2 when small.
+    """Return sqrt(u/Pi), u the smaller root of u = Pi (1 + q + (3 + 10 q) u + 15 u^2); nan if there is none.
 
-    u = Var x'/V^2 in two-way coupling, by its balance of energy. A junction with J = int psi A ds takes 2 J/m from w^2,
-    w = V - x', and so brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, at a rate of lam w junctions. Damping
-    takes c Var x' = V lam (E[J^2] <1/w^2> + E[J^3] <1/w^4>/m)/(2m), with x' nearly Gaussian: <V^2/w^2> =
-    1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2) is the velocity that one junction gives,
-    over V. nan if there is no root.
+    u = Var x'/V^2 by the balance of energy: a junction with J = int psi A ds takes 2 J/m from w^2, w = V - x', and
+    brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, lam w a second; c Var x' is lost, x' nearly Gaussian:
+    <V^2/w^2> = 1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2).
     """
     lost = 1.0 - (3.0 + 10.0 * kick) * strength
     under_root = lost * lost - 60.0 * strength**2 * (1.0 + kick)
@@ -117,10 +108,9 @@ def weak_coupling_change(strength: float, kick: float) -> float:
 
 
 def weak_motion(model: Model) -> Response:
-    """Return the stationary motion of a two-way slider with weak coupling.
+    """Return the stationary motion of a two-way slider with weak coupling; Refused if the law does not hold.
 
-    Spreads are those of one-way coupling times `Coupling.expected_change`. The mean force exceeds that of one-way
-    coupling by the dissipation of the dashpot, c Var x'/V. Raises Refused, with the reason, if the law does not hold.
+    Spreads are those of one-way coupling times `expected_change`; the mean force exceeds it by c Var x'/V.
     """
     found = coupling(model)
     if found.unknown is not None:
@@ -137,11 +127,10 @@ def weak_motion(model: Model) -> Response:
 
 
 def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
-    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um, with the error of the law.
+    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um; Refused as both.
 
-    Those of one-way coupling grow with the spread. Those of spreads have the error of the law itself added: the next
-    term of <V^2/w^2> is 105 u^3, half of which is in a spread; and a share 1 - r^2/Pi of the change by feedback is lost
-    if the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
+    Those of one-way coupling grow with the spread. The law itself errs by its next term, 105 u^3 in <V^2/w^2>, and by
+    the share 1 - r^2/Pi of the feedback that a force loses which is not quite white.
     """
     motion, errors, found = weak_motion(model), motion_errors(model, distance), coupling(model)
     change, u = found.expected_change, found.strength * found.expected_change**2

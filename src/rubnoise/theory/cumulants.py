@@ -79,12 +79,11 @@ def _of_second_order(mean: float, variance: float) -> Cumulants:
 
 @lru_cache(maxsize=16)
 def shot_cumulants(model: Model, strengths: Law) -> Cumulants:
-    """Return the cumulants of psi A at constant separation, strengths psi independent of sizes.
+    """Return the cumulants of psi A at constant separation: lam c_n m_(2n+1) E[psi^n] for Poisson births.
 
-    kappa_n = lam c_n m_(2n+1) E[psi^n] for Poisson births: lam is the birth rate, c_n d^(2n+1) the integral of A^n over
-    a life, m_n = E[d^n]. Other births have the same mean, the variance R(0), and no known others: nan.
-    Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse,
-    such as that of paper Eq. (2).
+    lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life, m_n = E[d^n]. Other births have the same mean,
+    the variance R(0), and no known others. Source: Campbell's theorem (Rice 1944, section 1.5,
+    doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     if are_at_random(model):
         lives = (model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1) for n in range(1, ORDERS + 1))

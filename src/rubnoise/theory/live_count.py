@@ -71,11 +71,9 @@ class ZeroShare:
 def zero_share(model: Model) -> ZeroShare:
     """Return the law of the share of ticks at which N = 0, over the model's ticks as a stationary record.
 
-    N is 0 with p = exp(-E[N]), and again a lag tau later with r(tau) = p exp(C), C = lam E[(life - tau)+], so the
-    covariance is p (r - p), exact for every length. An empty contact does not remember what came before: three ticks
-    are empty with p r(tau_1) r(tau_2). With n ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and
-    B = S_0 - p/2, the number of empty ticks has the third cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for
-    long records. Raises Refused unless births are Poisson.
+    N is 0 with p = exp(-E[N]), and again tau later with r = p exp(C(tau)), C the covariance of N: covariance p (r - p).
+    With n ticks h apart, S_i = sum_k>=1 k^i (r(k h) - p) and B = S_0 - p/2, the number of empty ticks has the third
+    cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for long records. Raises Refused unless births are Poisson.
     Source: recurrent events (Feller, An Introduction to Probability Theory and Its Applications I, chapter XIII).
     """
     need_random_births(model, "the share of ticks without a junction")
@@ -95,10 +93,7 @@ def zero_share(model: Model) -> ZeroShare:
 
 
 def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
-    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start.
-
-    Source: Campbell's theorem for births since s = 0 alone; it is the stationary mean from the longest life on.
-    """
+    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start."""
     return _after(model, area_noise(model), distance)
 
 
@@ -136,10 +131,7 @@ def share_of_sizes(model: Model, edges: Doubles) -> Doubles:
 
 
 def share_of_lives(model: Model, edges: Doubles) -> Doubles:
-    """Return the probability that the length of a life is in each bin between edges in um.
-
-    P(L > l) = P(2 d > l) for passes through both centres, and E[sqrt(1 - (l/2d)^2)] for uniform offsets.
-    """
+    """Return the probability that the length of a life is in each bin between edges in um."""
     longest = 2.0 * _quantiles(model)
     if model.pulse.offset == "none":
         return np.diff(np.searchsorted(longest, edges) / _QUANTILES)
@@ -152,10 +144,7 @@ def _quantiles(model: Model) -> Doubles:
 
 
 def share_of_gaps(births: BirthLaw, edges: Doubles) -> Doubles | None:
-    """Return the probability that a gap is in each bin between edges in um; None if the law has no closed form.
-
-    Poisson: 1 - exp(-x/s_jm). Gamma: the incomplete gamma function of a x/s_jm. Source: Cox, Renewal Theory (1962).
-    """
+    """Return the probability that a gap is in each bin between edges in um; None if the law has no closed form."""
     from scipy.special import gammainc
 
     if not isinstance(births, GammaBirths | PoissonBirths):

@@ -1,8 +1,4 @@
-"""The spectrum estimated from ticks: its exact mean, with aliases and leakage, and its scatter.
-
-Read it from above: the covariance of two windowed segments of a record, the mean of a periodogram, and the scatter of
-Welch's estimate.
-"""
+"""The spectrum estimated from ticks: its exact mean, with aliases and leakage, and its scatter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,14 +20,13 @@ from rubnoise.theory.unit_pulse import energy
 _LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
 
 
-def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend: bool) -> Complexes:
-    """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks.
+def cross_spectrum(covariance: Doubles, window: Doubles, shift: int) -> Complexes:
+    """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks, exactly.
 
-    X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n) over one segment and X' the same over one that begins ``shift``
-    >= 0 ticks later; without ``detrend`` nothing is subtracted, of a record of mean zero. With C the covariance by
-    ticks (zero beyond those given), rho the autocorrelation of the window, W its transform, u and v the covariances of
-    a tick with the mean of the other segment, U and V the transforms of w u and w v, it is
-    sum_tau rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2, exactly.
+    X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n), X' the same over a segment that begins ``shift`` >= 0 ticks
+    later. C is the covariance by ticks (zero beyond), rho the autocorrelation of the window, W its transform, u and v
+    the covariances of a tick with the mean of the other segment, U and V the transforms of w u and w v: sum_tau
+    rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2.
     """
     n = window.size
     taus = np.arange(1 - n, n)
@@ -41,8 +36,6 @@ def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend:
     products = autocorrelation[np.abs(taus)] * around[::-1]
     folded = np.append(products[n - 1], products[n:] + products[: n - 1])
     plain: Complexes = np.fft.rfft(folded)
-    if not detrend:
-        return plain
     sums = np.cumsum(np.append(0.0, around))
     later = (sums[n:] - sums[:n]) / n  # of the ticks of the later segment with the mean of the earlier one
     transform, u, v = (np.fft.rfft(window * part) for part in (np.ones(n), later[::-1], later))
@@ -54,22 +47,17 @@ def segment_wavenumbers(tick: float, count: int) -> Doubles:
     return np.asarray(2.0 * np.pi / (count * tick) * np.arange(count // 2 + 1), dtype=np.float64)
 
 
-def expected_periodogram(
-    model: Model, tick: float, window: NDArray[np.float64], *, detrend: bool = True
-) -> tuple[Doubles, Doubles]:
+def expected_periodogram(model: Model, tick: float, window: NDArray[np.float64]) -> tuple[Doubles, Doubles]:
     """Return wavenumbers k in rad/um and the exact mean of a windowed periodogram of A_r there, in um^4 per rad/um.
 
     P(k) = h |sum_j w_j (x_j - mean x) exp(-i k j h)|^2 / sum_j w_j^2 over n = len(window) ticks of h = ``tick`` um,
-    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2: Welch's estimate for one segment, or the mean over
-    many. Aliases, leakage and the removed mean are in it; without ``detrend`` nothing is subtracted, and the mean of
-    A_r leaks from k = 0. Raises Refused for a window of fewer than 2 ticks or none but zeros.
+    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2: Welch's estimate, with aliases, leakage and the
+    removed mean. Raises Refused for a window of fewer than 2 ticks or none but zeros.
     Source: Priestley, Spectral Analysis and Time Series (1981), chapter 6.
     """
     weights = _checked(window)
     covariance = _tick_covariance(model, tick, weights.size)
-    power = cross_spectrum(covariance, weights, 0, detrend=detrend).real
-    if not detrend:
-        power += model.stationary_mean_area**2 * np.square(np.abs(np.fft.rfft(weights)))
+    power = cross_spectrum(covariance, weights, 0).real
     return segment_wavenumbers(tick, weights.size), np.maximum(tick / float(weights @ weights) * power, 0.0)
 
 
@@ -92,10 +80,9 @@ def through_window(
 ) -> Doubles:
     """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the two-sided density S(w).
 
-    E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), with W the transform of the window padded to 2 n
-    values and S_a(w) = sum_a S(|w + 2 pi a / h|): exact if covariances end before n values of ``step`` h, but for
-    what leaks over more than 8 bins and for aliases beyond the second. The record's mean is taken to be 0; a mean that
-    is subtracted changes bins 0 and 1. Raises Refused for a window that weighs nothing.
+    E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), W the transform of the window padded to 2 n values,
+    S_a(w) = sum_a S(|w + 2 pi a / h|): exact for covariances that end within n values of ``step`` h, to 8 bins of
+    leakage and two aliases; a mean that is subtracted changes bins 0 and 1. Raises Refused as above.
     """
     weights = _checked(window)
     n = weights.size
@@ -124,10 +111,9 @@ _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 class EstimatedSpectrum:
     """The expectation of Welch's method for the real contact area, and the standard error of one estimate.
 
-    ``density`` is the exact mean of the estimate in um^4 per rad/um, two-sided, at ``wavenumber`` in rad/um: aliases,
-    leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf if the
-    bin has no power, nan if it is not known: for births that are not Poisson, and for passes off the centre line.
-    ``ticks`` are those of each of the ``segments``.
+    Two-sided ``density`` in um^4 per rad/um at ``wavenumber`` in rad/um, with aliases and leakage; ``standard_error``:
+    inf of a bin without power, nan if births are not Poisson or passes off the centre line; ``ticks`` of each of the
+    ``segments``.
     """
 
     model: Model = field(repr=False)
@@ -144,9 +130,8 @@ class EstimatedSpectrum:
 def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpectrum:
     """Return the expectation of Welch's method for a record of the model: every tick from 0 to its distance.
 
-    Segments have ``ticks`` values, half of them shared with the next, under the Hann window sin^2(pi j / n), each less
-    its own mean; without ``ticks`` there are about 64 of them. Equations and sources are those of
-    `expected_periodogram` and `welch_errors`. Raises Refused for a segment longer than the record or 262 144 ticks.
+    Segments of ``ticks`` values half overlap, under the Hann window sin^2(pi j / n), each less its own mean; without
+    ``ticks`` there are about 64. Raises Refused for a segment longer than the record or 262 144 ticks.
     """
     record = model.tick_count + 1
     usual = min(max(2, 2 * (record // (SEGMENTS + 1))), MOST_TICKS)
@@ -170,14 +155,13 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
 
 
 def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Doubles:
-    """Return the standard error of a Welch estimate over its own mean, at the wavenumbers of `expected_periodogram`.
+    """Return the standard error of a Welch estimate over its own mean, ``count`` segments ``step`` ticks apart.
 
-    It is over ``count`` segments, ``step`` ticks from start to start, each less its mean. Var[P] / E[P]^2 is the sum
-    over pairs of segments of |E[X conj X']|^2 / E[|X|^2]^2 (Gaussian noise; exact for the window, the overlap and the
-    spectrum's own slope), of |E[X X']|^2 / E[|X|^2]^2, which counts at the ends of the axis and is taken from the
-    window alone, and of the fourth cumulant of shot noise, E[|A^(k)|^4]/(lam E[|A^(k)|^2]^2) times the window's
-    sum_j w_j^2 w'_j^2 / (h (sum w^2)^2), about 1/(lam T). inf if a bin holds nothing. Raises Refused unless births
-    are a Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
+    Var[P] / E[P]^2 is the sum over pairs of segments of |E[X conj X']|^2 / E[|X|^2]^2, of |E[X X']|^2 / E[|X|^2]^2,
+    which counts at the ends of the axis and is taken from the window alone, and of the fourth cumulant E[|A^|^4]/(lam
+    E[|A^|^2]^2) times sum_j w_j^2 w'_j^2 / (h (sum w^2)^2). inf if a bin holds nothing. Raises Refused unless births
+    are a Poisson process.
+    Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
     """
     need_random_births(model, "the error of a spectrum")
     if model.pulse.offset != "none":
@@ -185,14 +169,14 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
     n, energy_of_window = window.size, float(window @ window)
     lags = min(2 + int(_reach(model) / model.tick), _LONGEST * n)
     covariance = _tick_covariance(model, model.tick, lags)
-    mean = cross_spectrum(covariance, window, 0, detrend=True).real
+    mean = cross_spectrum(covariance, window, 0).real
     held = mean > _EMPTY_BIN * mean.max()
     variance, shared = np.where(held, 0.0, np.inf), 0.0
     for apart in range(min(count, 1 + (n + lags) // step)):
         shift, weight = apart * step, (2.0 if apart else 1.0) / count * (1.0 - apart / count)
         product = np.zeros(n)
         product[shift:] = window[shift:] * window[: max(n - shift, 0)]
-        ordinary = cross_spectrum(covariance, window, shift, detrend=True)[held] / mean[held]
+        ordinary = cross_spectrum(covariance, window, shift)[held] / mean[held]
         turned = np.fft.fft(product)[2 * np.arange(mean.size) % n][held] / energy_of_window
         variance[held] += weight * (np.square(np.abs(ordinary)) + np.square(np.abs(turned)))
         shared += weight * float(product @ product) / energy_of_window**2

@@ -39,11 +39,7 @@ class StandardErrors:
 
 
 def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
-    """Return the variance in um^4 of the mean of A_r over a stationary record of T um, or the model's ticks.
-
-    Var = (2/T^2) int_0^T (T - tau) R(tau) dtau, exact for every length, which tends to S(0)/T.
-    Source: Papoulis, Probability, Random Variables and Stochastic Processes, section 12-1.
-    """
+    """Return the variance in um^4 of the mean of A_r over T um or the ticks, (2/T^2) int_0^T (T - tau) R dtau."""
     return area_noise(model).variance_of_mean(distance)
 
 
@@ -55,9 +51,7 @@ def mean_area_error(model: Model, distance: float | None = None) -> float:
 def mean_force_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
 
-    E[psi^2] multiplies the part of single junctions, E[psi]^2 that of births. Under a load that weighs only the
-    deviations of strengths have an error, and what momentum carries bounds that of the mean of P. Raises Refused
-    without a strength.
+    Under a load only the deviations of strengths err, and momentum bounds the mean of P. Refused without a strength.
     """
     psi, noise = strengths_of(model), area_noise(model)
     mean = psi.mean * model.stationary_mean_area
@@ -78,11 +72,10 @@ def force_standard_errors(model: Model, distance: float | None = None) -> Standa
 def standard_errors(model: Model, distance: float | None = None, strengths: Law = AREA_ITSELF) -> StandardErrors:
     """Return the standard errors of mean, std, skewness and excess kurtosis of A_r over a stationary record.
 
-    The record is continuous over ``distance`` um or, without one, the model's ticks. The errors are of first order in
-    life/distance (trust them from some 100 lives on). Each estimate moves with the mean over the record of a polynomial
-    f in z = (A_r - mean)/std, its influence function: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2) g (z^2 - 1);
-    z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis; and Var = sum over lags of weight times
-    Cov[f(0), f(tau)], from `joint_cumulant`. Raises Refused unless births are a Poisson process.
+    The record is as in `lag_rule`; the errors are of first order in life/distance (from some 100 lives on). Each
+    estimate moves with the mean of its influence function of z = (A_r - mean)/std: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2)
+    g (z^2 - 1); z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis. Raises Refused unless births are a
+    Poisson process.
     Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
     """
     need_random_births(model, "the standard error of a moment")
@@ -131,8 +124,8 @@ class MotionErrors:
 def expected_mean_displacement(model: Model, distance: float) -> float:
     """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
 
-    From equilibrium it is x_e = E[psi] mean A_r / k; from rest the free decay y of -x_e is added, with
-    (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
+    From equilibrium x_e = E[psi] mean A_r / k; from rest plus the mean decay of -x_e, (c (y(0) - y(T)) - m y'(T)) / (k
+    T).
     """
     from scipy.linalg import expm
 
@@ -147,11 +140,10 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
 
 
 def mean_displacement_error(model: Model, distance: float) -> float:
-    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, the contact stationary.
+    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, exact for long runs.
 
-    It holds for every length and is exact for long runs: k mean x = mean F - (m dv + c dx)/T, where dv and dx, the
-    changes over the run, spread by no more than their stationary std plus that of the decaying start (whose energy
-    only falls). Over a base y, k mean x = k mean y + (c dy - m dv - c dx)/T. inf without damping.
+    k mean x = mean F - (m dv + c dx)/T, dv and dx the changes over the run; over a base y, k mean y + (c dy - m dv - c
+    dx)/T. inf without damping.
     """
     drive = motion_drive_of(model)
     change = carried_momentum(model) * drive.speed / distance
@@ -163,7 +155,7 @@ def mean_displacement_error(model: Model, distance: float) -> float:
 
 
 def carried_momentum(model: Model) -> float:
-    """Return a bound in uN s of the spread of m dv + c dx over a run, which the mean force does not balance."""
+    """Return a bound in uN s of the spread of m dv + c dx over a run: of stationary motion plus a decaying start."""
     slider, motion = motion_drive_of(model).slider, response(model)
     natural = slider.natural_angular_frequency
     start = hypot(motion.displacement_std, motion.velocity_std / natural)
@@ -173,9 +165,8 @@ def carried_momentum(model: Model) -> float:
 def motion_errors(model: Model, distance: float) -> MotionErrors:
     """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
 
-    The mean's is that of `mean_displacement_error`. The stds' are for runs of many lives and decay times: the root of
-    `mean_square_variances` over 2 std. Raises Refused without slider, strength or speed, and unless births are a
-    Poisson process; inf without damping.
+    Of the stds, for runs of many lives and decay times, the root of `mean_square_variances` over 2 std; inf without
+    damping. Raises Refused as `motion_drive_of`, and unless births are a Poisson process.
     """
     drive, motion = motion_drive_of(model), response(model)
     need_random_births(model, "the standard error of the slider's motion")
@@ -196,36 +187,23 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
 def mean_square_variances(
     model: Model, strengths: Law, gains: Callable[[Doubles], Doubles], distance: float
 ) -> Doubles:
-    """Return the variances of the mean of u^2 over a long run, u the friction force after filters of some power gains.
+    """Return the variances of the mean of u^2 over a long run, u the force after filters of some power gains.
 
-    (1/T) int Cov[u^2(0), u^2(t)] dt = (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
-    junction of any strength, size and offset. Source: cumulants of filtered shot noise (Rice 1944, as above).
+    (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one junction; under a load one brings
+    psi - E[psi] + r E[psi], r as in `Drive.borne`. Source: cumulants of filtered shot noise (Rice 1944).
     """
-    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
-    powers, terms = gains(rule.wavenumber), np.ones((1, rule.wavenumber.size))
+    rule, sizes, psi = frequencies(model), sizes_of(model.sizes, COARSE), sizes_of(strengths, COARSE)
+    powers, borne = gains(rule.wavenumber), np.ones_like(rule.wavenumber, dtype=np.complex128)
     if model.separation is not None:
-        # Under a load a junction brings q + E[psi] r, q = psi - E[psi]: factors of q^2, q and 1.
-        borne = strengths.mean * drive_of(separation_of(model)).borne(rule.wavenumber)
-        terms = np.stack([np.ones(borne.size), 2.0 * borne.real, np.square(np.abs(borne))])
+        borne = drive_of(separation_of(model)).borne(rule.wavenumber)
+    brought = rule.weight * np.square(np.abs(psi.diameter[:, None] - strengths.mean + strengths.mean * borne))
     gaussian = 2.0 * np.square(rule.force(model, strengths) * powers) @ (1.0 / rule.weight)
     fourth = np.zeros(len(powers))
     for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
         lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
-        energies = diameter**6 * np.einsum("vk,tk,lk->tvl", powers, terms * rule.weight, lives)
-        fourth += probability * _squared_strengths(strengths, energies) @ shares
+        energies = diameter**6 * np.einsum("vk,pk,lk->vpl", powers, brought, lives)
+        fourth += probability * np.square(energies) @ shares @ psi.probability
     return (gaussian + model.birth_rate * fourth) / distance
-
-
-def _squared_strengths(strengths: Law, terms: Doubles) -> Doubles:
-    """Return the mean over strengths of the square of energies: of psi^2, or of q^2, q and 1, q = psi - E[psi]."""
-    if len(terms) == 1:
-        return np.asarray(strengths.moment(4) * np.square(terms[0]), dtype=np.float64)
-    mean, square, cube, fourth = (strengths.moment(n) for n in (1, 2, 3, 4))
-    third = cube - 3.0 * mean * square + 2.0 * mean**3
-    kurtosis = fourth - 4.0 * mean * cube + 6.0 * mean**2 * square - 3.0 * mean**4
-    own, mixed, same = terms
-    spread = spread_of(strengths) * (mixed**2 + 2.0 * own * same)
-    return np.asarray(kurtosis * own**2 + 2.0 * third * own * mixed + spread + same**2, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -244,9 +222,8 @@ class LoadErrors:
 def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
     """Return standard errors of the motion under a load over a run of ``distance`` um.
 
-    Those of `motion_errors` for the separation, which bounds the mean's. The mean of P - W is what momentum and damping
-    carry from start to end, (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in the squares of z' and P - W,
-    which is as uncertain as it is large: for Gaussian z and z' its root mean square is at most sqrt(3) times as much.
+    Of the separation as `motion_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in
+    the squares of z' and P - W, as uncertain as it is large: for Gaussian z and z' at most sqrt(3) times as much.
     """
     separation, psi = separation_of(model), model.strengths
     drive, motion = drive_of(separation), load_motion(model)
@@ -276,9 +253,8 @@ def load_errors(model: Model, distance: float, *, from_start: bool = True) -> Lo
 def _start_excess(model: Model, distance: float) -> tuple[float, float]:
     """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
 
-    It is the free decay y from the values of a stationary separation, over ``distance`` um or T: E[int y'^2 dt]/T
-    and K^2 E[int y^2 dt]/T, with int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and
-    int y^2 dt = (c y_0^2/2 + m y_0 y'_0 + m e/c)/K, from m y'' + c y' + K y = 0.
+    Of the free decay of a stationary separation: int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and int y^2 dt = (c
+    y_0^2/2 + m y_0 y'_0 + m e/c)/K.
     """
     drive, motion = drive_of(separation_of(model)), load_motion(model)
     slider, square = drive.slider, motion.separation_std**2

@@ -59,7 +59,7 @@ def is_one_life(model: Model) -> bool:
 
 
 class BirthPart:
-    """What births that are not at random add to a covariance, from the mean life lam E[A(s)] on an even grid of ages.
+    """What births that are not at random add to a covariance: the lines, and the rest by a transform of the mean life.
 
     ``wavenumber`` (rad/um) and ``power`` are those of the lines; as much power lies at -k_n.
     """
@@ -100,10 +100,7 @@ class BirthPart:
 
     @cached_property
     def lines(self) -> Function:
-        """2 sum of power cos(k_n tau) at lags tau >= 0 in um, of period one spacing.
-
-        Births that jump have lam^2/k^2 of the power, whose sum is known.
-        """
+        """2 sum of power cos(k_n tau) at lags tau >= 0 in um; of births that jump lam^2/k^2 has a known sum."""
         if self._jumps and is_one_life(self._model):
             return self._whole_lives
         turn = 0.5 * self._step
@@ -130,8 +127,8 @@ class BirthPart:
 class ShotNoise:
     """The sum over live junctions of d^power a(s/d): real contact area in um^2, or the live count.
 
-    Covariances are within some 1e-9 of the variance; those of a count whose births are not at random within 1e-6.
-    E[psi^2] (``square``) and E[psi]^2 are those of strengths.
+    Error some 1e-9 of the variance; of a count whose births are not at random 1e-6. ``square`` is E[psi^2] of
+    strengths, ``squared_mean`` E[psi]^2.
     """
 
     model: Model
@@ -155,10 +152,7 @@ class ShotNoise:
     def density(
         self, wavenumber: ArrayLike, square: float = 1.0, squared_mean: float = 1.0, *, exact: bool = True
     ) -> Doubles:
-        """Return the two-sided density of the area or of force between lines at wavenumbers in rad/um.
-
-        Not ``exact``, it is averaged over the swing of its tail; in um^4 per rad/um without strengths.
-        """
+        """Return the two-sided density between lines, k in rad/um; not ``exact``, without the swing of its tail."""
         k = np.abs(np.asarray(wavenumber, dtype=np.float64))
         return square * self.alone(k, exact=exact) + squared_mean * self.together(k, exact=exact)
 
@@ -195,8 +189,7 @@ class ShotNoise:
     def variance_of_mean(self, distance: float | None, square: float = 1.0, squared_mean: float = 1.0) -> float:
         """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`.
 
-        A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2:
-        all of it if ticks always meet the same phase.
+        A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2.
         """
         lags, weights = lag_rule(self.model, distance)
         k, power = self.lines
@@ -241,8 +234,8 @@ def spectral_density(model: Model, wavenumber: ArrayLike, *, exact: bool = True)
     """Return the two-sided S(k) of real contact area in um^4 per rad/um, for k in rad/um of any shape.
 
     R(tau) = (1/2 pi) int S(k) exp(i k tau) dk. Errors: 1e-8 of S(0) and 1e-6 of the value up to k d = 16, 1e-5 beyond;
-    1e-4 far out where sizes end hard, and off the centre line the tail has no swing from k d = 256 on.
-    Not ``exact``, it is averaged over the swing of its tail, for integrals over panels wider than that.
+    1e-4 far out where sizes end hard, and off the centre line the tail has no swing from k d = 256 on, as without
+    ``exact``.
     """
     return area_noise(model).density(wavenumber, exact=exact)
 
@@ -253,10 +246,7 @@ def density_at_zero(model: Model) -> float:
 
 
 def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
-    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area.
-
-    They add 2 sum of power cos(k_n tau) to the autocovariance; as much power lies at -k_n.
-    """
+    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area."""
     k, power = area_noise(model).lines
     seen = power > _VISIBLE * model.stationary_mean_area**2
     return k[seen], power[seen]
@@ -265,8 +255,7 @@ def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
 def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the level about which S(k) falls off, lam c m_(6-p) / k^p in um^4 per rad/um, k > 0 in rad/um.
 
-    c and p are those of the pulse: the squares of its jumps of slope, and 4; off the centre line lenses have p = 5.
-    Raises Refused unless births are a Poisson process. Source: Watson's lemma for the kinks of paper Eq. (2).
+    c and p are those of the pulse (Watson's lemma for its kinks). Raises Refused unless births are a Poisson process.
     """
     need_random_births(model, "the tail of the spectrum")
     factor, power = model.pulse.tail
@@ -274,10 +263,7 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
 
 
 def half_power_wavenumber(model: Model) -> float:
-    """Return the smallest k in rad/um at which S(k) = S(0)/2: 2.2522/d for lenses of one size.
-
-    Raises Refused unless births are a Poisson process.
-    """
+    """Return the least k in rad/um with S(k) = S(0)/2: 2.2522/d for lenses of one size; Refused as `tail`."""
     from scipy.optimize import brentq
 
     need_random_births(model, "the corner of the spectrum")
@@ -289,10 +275,9 @@ def half_power_wavenumber(model: Model) -> float:
 
 
 def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
-    """Return the joint cumulant of i times A_r(s) and j times A_r(s + tau), births at random, for lags >= 0 in um.
+    """Return the joint cumulant of i times A_r(s) and j times A_r(s + tau) in um^(2i + 2j), lags >= 0 in um.
 
-    lam E[int A(s)^i A(s + tau)^j ds] = lam E[d^(2i + 2j + 1) q_ij(tau/d)] in um^(2i + 2j); for other births it is the
-    part of single junctions. Source: Campbell's theorem for two places at once.
+    lam E[d^(2i + 2j + 1) q_ij(tau/d)] for births at random (Campbell); for others the part of single junctions.
     """
     return over_sizes(model, overlaps(model.pulse, min(i, j), max(i, j)), 2 * (i + j) + 1, lag)
 
@@ -300,9 +285,9 @@ def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
 def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:
     """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
 
-    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
-    over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0. Lags end where
-    covariances do. Many ticks a life count as a continuous record of n h. Lines are not included.
+    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or over the model's n ticks
+    h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0; many ticks a life count as a continuous record of n h.
+    Lines are not in it.
     """
     memory = model.births.memory
     ticks, reach = model.tick_count + 1, longest_life(model) + (memory if isfinite(memory) else 0.0)
@@ -331,7 +316,7 @@ def resolved_error(variance: float, mean: float) -> float:
 
 
 def covariance_reach(model: Model, part: float) -> float:
-    """Return a lag in um beyond which |R| is below a part of the variance: the longest life, or half of it, or less."""
+    """Return a lag in um beyond which |R| is below a part of the variance: the longest life, halved while it can be."""
     reach, least = longest_life(model), part * float(autocovariance(model, 0.0))
     while np.all(np.abs(autocovariance(model, np.linspace(0.5 * reach, reach, 17))) < least):
         reach *= 0.5

@@ -1,7 +1,4 @@
-"""A law of sizes as diameters with probabilities, by Gauss's rule over log d; and averages over it.
-
-What is averaged are functions of the unit life: of x/d in distance, and of k d in spectra.
-"""
+"""A law of sizes as diameters with probabilities, by Gauss's rule over log d; averages of g(x/d) and g(k d)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -40,8 +37,7 @@ _TABLE, _TURNS = 2400, 400
 class Sizes:
     """Diameters in um with their probabilities.
 
-    ``followed`` is the wavenumber in rad/um to which the rule follows the swing of a spectrum at each; inf for single
-    sizes. From there on what fades over sizes is left out.
+    ``followed`` is the wavenumber in rad/um to which each follows the swing of a spectrum, inf for single sizes.
     """
 
     diameter: Doubles
@@ -57,8 +53,7 @@ def _rule(count: int) -> tuple[Doubles, Doubles]:
 def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
     """Return nodes and weights of a ``count``-point rule on each panel between consecutive edges.
 
-    Edges may have leading axes, one set of panels each; nodes and weights gain a last axis of all panels in order.
-    ``rooted``, the rule is for functions that may end like roots at the edges, as a life does at birth and death.
+    Edges may have leading axes. ``rooted``, the rule is for functions that may end like roots at the edges.
     """
     edge = np.asarray(edges, dtype=np.float64)
     x, w = _rule(count)
@@ -102,7 +97,7 @@ def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
 def cut_sizes(law: Law, cuts: Doubles) -> tuple[Doubles, Doubles]:
     """Return diameters in um and probabilities for averages of what is smooth between cuts, or ends there as a root.
 
-    Cuts (um) lie along the last axis; leading axes have a rule each, along a last axis of the same length.
+    Cuts (um) lie along the last axis; leading axes have a rule each.
     """
     rules = []
     for weight, leaf in _leaves(law):
@@ -123,10 +118,7 @@ def _edges(leaf: Law, panels_of_factor: float, fewest: int) -> Doubles:
 
 
 def _shared_out(leaf: Law, edges: Doubles, *, rooted: bool) -> tuple[Doubles, Doubles]:
-    """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly.
-
-    A law of little spread needs that: its density has few digits. The panels of one size are empty.
-    """
+    """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly, as narrow laws need."""
     if is_one_size(leaf):
         return np.exp(edges[..., :1]), np.ones((*edges.shape[:-1], 1))
     place, weight = panels(edges, _PANEL, rooted=rooted)
@@ -191,8 +183,7 @@ def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
 def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
     """Return `over_sizes` as a function of x, for many sizes by a table; beyond the longest life it is constant.
 
-    The table is even in u, x = c (exp(b u^2) - 1): closer at 0, where lives begin like roots, and far apart in the rare
-    longest lives.
+    It is even in u, x = c (exp(b u^2) - 1): closer at 0, where lives begin, and far apart in the rare longest lives.
     """
     if sizes_of(model.sizes).diameter.size < _FEWEST:
         return lambda x: over_sizes(model, unit, power, x)

@@ -1,8 +1,7 @@
 """The life of unit diameter: its overlap with itself, its energy spectrum, and its means by age.
 
-A(s; d) = d^2 a(s/d), so averages over sizes need these functions of one variable alone. Of passes off the centre line
-they are means over offsets: as each place of one centre in the unit disc about the other is as likely as any, these
-are integrals over that disc, and transforms over lines through its own (Bracewell 1956, doi:10.1071/PH560198).
+A(s; d) = d^2 a(s/d), so averages over sizes need these functions alone. Off the centre line they are means over
+offsets: integrals over a unit disc, and over lines through its transform (Bracewell 1956, doi:10.1071/PH560198).
 """
 
 from dataclasses import dataclass
@@ -31,8 +30,8 @@ _TABLE = np.arange(256 * 64 + 1) / 64.0
 class UnitLife:
     """What lives are counted with, d^power a(s/d): area (power 2) or presence (power 0), as functions of t >= 0.
 
-    overlap: E[int a(s) a(s + t) ds]; mean: E[a(t)]; so_far: E[int_0^t a ds]; amplitude: of a life through both centres
-    the transform about mid-life, as a function of z = k d. A life ends at t = 2 at the latest.
+    overlap: E[int a(s) a(s + t) ds]; mean: E[a(t)]; so_far: E[int_0^t a ds]; amplitude: the transform about mid-life of
+    a pass through both centres, of z = k d. A life ends at t = 2 at the latest.
     """
 
     power: int
@@ -87,10 +86,9 @@ def _within(spline: "CubicSpline") -> Function:
 
 @lru_cache(maxsize=64)
 def overlaps(pulse: Pulse, i: int, j: int) -> Function:
-    """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter, zero from t = 2 on.
+    """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter by quadrature over offsets and places.
 
-    Relative error of q_11 some 1e-9 of its largest value; of higher powers 1e-6, which errors of errors need. By
-    quadrature over offsets, closer near the centre line, and over places, cut where a centre passes.
+    Error some 1e-9 of the largest value of q_11, and 1e-6 of higher powers, which errors of errors need.
     """
     lags = _lags((1024 if pulse.offset == "none" else 256) if i == j == 1 else 128)
     lag, offset, share = lags[:, None], np.zeros((lags.size, 1)), np.ones((lags.size, 1))
@@ -111,7 +109,7 @@ def _passing(pulse: Pulse, place: Doubles, offset: Doubles) -> Doubles:
 
 
 def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
-    """Return E_b[a(t)] = int_(t/2)^1 L(r) w/sqrt(1 - w^2) dw, r^2 = 1 + t^2 - 2 t w, w = cos(phi) half the life."""
+    """Return E_b[a(t)] = int L(r) cos(phi) dphi, r^2 = 1 + t^2 - 2 t cos(phi), cos(phi) >= t/2 half the life."""
     last = np.arccos(np.minimum(0.5 * age, 1.0))[:, None]
     phi, weight = panels(last * np.array([0.0, 0.01, 0.1, 1.0]), 24, rooted=True)
     apart = np.hypot((1.0 - age)[:, None], 2.0 * np.sqrt(age)[:, None] * np.sin(0.5 * phi))
@@ -121,8 +119,7 @@ def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
 def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
     """Return the transform a^(z) about mid-life, z = k d > 0, of a pass through both centres.
 
-    pi H_1(z)/z^2 of the lens (H_1 Struve's), (pi/4) (sin(z/2)/(z/2))^2 of the triangle, pi (sin z - z cos z)/z^3 of
-    the parabola.
+    Lens: pi H_1(z)/z^2 (Struve); triangle: (pi/4) (sin(z/2)/(z/2))^2; parabola: pi (sin z - z cos z)/z^3.
     """
     from scipy.special import spherical_jn, struve
 
@@ -135,9 +132,9 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
 
 
 def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
-    """Return m(z) and b(z) of a^(z) = m + b e^(i z) + b* e^(-i z), z from 20 on: of mid-life, and of birth and death.
+    """Return m and b of a^(z) = m + b e^(i z) + b* e^(-i z), z >= 20: of mid-life, and of birth and death.
 
-    Of lenses H_1 = Y_1 + (2/pi)(1 + 1/z^2 - 3/z^4 + ...); Y_1 is that of birth and death.
+    Of lenses b is that of Y_1, and m of H_1 - Y_1 = (2/pi)(1 + 1/z^2 - 3/z^4 + ...).
     """
     from scipy.special import hankel1e
 
@@ -155,7 +152,7 @@ def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
 def _near(pulse: Pulse) -> "CubicSpline":
     """Return a^(z) up to z = 256, or off the centre line (9 + z^2)^2.5 times the energy, which is even in z.
 
-    Off the centre line that is the integral of the energy of the disc over lines across z, at places 1/4 apart.
+    That is the integral of the energy of the disc over lines across z, at places 1/4 apart.
     """
     if pulse.offset == "none":
         return cubic_spline(_TABLE, amplitude(pulse, _TABLE))
@@ -170,10 +167,7 @@ def _near(pulse: Pulse) -> "CubicSpline":
 
 
 def _disc_energy(pulse: Pulse, q: Doubles) -> Doubles:
-    """Return the square of the transform of the overlap over the disc of offsets, at q > 0 in any direction.
-
-    (pi J_1(q/2)/q)^2 of circles, and pi^2 J_2(q)/q^2 of paraboloids, J_2 = 2 J_1/q - J_0.
-    """
+    """Return the squared transform over the disc, (pi J_1(q/2)/q)^4 of lenses, (pi^2 J_2(q)/q^2)^2 of parabolas."""
     from scipy.special import j0, j1
 
     if pulse.shape == "parabola":
@@ -211,30 +205,23 @@ def level(pulse: Pulse, phase: Doubles) -> Doubles:
 
 
 def _kept(phase: Doubles) -> Doubles:
-    """Return the part of the swing that is kept where a spectrum settles, from 1 below z = 20 to 0 above 160.
-
-    An error function of width 8.5 holds no component of the swing above exp(-8.5^2/2).
-    """
+    """Return how much of the swing is kept: 1 below z = 20, 0 above 160, by an error function of width 8.5."""
     from scipy.special import erfc
 
     return np.asarray(0.5 * erfc((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH)), dtype=np.float64)
 
 
 def settled_energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
-    """Return the energy below z = 20, its level above 160, and a smooth blend between.
-
-    Its integral against anything smooth on the scale z = 10 is that of the energy.
-    """
+    """Return the energy without the swing of its tail; its integral against what is smooth over z = 10 is the same."""
     z = np.asarray(phase, dtype=np.float64)
     kept, followed = _kept(z), energy(pulse, np.minimum(z, SETTLED))
     return kept * followed + (1.0 - kept) * level(pulse, np.maximum(z, _STEP_FROM))
 
 
 def from_birth(pulse: Pulse, phase: Doubles, *, exact: bool) -> Complexes:
-    """Return the transform of the mean life E[a(t)] about its birth, E[int a(t) exp(-i z t) dt], at z = k d >= 0.
+    """Return the transform of the mean life about its birth, E[int a(t) exp(-i z t) dt], at z = k d >= 0.
 
-    Not ``exact``, only what begins at birth is left of it from z = 160 on, which averages over sizes need; off the
-    centre line that is negligible.
+    Not ``exact``, only what begins at birth is left of it from z = 160 on; off the centre line that is negligible.
     """
     centred = pulse.offset == "none"
     if centred and exact:
@@ -261,8 +248,7 @@ def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
     """Return |a^(z; b)|^2 of passes of unit diameter at some offsets b, a row each, and their probabilities.
 
     Within 1e-3 and without a swing from z = 32 on, which is plenty for errors of errors. A parabola is one of the
-    diameter sqrt(1 - b^2). Of lenses 4 (b/z)^2 K_1(z b)^2 comes from the turn at mid-life, and pi (1 - b^2)^(3/2)/z^5
-    from both ends. Passes through both centres have one row, with its swing.
+    diameter sqrt(1 - b^2); of lenses 4 (b/z)^2 K_1(z b)^2 comes from the turn, pi (1 - b^2)^(3/2)/z^5 from both ends.
     """
     from scipy.special import k1
 
