@@ -13,7 +13,7 @@ from rubnoise.figures.catalogue import PICTURES, Appearance, drawing
 from rubnoise.figures.population import born
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
-from rubnoise.theory.life_laws import share_of_gaps, share_of_lives, share_of_sizes
+from rubnoise.theory.live_count import share_of_gaps, share_of_lives, share_of_sizes
 from tests.cli.terminal import call
 
 SCENARIO: dict[str, Any] = {

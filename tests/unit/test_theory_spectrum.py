@@ -14,7 +14,6 @@ from rubnoise.model import Model
 from rubnoise.theory.coupling import force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import area_from_empty, expected_mean_area, expected_mean_count, mean_count
-from rubnoise.theory.sampling import Powers
 from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, joint_cumulant, spectral_density
 from rubnoise.theory.unit_pulse import amplitude, energy, from_birth, overlaps, settled_energy
 from tests.unit.theory_models import model_of, one_size, paper_model, regular
@@ -163,7 +162,7 @@ def area(shape: str, s: mpmath.mpf) -> mpmath.mpf:
 @pytest.mark.parametrize("lag", [0.0, 1e-3, 0.02, 0.4, 1.0, 1.3, 1.99])
 @pytest.mark.parametrize("powers", [(1, 1), (1, 3), (2, 4)])
 @pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
-def test_overlap_of_two_lives(lag: float, powers: Powers, pulse: Pulse) -> None:
+def test_overlap_of_two_lives(lag: float, powers: tuple[int, int], pulse: Pulse) -> None:
     i, j = powers
     cuts = sorted({0.0, max(1.0 - lag, 0.0), min(1.0, 2.0 - lag), 2.0 - lag})
     with mpmath.workdps(20):

@@ -8,7 +8,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import BLUE, INK, NEAREST, VERMILION, add_title, legend_above, new_figure
-from rubnoise.theory.life_laws import share_of_gaps, share_of_lives, share_of_sizes
+from rubnoise.theory.live_count import share_of_gaps, share_of_lives, share_of_sizes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

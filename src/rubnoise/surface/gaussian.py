@@ -18,18 +18,15 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.surface.waves import Waves
 
-_CELLS: Final = 8192
-"""Of the table of the inner integral; its error, of fourth order, is below 1e-11 of the value at rho = 1."""
-
-_RING: Final = 0.8
-"""Where the ring of waves begins whose power says what a change of the cut-off changes, over the cut-off frequency."""
+_CELLS: Final = 8192  # of the table of the inner integral: error below 1e-11 of the value at rho = 1
+_RING: Final = 0.8  # where the ring of waves begins that a change of the cut-off changes, over the cut-off frequency
 
 
 @dataclass(frozen=True)
 class GaussianContact:
-    """The sliding contact of a slider on a track, both Gaussian, at a share of the nominal area in contact.
+    """The sliding contact of a slider on an endless track, both Gaussian, with a share of the area in contact.
 
-    ``nominal_area`` A0 in um^2 and ``slider_length`` in um are those of the slider; the track is always fresh.
+    ``nominal_area`` A0 in um^2 and ``slider_length`` in um are those of the slider.
     """
 
     track: Waves = field(repr=False)
@@ -90,11 +87,7 @@ class GaussianContact:
         return self._count(self.track.moments(cutoff) + self.slider.moments(cutoff))
 
     def count_slope(self, cutoff: float) -> float:
-        """Return dN_jm/d ln(cutoff) at one share of the area, from the power of the waves at the cut-off (in um).
-
-        It is the mean power in a ring of waves, for spectra that continue beyond the cut-off. Of self-affine surfaces
-        with Hurst exponent H far from their longest waves it is -2 (1 - H) N_jm.
-        """
+        """Return dN_jm/d ln(cutoff) at one share of the area, from the mean power in a ring at the cut-off (um)."""
         ends = [self.track.moments(each) + self.slider.moments(each) for each in (cutoff, cutoff / _RING)]
         variance, along, across = (ends[0] - ends[1]) / -log(_RING) / self.moments.sum(0)
         return self.junction_count * float(variance - 0.5 * (along + across))
@@ -124,8 +117,8 @@ class GaussianContact:
     def chance(self) -> tuple[Doubles, Doubles]:
         """Weights over the lags that leave of track and slider what is chance of one map; 0 of exact spectra.
 
-        The power of a wave on one map scatters as much as its mean. Its autocorrelation does not decay to 0, and
-        products of the rest raise R. Lags longer than a quarter of the sides show how much, and it is the same near 0.
+        The power of a wave on one map scatters as much as its mean: products of what is left at lags longer than a
+        quarter of the sides raise R, and as much near 0.
         """
         along, across = np.ix_(*(np.abs(np.fft.fftfreq(n)) for n in self.slider.power.shape))
         far = (np.hypot(along, across) > 0.25).astype(np.float64)
@@ -137,7 +130,15 @@ class GaussianContact:
 
     @cached_property
     def _integral(self) -> Doubles:
-        return _inner_integral(self.level)
+        """Table of g = int_0^rho phi2(u, u; r) dr with its slope, at even steps of v = sqrt((1 - rho)/2) from 0 to 1.
+
+        g = Q(u) (1 - Q(u)) - 2 T(u, v/sqrt(1 - v^2)), T of Owen (1956); in v there is no root at rho = 1.
+        """
+        v = np.linspace(0.0, 1.0, _CELLS + 1)
+        left = np.maximum(1.0 - v * v, 1e-300)
+        value = ndtr(self.level) * ndtr(-self.level) - 2.0 * owens_t(self.level, v / np.sqrt(left))
+        slope = -np.exp(-0.5 * self.level**2 / left) / (pi * np.sqrt(left))
+        return np.stack((value, slope / _CELLS), axis=1)
 
     @cached_property
     def _chances(self) -> tuple[float, float, Doubles]:
@@ -149,10 +150,7 @@ class GaussianContact:
         return self.cell * (_sum_over_lags(track, slider, shift, self._integral) - second * chance)
 
     def ensemble_covariance(self, shift: int) -> float:
-        """Return A0 int int [int_0^rho phi2 dr] dx dy at a lag of ``shift`` points, in um^4, on an endless track.
-
-        The part of a single map's chance is subtracted, to second order.
-        """
+        """Return A0 int int [int_0^rho phi2 dr] dx dy at a lag of ``shift`` points, in um^4, less chance."""
         of_track, of_slider, of_both = self._chances
         chance = of_track + of_slider + 2.0 * float(of_both[shift % of_both.size])
         return self._covariance(*self.correlations, shift, chance)
@@ -166,8 +164,7 @@ class GaussianContact:
     def frozen_variances(self) -> tuple[float, float]:
         """(J_1, J_2) in um^4: J_i = A0 int int int_0^(C_i/sigma^2) phi2 dr dx dy, of the track and of the slider.
 
-        J_2 is frozen for ever: the mean differs from slider to slider. J_1 is that of the track below the slider, which
-        changes when the slider moves by its length.
+        J_2 is frozen for ever; J_1 changes when the slider moves by its length.
         """
         (track, slider), (of_track, of_slider, _) = self.correlations, self._chances
         none = np.zeros_like(slider)
@@ -203,10 +200,7 @@ class GaussianContact:
         return np.asarray(shifts * self.slider.spacing[0], dtype=np.float64), moving
 
     def autocovariance(self, lag: Doubles) -> Doubles:
-        """Return R(tau) - J_2 in um^4 of a slider of its length on a fresh track, the covariance in a long run.
-
-        R(tau) = `curve` + J_1 max(0, 1 - tau/L_x) + J_2, L_x the slider's length; lags in um up to half of the map.
-        """
+        """Return R(tau) - J_2 in um^4, of a long run: `curve` + J_1 max(0, 1 - tau/L_x), L_x the slider's length."""
         track = self.frozen_variances[0] * np.maximum(0.0, 1.0 - np.abs(lag) / self.slider_length)
         return np.interp(np.abs(lag), *self.curve) + track
 
@@ -243,19 +237,6 @@ def half_width(lags: Doubles, values: Doubles) -> float:
 
     roots = CubicSpline(lags, values).solve(0.5 * float(values[0]), extrapolate=False)
     return float(roots.min()) if roots.size else float("nan")
-
-
-def _inner_integral(level: float) -> Doubles:
-    """Return g = int_0^rho phi2(u, u; r) dr with its slope, at even steps of v = sqrt((1 - rho)/2) from 0 to 1.
-
-    phi2 = exp(-u^2/(1 + r))/(2 pi sqrt(1 - r^2)), so g = Q(u) (1 - Q(u)) - 2 T(u, v/sqrt(1 - v^2)), with T of Owen
-    (1956). In v the integral has no root at rho = 1.
-    """
-    v = np.linspace(0.0, 1.0, _CELLS + 1)
-    left = np.maximum(1.0 - v * v, 1e-300)
-    value = ndtr(level) * ndtr(-level) - 2.0 * owens_t(level, v / np.sqrt(left))
-    slope = -np.exp(-0.5 * level * level / left) / (pi * np.sqrt(left))
-    return np.stack((value, slope / _CELLS), axis=1)
 
 
 def moved_products(one: Doubles, other: Doubles) -> Doubles:

@@ -11,16 +11,14 @@ from scipy import ndimage
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 
-FEWEST_POINTS: Final = 16
-"""Points a side below which a map has no spectrum."""
+FEWEST_POINTS: Final = 16  # a side, below which a map has no spectrum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeightMap:
     """Heights h in um over a grid whose first index runs along the sliding, spacings in um.
 
-    ``periodic``: the map repeats itself at its edges, as synthetic surfaces do. ``history``: the changes so far, in
-    words: missing points filled, form removed, waves cut.
+    ``periodic``: the map repeats itself at its edges. ``history``: the changes so far, in words.
     """
 
     heights: Doubles = field(repr=False)
@@ -67,10 +65,7 @@ class HeightMap:
         return replace(self, heights=self.heights[::-1, ::-1], name=f"{self.name} turned by 180 degrees")
 
     def on_grid_of(self, other: "HeightMap") -> Doubles:
-        """Return heights at the points of another map, from the first corner on, over the part that both cover.
-
-        Interpolation is by cubic splines; a periodic map of the same grid is returned unchanged.
-        """
+        """Return heights at the points of another map, over the part that both cover from the first corner on."""
         if self.heights.shape == other.heights.shape and np.allclose(self.spacing, other.spacing, rtol=1e-6):
             return self.heights
         grids = zip(self.heights.shape, other.heights.shape, self.spacing, other.spacing, strict=True)
@@ -80,6 +75,7 @@ class HeightMap:
         return ndimage.map_coordinates(self.heights, np.meshgrid(*points, indexing="ij"), order=3, mode="mirror")
 
 
+_MOST_FITTED: Final = 20_000  # points by which a sphere or a cylinder is fitted
 FORMS: Final[Mapping[str, str]] = {
     "none": "no form removed",
     "tilt": "a plane removed",
@@ -91,11 +87,9 @@ FORMS: Final[Mapping[str, str]] = {
 
 
 def without_form(surface: HeightMap, form: str) -> HeightMap:
-    """Return a map without its form, by least squares; see `FORMS`.
+    """Return a map without its form (see `FORMS`) by least squares; a periodic map has none and stays as it is.
 
-    A sphere or cylinder of radius R and centre (x0, y0, z0) is fitted as z = z0 -+ (R - sqrt(R^2 - r^2)), r the
-    distance from the centre or the axis, after its paraboloid. A periodic map has no form and stays as it is.
-    Raises Refused for a form that the points do not have.
+    A sphere or cylinder is z = z0 -+ (R - sqrt(R^2 - r^2)), r the distance from centre or axis, after its paraboloid.
     """
     if form == "none" or surface.periodic:
         return surface
@@ -111,10 +105,6 @@ def _polynomial(heights: Doubles, degree: int) -> Doubles:
     terms = np.stack([(along**i * across**j).ravel() for i in range(degree + 1) for j in range(degree + 1 - i)])
     weights = np.linalg.solve(terms @ terms.T, terms @ heights.ravel())
     return (weights @ terms).reshape(heights.shape)
-
-
-_MOST_FITTED: Final = 20_000
-"""Points by which a sphere or a cylinder is fitted."""
 
 
 def _curved(surface: HeightMap, start: Doubles, form: str) -> Doubles:

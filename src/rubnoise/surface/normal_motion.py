@@ -1,8 +1,7 @@
 """The normal motion of a slider on two Gaussian surfaces under a load, to first order, from their spectra.
 
-At constant load the gap D follows the area A(s) at a constant gap: D less its mean is s_0 (A/A_rm - 1), with the
-height scale s_0. With a mass m and a dashpot it does so through m z'' + c z' + (W/s_0) z = W (A/A_rm - 1), as in
-`rubnoise.theory.load` for junctions. Source: Rice (1944) for the slope of a Gaussian field's excursion area.
+At constant load the gap D less its mean is s_0 (A/A_rm - 1); with a mass and a dashpot as in `rubnoise.theory.load`.
+Source: Rice (1944) for the slope of a Gaussian field's excursion area.
 """
 
 from dataclasses import dataclass
@@ -40,9 +39,9 @@ def gap_slope(contact: GaussianContact) -> float:
 def normal_motion(contact: GaussianContact, *, load: float, speed: float, mass: float, ratio: float) -> NormalMotion:
     """Return the motion of a slider of ``mass`` in kg at a ``speed`` in um/s under a ``load`` in uN.
 
-    The variance of the gap is int R(tau) K(tau) dtau s_0^2/A_rm^2, that of its velocity V^2 int -R''(tau) K(tau) dtau
-    s_0^2/A_rm^2, with K the autocorrelation of the oscillator's response to an impulse, whose integral is 1; ``ratio``
-    is its damping ratio, above 0. R is that of a run much shorter than the slider.
+    Var D = int R(tau) K(tau) dtau s_0^2/A_rm^2, of the velocity V^2 times the same of -R'', K the autocorrelation of
+    the oscillator's response to an impulse, of damping ``ratio`` above 0; R is that of a run much shorter than the
+    slider.
     """
     from scipy.interpolate import CubicSpline
 
@@ -63,10 +62,9 @@ def normal_motion(contact: GaussianContact, *, load: float, speed: float, mass: 
 def filtered_variance(
     lags: Doubles, values: Doubles, resonance: float, ratio: float, *, of_slope: bool = False
 ) -> float:
-    """Return 2 int_0^L f(tau) K(tau) dtau of a covariance f that is straight between its lags, K as in `normal_motion`.
+    """Return 2 int_0^L f(tau) K(tau) dtau of a covariance f that is straight between its lags, or with -K'' for K.
 
-    K = (w/(4 zeta)) (p_2 e^(p_1 tau) - p_1 e^(p_2 tau))/(p_2 - p_1), p = -w (zeta -+ sqrt(zeta^2 - 1)); ``of_slope``
-    gives the variance of the output's slope, with -K'' for K.
+    K = (w/(4 zeta)) (p_2 e^(p_1 tau) - p_1 e^(p_2 tau))/(p_2 - p_1), p = -w (zeta -+ sqrt(zeta^2 - 1)).
     """
     root = np.sqrt(complex(ratio * ratio - 1.0)) or 1e-6j  # critical damping, by its neighbour
     poles = -resonance * np.array([ratio - root, ratio + root])
@@ -80,10 +78,7 @@ def filtered_variance(
 
 
 class _Slopes:
-    """The slope of the area: -R''(tau) = A0 int int phi2'(u, u; rho) C_1x C_2x dx dy, C_ix = d(C_i/sigma^2)/dx.
-
-    The product of the maps' chance at far lags, where phi2' is phi2'(u, u; 0), is subtracted.
-    """
+    """The slope of the area: -R''(tau) = A0 int int phi2'(u, u; rho) C_1x C_2x dx dy, C_ix = d(C_i/sigma^2)/dx."""
 
     def __init__(self, contact: GaussianContact) -> None:
         self.contact = contact
@@ -104,10 +99,9 @@ class _Slopes:
 
     @cached_property
     def variance(self) -> float:
-        """-R''(0) in um^2, exact.
+        """-R''(0) in um^2, exact: what is singular at lag 0 has a known integral, the rest is smooth enough for a sum.
 
-        Near lag 0 the integrand is e^(-u^2/2)/(2 pi) a_1 a_2 x^2/(a x^2 + b y^2)^1.5, slopes over sigma. That part,
-        times exp(-(a x^2 + b y^2)/2), has the integral below; the rest is smooth enough for a sum over the points.
+        That part is e^(-u^2/2)/(2 pi) a_1 a_2 x^2/(a x^2 + b y^2)^1.5 exp(-(a x^2 + b y^2)/2), slopes over sigma.
         """
         contact = self.contact
         _, slopes, others = (contact.moments / contact.roughness**2).T

@@ -12,17 +12,16 @@ from rubnoise.errors import ExtraMissing, Refused
 from rubnoise.surface.height_map import HeightMap
 from rubnoise.units import LENGTH, QuantityError, parse_unit
 
-MOST_MISSING: Final = 0.1
-MOST_BYTES: Final = 1 << 30
-MOST_VALUES: Final = 1 << 26
-"""Share of missing points that are filled, bytes of a file and points of a map that are read."""
+MOST_MISSING: Final = 0.1  # share of missing points that are filled
+MOST_BYTES: Final = 1 << 30  # of a file that is read
+MOST_VALUES: Final = 1 << 26  # points of a map that is read
 
 
 def read_surface(path: str | os.PathLike[str], unit: str | None = None) -> HeightMap:
     """Return the first map of a file in um, missing points filled by a harmonic function of their neighbours.
 
-    The first index of the map is the sliding direction. ``unit`` is that of all lengths if the file names none. Raises
-    Refused if the file is not a surface, for a profile, a map without a unit, and one with too many missing points.
+    The first index is the sliding direction; ``unit`` is that of all lengths if the file names none. Raises Refused if
+    the file is not a surface, for a profile, a map without a unit, and one with too many missing points.
     """
     name = os.fspath(path)
     if not Path(name).is_file():

@@ -22,28 +22,19 @@ from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.load import LoadMotion, load_motion, overlap_scale
 from rubnoise.theory.second_order import autocovariance
 
-FEWEST_PATCHES: Final = 20
-LARGEST_SHARE: Final = 0.3
-LARGEST_AREA: Final = 0.05
-"""Limits of an answer: fewer patches have no statistics, one patch with more of the area carries all, and with more
-of the nominal area in contact lives merge (at 3 % births are 20 % off)."""
-
-LIVES: Final = 1000
-"""Mean lives in the scenario's distance, if none is given."""
-
+FEWEST_PATCHES: Final = 20  # fewer have no statistics
+LARGEST_SHARE: Final = 0.3  # one patch with more of the area carries all
+LARGEST_AREA: Final = 0.05  # with more of the nominal area in contact lives merge (at 3 % births are 20 % off)
+LIVES: Final = 1000  # mean lives in the scenario's distance, if none is given
 _STEP: Final = 2.0**0.5
-
-NEAR: Final = 0.1
-NEAR_LEVEL: Final = 1.0
-"""How far a scenario may be off before it is said: in spread and correlation length, and in dB of normal motion."""
+NEAR, NEAR_LEVEL = 0.1, 1.0  # how far off a scenario may be unsaid: in spread and length, and in dB of normal motion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Patches:
     """Patches of contact on a map of so large an area: their ``areas`` in um^2 from the largest on, and their sum.
 
-    ``largest_share`` is that of the largest patch in the sum, ``mean_diameter`` the mean of sqrt(4 A/pi) in um, and
-    ``relative_spread`` the standard deviation of the areas over their mean, 1 of exponential areas.
+    ``mean_diameter`` is the mean of sqrt(4 A/pi) in um, ``relative_spread`` the standard deviation of areas over mean.
     """
 
     areas: Doubles = field(repr=False)
@@ -75,11 +66,9 @@ def patches(heights: Doubles, share: float, spacing: tuple[float, float]) -> Pat
 
 @dataclass(frozen=True, eq=False)
 class SlidingContact:
-    """A slider on a track under a load: ``track`` and ``slider`` are maps without form, their waves cut.
+    """A slider on a track under a load: ``track`` and ``slider`` are maps with their waves cut, ``scans`` whole.
 
-    ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um. ``gaussian`` is exact for
-    Gaussian surfaces with the measured spectra, ``counted`` the patches on the maps, ``refused`` the reasons why
-    numbers must not be used.
+    ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um.
     """
 
     track: HeightMap
@@ -90,7 +79,6 @@ class SlidingContact:
     longest: float | None
     slider_length: float
     scans: tuple[HeightMap, HeightMap] = field(repr=False)
-    """Track and slider with all their waves."""
 
     @property
     def nominal_area(self) -> float:
@@ -169,9 +157,8 @@ class SlidingContact:
         """Return a scenario with the same area and number: parabolic lives, Rayleigh sizes, Poisson births.
 
         ``speed`` in um/s, ``distance`` in um (1000 mean lives without one); with ``mass`` in kg and ``damping_ratio``
-        the slider also rises and falls on its load, on an area that falls with the gap as that of the surfaces does,
-        over sigma Q(u)/phi(u). Its text names scans, filters and hashes. Raises Refused for a mass without a speed or
-        a damping ratio, and if `refused` has reasons.
+        the slider also rises and falls on its load. Raises Refused for a mass without speed or damping ratio, and if
+        `refused` has reasons.
         """
         if self.refused:
             raise Refused(f"no scenario is written: {'; '.join(self.refused)}")
@@ -215,10 +202,7 @@ class SlidingContact:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The scenario of the same area and number, even if `refused`: theory compares it with the surfaces.
-
-        Raises Refused for numbers that no scenario can have.
-        """
+        """The scenario of the same area and number, even if `refused`; Refused for numbers that none can have."""
         try:
             return loads(self._text(), "surface")
         except ScenarioRefused as refusal:
@@ -230,8 +214,7 @@ class SlidingContact:
     def in_scenario(self) -> dict[str, float]:
         """What the scenario has of the area and, to first order at constant load, of the gap D, by name.
 
-        Standard deviation of the area over mean, sqrt(2/N_jm); the lag in um at which its autocovariance has fallen to
-        one half; std of D in um, s_0 sqrt(2/N_jm); root mean square of dD/ds, that over c, c^2 = E[d^2].
+        Std of the area over mean; lag in um of half its autocovariance; std of D in um; root mean square of dD/ds.
         """
         model = self.scenario.model()
         area, size = area_cumulants(model), overlap_scale(model)
@@ -260,16 +243,13 @@ class SlidingContact:
         return tuple(self._said())
 
     def _said(self) -> Iterator[str]:
-        gaussian, scenario = self.gaussian, self.in_scenario
-        pairs = (
-            ("standard deviation over mean", "", scenario["relative_std"], gaussian.relative_std),
-            ("correlation length", " um", scenario["correlation_length"], gaussian.correlation_length),
-        )
-        for name, unit, ours, exact in pairs:
+        for name, unit in (("relative_std", ""), ("correlation_length", " um")):
+            ours, exact = self.in_scenario[name], getattr(self.gaussian, name)
             if isfinite(exact) and exact > 0.0 and abs(ours / exact - 1.0) > NEAR:
                 change = f"({100.0 * (ours / exact - 1.0):+.0f} %)"
-                yield f"{name}: {ours:.4g}{unit} in the scenario, {exact:.4g}{unit} on the surfaces {change}"
-        ours, exact = scenario["separation_slope"], self.gap_slope
+                words = "standard deviation over mean" if name == "relative_std" else "correlation length"
+                yield f"{words}: {ours:.4g}{unit} in the scenario, {exact:.4g}{unit} on the surfaces {change}"
+        ours, exact = self.in_scenario["separation_slope"], self.gap_slope
         if exact > 0.0 and abs(louder := 20.0 * log10(ours / exact)) > NEAR_LEVEL:
             rates = f"{ours:.4g} of the speed in the scenario, {exact:.4g} on the surfaces ({louder:+.1f} dB)"
             yield f"normal motion under a constant load: {rates}"
@@ -285,10 +265,10 @@ def slide(
     longest: float | None = None,
     slider_length: float | None = None,
 ) -> SlidingContact:
-    """Return the contact of a slider on a track.
+    """Return the contact of a slider on a track, ``load`` in uN, ``hardness`` in MPa, lengths in um.
 
-    ``load`` in uN, ``hardness`` in MPa, lengths in um. Raises Refused for cut-offs outside of a scan, for a slider
-    shorter than its scan, and for a load above hardness times nominal area.
+    Raises Refused for cut-offs outside of a scan, a slider shorter than its scan, a load above hardness times nominal
+    area.
     """
     length, width = slider.size
     reach = length if slider_length is None else slider_length

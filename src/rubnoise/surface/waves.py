@@ -13,8 +13,7 @@ from rubnoise.errors import Refused
 from rubnoise.streams import Stream, generator
 from rubnoise.surface.height_map import FEWEST_POINTS, HeightMap
 
-MOST_POINTS: Final = 8192
-"""Points a side of a synthetic map at most: such a map takes half a GB, and its transform twice as much."""
+MOST_POINTS: Final = 8192  # a side of a synthetic map: it takes half a GB, and its transform twice as much
 
 
 def check_wavelengths(surface: HeightMap, cutoff: float, longest: float | None) -> None:
@@ -32,8 +31,7 @@ def check_wavelengths(surface: HeightMap, cutoff: float, longest: float | None) 
 def band_limited(surface: HeightMap, cutoff: float, longest: float | None = None) -> HeightMap:
     """Return a map without waves shorter than ``cutoff`` and longer than ``longest`` (both in um) and without mean.
 
-    The limit in frequency is sharp, so a second call changes nothing. A periodic map is transformed as it is; another
-    one is continued by its mirror image at each edge, without a jump (a cosine transform).
+    The limit is sharp. A map that is not periodic is continued by its mirror image at each edge (a cosine transform).
     """
     check_wavelengths(surface, cutoff, longest)
     shape, spacing = surface.heights.shape, surface.spacing
@@ -64,15 +62,15 @@ def _kept(along: Doubles, across: Doubles, cutoff: float, longest: float | None 
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """The power of a surface by wave: ``power`` S in um^2 on the grid of the discrete transform, its sum the variance.
+    """The power of a surface by wave, ``power`` S in um^2 on the grid of the discrete transform, its sum the variance.
 
-    First index along the sliding. Source: Nayak, Random process model of rough surfaces (1971, doi:10.1115/1.3451608).
+    ``scatter``: how the chance of one map spreads over the lags of its autocorrelation, 1 at lag 0; None of an exact
+    spectrum. Source: Nayak (1971, doi:10.1115/1.3451608).
     """
 
     power: Doubles = field(repr=False)
     spacing: tuple[float, float]
     scatter: Doubles | None = field(default=None, repr=False)
-    """How the chance of one map spreads over the lags of its autocorrelation, 1 at lag 0; None of an exact spectrum."""
 
     @classmethod
     def of(cls, surface: HeightMap) -> Self:
@@ -90,10 +88,7 @@ class Waves:
         return cls(power * (variance / (power.sum() or 1.0)), surface.spacing, scatter)
 
     def moments(self, cutoff: float | None = None) -> Doubles:
-        """Return variance and mean square slopes along and across: sums of S, S (2 pi f_x)^2 and S (2 pi f_y)^2.
-
-        With ``cutoff`` in um, shorter waves do not count.
-        """
+        """Return variance and mean square slopes along and across, S (2 pi f)^2 summed, of waves down to ``cutoff``."""
         along, across = frequencies(self.power.shape, self.spacing)
         power = self.power if cutoff is None else self.power * _kept(along, across, cutoff)
         slopes = [(power * np.square(2.0 * np.pi * each)).sum() for each in (along, across)]
@@ -109,10 +104,8 @@ def self_affine(
 ) -> HeightMap:
     """Return a periodic Gaussian surface of points x points, with equal bits for equal arguments.
 
-    Its power is q^(-2 - 2 H) for frequencies q from 1/rolloff to 1/cutoff, constant below and 0 above (lengths in
-    um), and its rms height is exactly ``roughness`` in um. White noise of a seed is filtered in frequency.
-    Source: Jacobs, Junge, Pastewka, Quantitative characterization of surface topography using spectral analysis (2017,
-    doi:10.1088/2051-672X/aa51f8).
+    Its power is q^(-2 - 2 H) for frequencies q from 1/rolloff to 1/cutoff, constant below and 0 above (um); its rms
+    height is exactly ``roughness`` in um. Source: Jacobs, Junge, Pastewka (2017, doi:10.1088/2051-672X/aa51f8).
     """
     _check(points, spacing, roughness, hurst, rolloff, cutoff)
     along, across = np.ix_(fft.fftfreq(points, spacing), fft.rfftfreq(points, spacing))

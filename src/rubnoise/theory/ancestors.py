@@ -1,26 +1,17 @@
-"""Models of others beside the contact's own: a lifted base, a force that falls with speed, and white noise.
-
-Rice and Moslehy's asperities lift the base of the slider; Block's and Oden and Martins' force falls with speed and has
-no junctions; Kilburn's is a mean force with white noise of the contact's level at low frequency.
-"""
+"""Models of others: a lifted base (Rice and Moslehy), a force that falls with speed (Block), white noise (Kilburn)."""
 
 from dataclasses import dataclass, replace
-from math import inf, sqrt
-from typing import Any
+from math import atan2, exp, inf, pi, sqrt
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
-from rubnoise.model import Model
+from rubnoise.model import Model, Slider
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.motion import drive_of, force_spectral_density, response
-from rubnoise.theory.second_order import half_power_wavenumber
-
-_TURNS = 200.0  # natural periods within which a slip has to end
-_TOLERANCE = 1e-10
-_PLACES = 20001
+from rubnoise.theory.second_order import are_at_random, half_power_wavenumber
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,14 +25,12 @@ class BaseResponse:
 
 
 def base_response(model: Model) -> BaseResponse:
-    """Return the stationary motion of a slider that its base drives; the mean of x is that of y.
+    """Return the stationary motion of a slider that its base drives; the mean of x is that of y, inf without damping.
 
-    A triangle of height r d is 4 r/(pi d) times the area of a triangular life of one size d, and so is y of the area;
-    S_x(w) = S_y(w/V)/V (k^2 + c^2 w^2) / |k - m w^2 + i c w|^2. Infinite without damping. Raises Refused for a slider
-    without a base, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
+    A triangle of height r d is 4 r/(pi d) times the area of a triangular life of one size d. Raises Refused for a
+    slider without a base, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
     """
-    slider = model.slider
-    if slider is None or model.sliding_speed is None or slider.excitation != "base":
+    if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
         raise Refused('this needs slider.excitation = "base" with its asperity_height')
     triangles = replace(model, pulse=TRIANGLE)
     motion, area = response(triangles), area_cumulants(triangles)
@@ -57,8 +46,8 @@ def base_response(model: Model) -> BaseResponse:
 class Weakening:
     """What becomes of the slider: steady at ``mean_displacement`` (um), or a cycle of sticks and slips.
 
-    border: slope in N s/m from which steady sliding is unstable, c; amplitude: half of the range of the displacement in
-    um, velocity_range in um/s, period in s, stick_fraction of it; all 0 if it is steady.
+    border: slope in N s/m from which sliding is unstable, c; amplitude: half of the range of x in um; slowest and
+    fastest velocity in um/s; period in s, stick_fraction of it.
     """
 
     steady: bool
@@ -74,9 +63,9 @@ class Weakening:
 def velocity_weakening(model: Model) -> Weakening:
     """Return what a slider does under m x'' + c x' + k x = F(V - x'), F(v) = F_m - a (v - V) while it slides forward.
 
-    The border a = c is exact. Beyond it the slider sticks, V = x', until k x + c V reaches F(0) = F_m + a V, and slips
-    until its speed is V again; the slip is solved to 1e-10. A slope of c exactly is taken for steady: nothing grows.
-    Raises Refused for a slider that is not driven so, and if the force would change its sign.
+    Beyond a = c, where nothing grows yet, the slider sticks, V = x', until k x + c V reaches F(0) = F_m + a V, and
+    slips until its speed is V again. Raises Refused for a slider that is not driven so, and if the force would change
+    its sign.
     Source: Block (1940), J. Acoust. Soc. Am. 12; Oden and Martins (1985), doi:10.1016/0045-7825(85)90009-X.
     """
     slider, speed = model.slider, model.sliding_speed
@@ -88,42 +77,39 @@ def velocity_weakening(model: Model) -> Weakening:
     return _cycle(slider, speed, force, still)
 
 
-def _cycle(slider: Any, speed: float, force: float, still: float) -> Weakening:
-    """Return the cycle of sticks and slips; y is the displacement less the static one."""
-    from scipy.integrate import solve_ivp
+def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakening:
+    """Return the cycle of sticks and slips: with y = x - F_m/k and g = a - c a slip is m y'' - g y' + k y = 0.
+
+    y' = V e^(s t) (cos w t - (s/w) sin w t), s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before 2
+    pi/w; y = (g y' - m y'')/k is largest where y' = 0 for the first time, and least a half turn later.
+    """
+    from scipy.optimize import brentq
 
     growth = slider.slope - slider.damping
-    start = growth * speed / slider.stiffness  # k y = (a - c) V: the spring pulls as hard as F(0) allows
-
-    def motion(_time: float, state: Any) -> list[float]:
-        y, velocity = state
-        return [velocity, (growth * velocity - slider.stiffness * y) / slider.mass]
-
-    def as_fast(_time: float, state: Any) -> float:
-        return float(state[1] - speed)
-
-    as_fast.terminal = True  # type: ignore[attr-defined]
-    as_fast.direction = 1.0  # type: ignore[attr-defined]
-    turn = 2.0 * np.pi / slider.natural_angular_frequency
-    # It leaves the stick with no acceleration: a nudge begins the slip, too small to be seen in what follows.
-    begin = [start * (1.0 + 1e-9), speed * (1.0 - 1e-9)]
-    fine: dict[str, Any] = {"method": "DOP853", "rtol": _TOLERANCE, "atol": 1e-12, "dense_output": True}
-    slip = solve_ivp(motion, (0.0, _TURNS * turn), begin, events=as_fast, **fine)
-    if not slip.t_events[0].size:
-        raise Refused("the slider slips on and on: slope and damping differ too little for a cycle to be found")
-    slipped, end = float(slip.t_events[0][0]), float(slip.y_events[0][0][0])
-    times = np.linspace(0.0, slipped, _PLACES)
-    y, velocity = slip.sol(times)
-    if force - slider.slope * -float(velocity.min()) < 0.0:
+    rise, square = 0.5 * growth / slider.mass, slider.natural_angular_frequency**2
+    turn = sqrt(max(square - rise * rise, 0.0))
+    if not turn or force < slider.slope * speed * exp(rise * pi / turn):
         raise Refused("slider.slope: the force would fall below 0 in the slip; a smaller slope or a larger mean force")
+
+    def velocity(time: float) -> float:
+        return float(speed * np.exp(rise * time) * (np.cos(turn * time) - rise / turn * np.sin(turn * time)))
+
+    def place(time: float) -> float:
+        bend = -speed * np.exp(rise * time) * square / turn * np.sin(turn * time)
+        return float((growth * velocity(time) - slider.mass * bend) / slider.stiffness)
+
+    slowest, first_still = pi / turn, atan2(turn, rise) / turn
+    slipped = float(brentq(lambda time: velocity(time) - speed, slowest, 2.0 * slowest, xtol=1e-15 * slowest))
+    start, end = place(0.0), place(slipped)
     stuck = (start - end) / speed
-    mean = (float(np.trapezoid(y, times)) + 0.5 * (start + end) * stuck) / (slipped + stuck)
+    # The integral of y over the slip is g/k times the way; over the stick y is straight.
+    mean = (start + end) * (0.5 * stuck) + growth / slider.stiffness * (end - start)
     return Weakening(
         steady=False,
         border=slider.damping,
-        mean_displacement=still + mean,
-        amplitude=0.5 * float(np.ptp(y)),
-        slowest=float(velocity.min()),
+        mean_displacement=still + mean / (slipped + stuck),
+        amplitude=0.5 * (place(first_still) - place(first_still + slowest)),
+        slowest=velocity(slowest),
         fastest=speed,
         period=slipped + stuck,
         stick_fraction=stuck / (slipped + stuck),
@@ -134,8 +120,8 @@ def _cycle(slider: Any, speed: float, force: float, still: float) -> Weakening:
 class WhiteNoise:
     """White noise S_F in uN^2 s (two-sided, per rad/s), and the spread of a slider that it drives, in um and um/s.
 
-    ``wavenumber`` in rad/um is where the contact's own spectrum has fallen to a half, ``life_phase`` that times the
-    mean life; both are None if the spectrum has no such corner.
+    At ``wavenumber`` in rad/um the contact's own spectrum is a half, ``life_phase`` is that times the mean life; None
+    unless births are Poisson.
     """
 
     force_density: float
@@ -148,16 +134,12 @@ class WhiteNoise:
 def white_noise(model: Model) -> WhiteNoise:
     """Return white noise that matches the contact's force at low frequency, S_F = S_force(0)/V, and what it drives.
 
-    For Poisson births S_force(0) is E[psi^2] S_A(0). Exact: Var x = S_F/(2 c k), Var x' = S_F/(2 c m), inf without
-    damping. Raises Refused without slider, strength or speed.
+    Exact: Var x = S_F/(2 c k), Var x' = S_F/(2 c m), inf without damping. Raises Refused as `drive_of`.
     Source: Kilburn (1974); Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     density, slider = _level(model), drive_of(model).slider
     still = 2.0 * slider.damping
-    try:
-        corner = half_power_wavenumber(model)
-    except Refused:
-        corner = None
+    corner = half_power_wavenumber(model) if are_at_random(model) else None
     return WhiteNoise(
         force_density=density,
         displacement_std=sqrt(density / (still * slider.stiffness)) if still else inf,
@@ -168,13 +150,9 @@ def white_noise(model: Model) -> WhiteNoise:
 
 
 def white_displacement_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return S_F / ((k - m w^2)^2 + (c w)^2), the two-sided density in um^2 per rad/s that white noise would leave.
-
-    w in rad/s of any shape; w^2 times it is that of the velocity. Errors and source as `white_noise`.
-    """
-    slider, w = drive_of(model).slider, np.asarray(angular_frequency, dtype=np.float64)
-    still = np.square(slider.stiffness - slider.mass * w * w) + np.square(slider.damping * w)
-    return np.asarray(_level(model) / still, dtype=np.float64)
+    """Return S_F / ((k - m w^2)^2 + (c w)^2) in um^2 per rad/s, what white noise would leave; w in rad/s."""
+    drive = drive_of(model)
+    return _level(model) * np.square(np.abs(drive.compliance(np.asarray(angular_frequency) / drive.speed)))
 
 
 def white_force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:

@@ -10,23 +10,22 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import strengths_of
-from rubnoise.theory.motion import Drive, Response, drive_of, force_spectral_density, response
+from rubnoise.theory.motion import Response, drive_of, force_spectral_density, response
 from rubnoise.theory.sampling import MotionErrors, motion_errors
-from rubnoise.theory.second_order import are_at_random, area_noise
-from rubnoise.theory.size_averages import is_one_life
+from rubnoise.theory.second_order import are_at_random, area_noise, is_one_life
 from rubnoise.theory.sizes import panels
 
 _ROUNDING = 1e-12  # of the variance for births at random, below which a variance is none
 _FASTEST = 3000.0  # phase k times the mean life to which the slope of the force is followed
+WEAK = 0.1  # first change of the variance, 3 Pi + q, from which more than the law of weak coupling is at work
+WHITE = 0.95  # r^2 / Pi below which the slider feels that junctions live for a while
 
 
 def force_slope_std(model: Model) -> float:
     """Return the standard deviation of F' = dF/ds in uN/um, F the stationary friction force; its mean is 0.
 
-    Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, finite for every pulse; births that are not at
-    random add E[psi]^2 times the integral of k^2 of their part of the spectrum and of their lines (right to 1e-4, since
-    a slope jumps). Raises Refused without a strength.
-    Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse psi A'.
+    Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life (Campbell); other births add E[psi]^2 times the
+    integral of k^2 of their part of the spectrum, to 1e-4. Raises Refused without a strength.
     """
     psi, noise = strengths_of(model), area_noise(model)
     at_random = model.birth_rate * psi.moment(2) * model.pulse.squared_slope * model.sizes.moment(3)
@@ -43,21 +42,9 @@ def force_slope_std(model: Model) -> float:
     return sqrt(variance) if variance > _ROUNDING * at_random else 0.0
 
 
-WEAK = 0.1
-"""First change of the variance, 3 Pi + q, from which more than the law of weak coupling is at work."""
-
-WHITE = 0.95
-"""r^2 / Pi below which the slider feels that junctions live for a while."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:
-    """The strength of two-way coupling for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
-
-    Pi is nan unless births are at random at constant separation.
-    ``expected_change`` is nan if the law of weak coupling does not hold, and ``unknown`` then says why; else it is
-    None.
-    """
+    """Pi, theta, and std x over that in one-way coupling: numbers, nan where unknown, and why that is."""
 
     strength: float
     stick_number: float
@@ -69,32 +56,49 @@ class Coupling:
 def coupling(model: Model) -> Coupling:
     """Return how strongly a slider acts back on its contact, and the change of vibration for weak coupling.
 
-    strength Pi = S_F(0)/(2 m c V^3), S_F the spectral density of the force (E[psi^2] S of the area, Poisson births);
-    inf without damping. It is the square of r = std x'/V, one-way, for a force white in s; r^2/Pi <= 1 is the mean of
-    S_F(k)/S_F(0) over the slider's response. stick_number theta = std F'/k, F' = dF/ds: beyond about 1 a slow slider
-    sticks. expected_change = std x, two-way, over std x, one-way, of `weak_coupling_change`, for Poisson births, a
-    force white to the slider (r^2 >= 0.95 Pi, so that w_0 d/V and c d/(m V) are small) and 3 Pi + q < 0.1, with the
-    kick q = c_1 E[psi^3] m_9 / (E[psi^2] m_6 m V^2). Raises Refused without slider, strength or speed.
+    strength Pi = S_F(0)/(2 m c V^3), Poisson births at constant separation, inf without damping: the square of r = std
+    x'/V, one-way, for a force white in s. stick_number theta = std F'/k: beyond about 1 a slow slider sticks.
+    expected_change as `weak_coupling_change`, for r^2 >= 0.95 Pi and 3 Pi + q < 0.1, q = c_1 E[psi^3] m_9 / (E[psi^2]
+    m_6 m V^2). Raises Refused as `drive_of`.
     """
-    drive = drive_of(model)
-    strength = _strength(model, drive)
-    unknown = _unknown(model, drive, strength)
+    drive, known = drive_of(model), are_at_random(model) and model.separation is None
+    slider, psi, sizes = drive.slider, drive.strengths, model.sizes
+    strength = inf if known else nan  # a force of other births, or under a load, says nothing at low frequency
+    if known and slider.damping > 0.0:
+        density = float(force_spectral_density(model, psi, 0.0))
+        strength = density / (2.0 * slider.mass * slider.damping * drive.speed**3)
+    impulse = model.pulse.cubed_integral / model.pulse.squared_integral * psi.moment(3) / psi.moment(2)
+    kick = impulse * sizes.moment(9) / sizes.moment(6) / (slider.mass * drive.speed**2)
+    unknown = _unknown(model, strength, kick)
     return Coupling(
         strength=strength,
-        stick_number=force_slope_std(model) / drive.slider.stiffness,
-        expected_change=nan if unknown else weak_coupling_change(strength, _kick(model, drive)),
+        stick_number=force_slope_std(model) / slider.stiffness,
+        expected_change=nan if unknown else weak_coupling_change(strength, kick),
         unknown=unknown,
     )
 
 
-def weak_coupling_change(strength: float, kick: float) -> float:
-    """Return sqrt(u/Pi), u the smaller root of u = Pi (1 + q + (3 + 10 q) u + 15 u^2); 1 + 1.5 Pi + q/2 when small.
+def _unknown(model: Model, strength: float, kick: float) -> str | None:
+    """Return the reason why the change is unknown, if it is."""
+    if strength == inf:
+        return "without damping nothing is stationary"
+    if not are_at_random(model):
+        return "it is known for births at random alone"
+    if model.separation is not None:
+        return "it is known at constant separation alone"
+    if 3.0 * strength + kick >= WEAK:
+        return "the coupling is too strong for the law of weak coupling"
+    if response(model).one_way_validity ** 2 < WHITE * strength:
+        return "a junction lives too long for the slider to take its force for white noise"
+    return None
 
-    u = Var x'/V^2 in two-way coupling, by its balance of energy. A junction with J = int psi A ds takes 2 J/m from w^2,
-    w = V - x', and so brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, at a rate of lam w junctions. Damping
-    takes c Var x' = V lam (E[J^2] <1/w^2> + E[J^3] <1/w^4>/m)/(2m), with x' nearly Gaussian: <V^2/w^2> =
-    1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2) is the velocity that one junction gives,
-    over V. nan if there is no root.
+
+def weak_coupling_change(strength: float, kick: float) -> float:
+    """Return sqrt(u/Pi), u the smaller root of u = Pi (1 + q + (3 + 10 q) u + 15 u^2); nan if there is none.
+
+    u = Var x'/V^2 by the balance of energy: a junction with J = int psi A ds takes 2 J/m from w^2, w = V - x', and
+    brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, lam w a second; c Var x' is lost, x' nearly Gaussian:
+    <V^2/w^2> = 1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2).
     """
     lost = 1.0 - (3.0 + 10.0 * kick) * strength
     under_root = lost * lost - 60.0 * strength**2 * (1.0 + kick)
@@ -104,10 +108,9 @@ def weak_coupling_change(strength: float, kick: float) -> float:
 
 
 def weak_motion(model: Model) -> Response:
-    """Return the stationary motion of a two-way slider with weak coupling.
+    """Return the stationary motion of a two-way slider with weak coupling; Refused if the law does not hold.
 
-    Spreads are those of one-way coupling times `Coupling.expected_change`. The mean force exceeds that of one-way
-    coupling by the dissipation of the dashpot, c Var x'/V. Raises Refused, with the reason, if the law does not hold.
+    Spreads are those of one-way coupling times `expected_change`; the mean force exceeds it by c Var x'/V.
     """
     found = coupling(model)
     if found.unknown is not None:
@@ -124,11 +127,10 @@ def weak_motion(model: Model) -> Response:
 
 
 def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
-    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um, with the error of the law.
+    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um; Refused as both.
 
-    Those of one-way coupling grow with the spread. Those of spreads have the error of the law itself added: the next
-    term of <V^2/w^2> is 105 u^3, half of which is in a spread; and a share 1 - r^2/Pi of the change by feedback is lost
-    if the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
+    Those of one-way coupling grow with the spread. The law itself errs by its next term, 105 u^3 in <V^2/w^2>, and by
+    the share 1 - r^2/Pi of the feedback that a force loses which is not quite white.
     """
     motion, errors, found = weak_motion(model), motion_errors(model, distance), coupling(model)
     change, u = found.expected_change, found.strength * found.expected_change**2
@@ -139,33 +141,3 @@ def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
         displacement_std=hypot(change * errors.displacement_std, unknown * motion.displacement_std),
         velocity_std=hypot(change * errors.velocity_std, unknown * motion.velocity_std),
     )
-
-
-def _strength(model: Model, drive: Drive) -> float:
-    if not are_at_random(model) or model.separation is not None:
-        return nan  # at low frequency a force of other births, or under a load, says nothing about its power
-    if drive.slider.damping == 0.0:
-        return inf
-    density = float(force_spectral_density(model, drive.strengths, 0.0))
-    return density / (2.0 * drive.slider.mass * drive.slider.damping * drive.speed**3)
-
-
-def _kick(model: Model, drive: Drive) -> float:
-    sizes, strengths = model.sizes, drive.strengths
-    impulse = model.pulse.cubed_integral / model.pulse.squared_integral * strengths.moment(3) / strengths.moment(2)
-    return impulse * sizes.moment(9) / sizes.moment(6) / (drive.slider.mass * drive.speed**2)
-
-
-def _unknown(model: Model, drive: Drive, strength: float) -> str | None:
-    """Return the reason why the change is unknown, if it is."""
-    if strength == inf:
-        return "without damping nothing is stationary"
-    if not are_at_random(model):
-        return "it is known for births at random alone"
-    if model.separation is not None:
-        return "it is known at constant separation alone"
-    if 3.0 * strength + _kick(model, drive) >= WEAK:
-        return "the coupling is too strong for the law of weak coupling"
-    if response(model).one_way_validity ** 2 < WHITE * strength:
-        return "a junction lives too long for the slider to take its force for white noise"
-    return None

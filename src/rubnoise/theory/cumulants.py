@@ -3,14 +3,19 @@
 from dataclasses import dataclass
 from functools import lru_cache
 from math import nan, sqrt
+from typing import Final
 
-from rubnoise.contact.laws import Law
+from rubnoise.contact.laws import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.motion import force_variance
 from rubnoise.theory.second_order import are_at_random, area_noise
 
-ORDERS = 6
+ORDERS: Final = 6
+AREA_ITSELF: Final = Fixed(value=1.0)
+"""The strengths with which force is area."""
+
+_CONSTANT = 1e-12  # spread over mean of a constant, as equal triangles are that are born at regular places
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,27 +51,19 @@ class Cumulants:
 
 
 def area_cumulants(model: Model) -> Cumulants:
-    """Return the cumulants of stationary real contact area in um^(2n), n = 1 ... 6.
-
-    kappa_n = lam c_n m_(2n+1) for Poisson births: lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life,
-    m_n = E[d^n]. Other births have the same mean, the variance R(0), and no known others: nan.
-    Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse,
-    such as that of paper Eq. (2).
-    """
-    return _cumulants(model, (1.0,) * (ORDERS + 1))
+    """Return the cumulants of stationary real contact area in um^(2n), n = 1 ... 6; see `shot_cumulants`."""
+    return shot_cumulants(model, AREA_ITSELF)
 
 
 def force_cumulants(model: Model) -> Cumulants:
-    """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6.
+    """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6; see `shot_cumulants`.
 
-    kappa_n = lam c_n m_(2n+1) E[psi^n] for Poisson births; strengths psi (MPa) are independent of sizes. Under a load
-    that weighs the variance is that of `force_variance`. Raises Refused without a strength. Source: as
-    `area_cumulants`, for the pulse psi A of paper Eq. (1).
+    Under a load that weighs the variance is that of `force_variance`. Raises Refused without a strength.
     """
     psi = strengths_of(model)
-    if model.separation is not None:
-        return _of_second_order(psi.moment(1) * model.stationary_mean_area, force_variance(model))
-    return _cumulants(model, tuple(psi.moment(n) for n in range(ORDERS + 1)))
+    if model.separation is None:
+        return shot_cumulants(model, psi)
+    return _of_second_order(psi.moment(1) * model.stationary_mean_area, force_variance(model))
 
 
 def strengths_of(model: Model) -> Law:
@@ -81,14 +78,16 @@ def _of_second_order(mean: float, variance: float) -> Cumulants:
 
 
 @lru_cache(maxsize=16)
-def _cumulants(model: Model, strength_moments: tuple[float, ...]) -> Cumulants:
-    if not are_at_random(model):
-        variance = float(area_noise(model).covariance(0.0, strength_moments[2], strength_moments[1] ** 2))
-        mean = strength_moments[1] * model.stationary_mean_area
-        return _of_second_order(mean, variance if variance > (_CONSTANT * mean) ** 2 else 0.0)
-    lives = (model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1) for n in range(1, ORDERS + 1))
-    return Cumulants(values=tuple(strength_moments[n] * model.birth_rate * life for n, life in enumerate(lives, 1)))
+def shot_cumulants(model: Model, strengths: Law) -> Cumulants:
+    """Return the cumulants of psi A at constant separation: lam c_n m_(2n+1) E[psi^n] for Poisson births.
 
-
-_CONSTANT = 1e-12
-"""Spread over mean below which a quantity is constant, as equal triangles are that are born at regular places."""
+    lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life, m_n = E[d^n]. Other births have the same mean,
+    the variance R(0), and no known others. Source: Campbell's theorem (Rice 1944, section 1.5,
+    doi:10.1002/j.1538-7305.1944.tb00874.x).
+    """
+    if are_at_random(model):
+        lives = (model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1) for n in range(1, ORDERS + 1))
+        return Cumulants(values=tuple(strengths.moment(n) * model.birth_rate * life for n, life in enumerate(lives, 1)))
+    variance = float(area_noise(model).covariance(0.0, strengths.moment(2), strengths.moment(1) ** 2))
+    mean = strengths.moment(1) * model.stationary_mean_area
+    return _of_second_order(mean, variance if variance > (_CONSTANT * mean) ** 2 else 0.0)

@@ -20,8 +20,7 @@ from rubnoise.tables import fields_as_text
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import mean_count
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import FINE, is_one_size, sizes_of
-from rubnoise.theory.unit_pulse import cubic_spline
+from rubnoise.theory.sizes import FINE, cubic_spline, is_one_size, sizes_of
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -37,9 +36,9 @@ _SHOWN, _HIDDEN = 2049, 1e-10
 class Distribution:
     """The law of A_r: an atom at 0, where no junction is alive, and a density beside it.
 
-    ``area`` are places in um^2, evenly spaced over all of the law but 1e-10 at each end, for a curve. The distribution
-    function is right to 1e-7, at a cusp (about two live junctions) to 5e-6; the density to 1e-4 of its largest value,
-    but for the steps of the grid next to 0 and to a cusp, and of few parabolas of nearly equal sizes to a tenth.
+    ``area`` are even places in um^2 for a curve. Error of the distribution function 1e-7, at a cusp (about two live
+    junctions) 5e-6; of the density 1e-4 of its largest value but next to 0 and a cusp, of few parabolas of nearly equal
+    sizes a tenth.
     """
 
     area: Doubles
@@ -60,10 +59,7 @@ class Distribution:
         return at_each(found, real_numbers(area, "area", "um^2"), "area", (0.0, 1.0))
 
     def density(self, area: ArrayLike) -> Doubles:
-        """Return the density in 1/um^2 at areas in um^2 of any shape; without the atom, and 0 for a <= 0.
-
-        It grows without bound towards 0 if lens pulses are born, as a^(-1/3), and jumps at pi d^2/4 for one size d.
-        """
+        """Return the density in 1/um^2 at areas in um^2 of any shape; without the atom, and 0 for a <= 0."""
 
         def found(a: Doubles) -> Doubles:
             return np.where(a <= 0.0, 0.0, np.interp(a, self.grid, self.grid_density, left=0.0, right=0.0))
@@ -71,10 +67,7 @@ class Distribution:
         return at_each(found, real_numbers(area, "area", "um^2"), "area", (0.0, 0.0))
 
     def quantile(self, probability: ArrayLike) -> Doubles:
-        """Return the least areas in um^2 with P(A_r <= a) >= p, for p in [0, 1] of any shape; inf for p = 1.
-
-        0 up to the atom. Raises Refused for a p that is not a probability.
-        """
+        """Return the least areas in um^2 with P(A_r <= a) >= p, for p in [0, 1] of any shape, else Refused."""
         p = real_numbers(probability, "probability", "1")
         if not np.all((p >= 0.0) & (p <= 1.0)):
             raise Refused("a quantile needs probabilities from 0 to 1")
@@ -83,11 +76,10 @@ class Distribution:
 
 
 def distribution(model: Model) -> Distribution:
-    """Return the distribution of stationary real contact area, in um^2 and 1/um^2.
+    """Return the distribution of stationary real contact area, in um^2 and 1/um^2; Refused unless births are Poisson.
 
-    A_r is the sum of a Poisson number, N in the mean, of independent live areas a = d^2 a(u), u uniform over the life
-    and d length-biased: E[exp(i th A_r)] = exp(N (E[exp(i th a)] - 1)), on an even grid of areas by one transform. The
-    atom at 0 is exp(-N). Raises Refused for births that are not Poisson.
+    A_r is the sum of a Poisson number, N in the mean, of live areas a = d^2 a(u), u uniform over the life and d
+    length-biased: E[exp(i th A_r)] = exp(N (E[exp(i th a)] - 1)), by one transform. The atom at 0 is exp(-N).
     Source: Rice (1944), section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x.
     """
     need_random_births(model, "the distribution of real contact area")
@@ -139,8 +131,8 @@ def _has_combs(law: Law, pulse: Pulse) -> bool:
 def _live_mass(law: Law, pulse: Pulse, step: float) -> Doubles:
     """Return the probabilities of one live area on an even grid, which wraps around at its end.
 
-    Each area is shared out over two neighbours, which keeps the mean, and sharpened by what that takes from a
-    transform: a contact of 1e6 junctions keeps its width. Shares are second differences of int_0^x P(a <= y) dy.
+    Each area is shared over two neighbours, by second differences of int_0^x P(a <= y) dy, and sharpened by what that
+    takes from a transform: a contact of 1e6 junctions keeps its width.
     """
     sizes = sizes_of(law, (4.0 if _has_combs(law, pulse) else 1.0) * FINE)
     share = sizes.probability * sizes.diameter / float(sizes.probability @ sizes.diameter)
@@ -160,10 +152,7 @@ def _live_mass(law: Law, pulse: Pulse, step: float) -> Doubles:
 
 @cache
 def _unit_area(pulse: Pulse) -> tuple["CubicSpline", float]:
-    """Return int_0^x P(a <= y) dy of unit diameter up to its largest area, x v - int_0^v a, and E[a^2].
-
-    v is the share of a life in which the area is below x.
-    """
+    """Return int_0^x P(a <= y) dy of unit diameter up to its largest area, x v - int_0^v a, and E[a^2]."""
     even = np.linspace(0.0, 1.0, _PLACES)
     share = even**3 * (10.0 - even * (15.0 - 6.0 * even))  # closer at birth and at mid-life
     slope = 30.0 * np.square(even * (1.0 - even))

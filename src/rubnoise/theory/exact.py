@@ -10,7 +10,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model
 from rubnoise.real_numbers import at_each, real_number, real_numbers
 from rubnoise.tables import as_html, fields_as_text, in_short
 from rubnoise.theory.coupling import Coupling, coupling
@@ -37,8 +37,8 @@ from rubnoise.theory.second_order import autocovariance, spectral_density, visib
 class Exact:
     """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
-    ``load`` is the motion under a load that weighs, of first order: None without one. ``free`` are the exact results of
-    free motion; all others are then those of constant separation, where N junctions bear the load.
+    ``load`` is the motion under a load that weighs, of first order; ``free`` are the results of free motion, all others
+    then those of constant separation.
 
     >>> import rubnoise
     >>> theory = rubnoise.exact(rubnoise.load("scenarios/paper/fig5.toml"))
@@ -89,18 +89,11 @@ class Exact:
         return at_each(partial(autocovariance, self.model), tau, "lag", None if swings else (0.0, 0.0))
 
     def distribution(self) -> Distribution:
-        """Return the distribution of the area: its ``cdf`` and ``density`` at any areas, its ``atom_at_zero``.
-
-        Raises Refused for births that are not Poisson.
-        """
+        """Return the distribution of the area; raises Refused for births that are not Poisson."""
         return distribution(self.model)
 
     def estimated_spectrum(self, ticks: int | None = None) -> EstimatedSpectrum:
-        """Return the expectation of Welch's method for a run, and its standard error, at each wavenumber.
-
-        Segments of ``ticks`` half overlap, under a Hann window, each less its mean; about 64 of them without ``ticks``.
-        Raises Refused for a segment longer than the run.
-        """
+        """Return the expectation of Welch's method for a run, and its standard error; see `estimated_spectrum`."""
         return estimated_spectrum(self.model, ticks)
 
     def area_from_empty(self, distance: ArrayLike) -> Doubles:
@@ -128,25 +121,19 @@ class Exact:
         return slid
 
     def coupling(self) -> Coupling:
-        """Return how strongly the slider acts back on the contact: ``strength``, ``stick_number``, ``expected_change``.
-
-        Raises Refused without slider, strength or speed.
-        """
+        """Return how strongly the slider acts back on the contact; raises Refused without slider, strength or speed."""
         return coupling(self.model)
-
-
-def _is_known(model: Model, slider: Slider) -> bool:
-    """Whether the slider's response is known: by friction or a base of triangles, and not if the contact is left."""
-    lifted = slider.excitation == "base" and model.pulse == TRIANGLE and isinstance(model.sizes, Fixed)
-    return (slider.excitation == "friction" or lifted) and model.free is None
 
 
 def exact(model: Model) -> Exact:
     """Return the exact results for a model: cumulants of area and force, the live count, the one-way slider's response.
 
-    Diameters in um are the means of junctions at birth and of live junctions. Equations and sources are those
-    of `area_cumulants`, `mean_count`, `count_variance`, `length_biased_mean_diameter` and `response`.
+    The response is known by friction or over a base of equal triangles, and not if the contact is left.
     """
+    slider, response_of = model.slider, None
+    if slider is not None and model.free is None:
+        lifted = slider.excitation == "base" and model.pulse == TRIANGLE and isinstance(model.sizes, Fixed)
+        response_of = response(model) if slider.excitation == "friction" or lifted else None
     return Exact(
         model=model,
         area=area_cumulants(model),
@@ -159,5 +146,5 @@ def exact(model: Model) -> Exact:
         force=None if model.strengths is None else force_cumulants(model),
         load=None if model.separation is None else load_motion(model),
         free=None if model.free is None else free_motion(model),
-        slider=response(model) if model.slider is not None and _is_known(model, model.slider) else None,
+        slider=response_of,
     )

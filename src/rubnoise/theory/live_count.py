@@ -1,6 +1,5 @@
-"""The live count, a queue with infinitely many servers; and count and area after an empty start."""
+"""The live count, a queue with infinitely many servers; both after an empty start; and laws of single junctions."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, sqrt
 
@@ -8,26 +7,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.births import BirthLaw, GammaBirths, PoissonBirths
 from rubnoise.model import Model
 from rubnoise.theory.second_order import (
     ShotNoise,
     are_at_random,
     area_noise,
     count_noise,
+    graded,
     lag_rule,
     need_random_births,
     resolved_error,
 )
-from rubnoise.theory.sizes import longest_life, panels
+from rubnoise.theory.sizes import longest_life
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ZeroShare:
-    """The share of a record's ticks at which no junction is alive: expected value, standard error and skewness."""
-
-    expected: float
-    standard_error: float
-    skewness: float
+_QUANTILES = 1 << 15  # sizes at even probabilities over which a share of births is right to 3e-5
 
 
 def mean_count(model: Model) -> float:
@@ -65,14 +59,21 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
     return resolved_error(count_noise(model).variance_of_mean(distance), mean_count(model))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ZeroShare:
+    """The share of a record's ticks at which no junction is alive: expected value, standard error and skewness."""
+
+    expected: float
+    standard_error: float
+    skewness: float
+
+
 def zero_share(model: Model) -> ZeroShare:
     """Return the law of the share of ticks at which N = 0, over the model's ticks as a stationary record.
 
-    N is 0 with p = exp(-E[N]), and again a lag tau later with r(tau) = p exp(C), C = lam E[(life - tau)+], so the
-    covariance is p (r - p), exact for every length. An empty contact does not remember what came before: three ticks
-    are empty with p r(tau_1) r(tau_2). With n ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and
-    B = S_0 - p/2, the number of empty ticks has the third cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for
-    long records. Raises Refused unless births are Poisson.
+    N is 0 with p = exp(-E[N]), and again tau later with r = p exp(C(tau)), C the covariance of N: covariance p (r - p).
+    With n ticks h apart, S_i = sum_k>=1 k^i (r(k h) - p) and B = S_0 - p/2, the number of empty ticks has the third
+    cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for long records. Raises Refused unless births are Poisson.
     Source: recurrent events (Feller, An Introduction to Probability Theory and Its Applications I, chapter XIII).
     """
     need_random_births(model, "the share of ticks without a junction")
@@ -83,7 +84,7 @@ def zero_share(model: Model) -> ZeroShare:
     per_empty = float(weights @ excess)
     if empty * per_empty <= 0.0:
         return ZeroShare(expected=empty, standard_error=0.0, skewness=0.0)
-    pairs = 0.5 * (ticks * float(weights @ excess) - 1.0)
+    pairs = 0.5 * (ticks * per_empty - 1.0)
     first = 0.5 * ticks * float(weights @ (excess * lags)) / model.tick
     # Both the third cumulant and the variance over p: of a dense contact p^1.5 is below the smallest number.
     third = 6.0 * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
@@ -92,10 +93,7 @@ def zero_share(model: Model) -> ZeroShare:
 
 
 def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
-    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start.
-
-    Source: Campbell's theorem for births since s = 0 alone; it is the stationary mean from the longest life on.
-    """
+    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start."""
     return _after(model, area_noise(model), distance)
 
 
@@ -111,20 +109,45 @@ def _after(model: Model, noise: ShotNoise, distance: ArrayLike) -> Doubles:
 
 def expected_mean_area(model: Model, distance: float) -> float:
     """Return the expected mean of A_r in um^2 over the first ``distance`` um, from the model's start."""
-    return _mean_from_start(model, distance, model.stationary_mean_area, area_from_empty)
+    return _mean_from_start(area_noise(model), distance, model.stationary_mean_area)
 
 
 def expected_mean_count(model: Model, distance: float) -> float:
     """Return the expected mean of N over the first ``distance`` um, from the model's start."""
-    return _mean_from_start(model, distance, mean_count(model), count_from_empty)
+    return _mean_from_start(count_noise(model), distance, mean_count(model))
 
 
-def _mean_from_start(
-    model: Model, distance: float, settled: float, from_empty: Callable[[Model, Doubles], Doubles]
-) -> float:
-    if model.start == "stationary":
+def _mean_from_start(noise: ShotNoise, distance: float, settled: float) -> float:
+    if noise.model.start == "stationary":
         return settled
-    reach = min(distance, longest_life(model))
-    place, weight = panels(np.linspace(0.0, 1.0, 33), 10)
-    grown = reach * float((3.0 * place**2 * weight) @ from_empty(model, reach * place**3))
-    return (grown + (distance - reach) * settled) / distance
+    reach = min(distance, longest_life(noise.model))
+    place, weight = graded(reach)
+    return float(weight @ noise.from_empty(place) + (distance - reach) * settled) / distance
+
+
+def share_of_sizes(model: Model, edges: Doubles) -> Doubles:
+    """Return the probability that a junction is born with a diameter in each bin between edges in um."""
+    return np.diff(np.searchsorted(_quantiles(model), edges) / _QUANTILES)
+
+
+def share_of_lives(model: Model, edges: Doubles) -> Doubles:
+    """Return the probability that the length of a life is in each bin between edges in um."""
+    longest = 2.0 * _quantiles(model)
+    if model.pulse.offset == "none":
+        return np.diff(np.searchsorted(longest, edges) / _QUANTILES)
+    return -np.diff([float(np.sqrt(np.clip(1.0 - (edge / longest) ** 2, 0.0, None)).mean()) for edge in edges])
+
+
+def _quantiles(model: Model) -> Doubles:
+    """Return diameters in um at even probabilities, in ascending order."""
+    return np.sort(model.sizes.draw((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
+
+
+def share_of_gaps(births: BirthLaw, edges: Doubles) -> Doubles | None:
+    """Return the probability that a gap is in each bin between edges in um; None if the law has no closed form."""
+    from scipy.special import gammainc
+
+    if not isinstance(births, GammaBirths | PoissonBirths):
+        return None
+    shape = births.shape if isinstance(births, GammaBirths) else 1.0
+    return np.asarray(np.diff(gammainc(shape, shape * np.maximum(edges, 0.0) / births.mean)), dtype=np.float64)

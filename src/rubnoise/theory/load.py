@@ -1,8 +1,4 @@
-"""A load that weighs, of first order: the motion of the separation, the friction force under it, and their validity.
-
-Read it from above: the contact's scales and its regime, the response of each quantity to the area at constant
-separation, the spreads and covariances that follow, and levels in third octaves.
-"""
+"""A load that weighs, of first order: the motion of the separation, the friction force under it, and their validity."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -25,24 +21,18 @@ from rubnoise.theory.motion import (
     separation_of,
     spread_of,
 )
-from rubnoise.theory.second_order import need_random_births
+from rubnoise.theory.second_order import autocovariance, need_random_births
 from rubnoise.theory.sizes import panels
 
 Regime = Literal["constant load", "resonance", "constant gap", "bouncing"]
 
-FEWEST_LIVE: Final = 10.0
-"""Live junctions in the mean below which a slider leaves its contact and bounces."""
-
-STILL: Final = 1.0 / 3.0
-"""Spread of the load over that at constant separation up to which the load counts as constant."""
-
-SAME: Final = 0.1
-"""Largest difference from 1 of that ratio with which the separation counts as constant."""
-
+FEWEST_LIVE: Final = 10.0  # live junctions in the mean below which a slider leaves its contact and bounces
+STILL: Final = 1.0 / 3.0  # spread of the load over that at constant separation up to which the load counts as constant
+SAME: Final = 0.1  # largest difference from 1 of that ratio with which the separation counts as constant
 FORCE: Final = "friction_force"
-
-REFERENCE: Final = 0.05
-"""The velocity in um/s that is 0 dB in roughness noise: 50 nm/s."""
+REFERENCE: Final = 0.05  # the velocity in um/s that is 0 dB in roughness noise: 50 nm/s
+THIRD: Final = 10.0**0.05  # upper edge over middle of a third-octave band, by powers of ten as IEC 61260-1 has them
+_PART_LEFT_OUT: Final = 1e-6
 
 
 def level(velocity: float) -> float:
@@ -64,11 +54,9 @@ def relative_speed(model: Model) -> float:
 class LoadMotion:
     """Stationary motion under a load that weighs, of first order: um, um/s, uN, Hz.
 
-    relative_speed: V/(c omega_c); negative_share: of time in which P would be negative, P taken to be Gaussian;
-    suppression: spread of the slider's displacement (without a slider of the friction force, without a strength of the
-    load) at constant separation over that under the load; error: bound of the relative error of the spreads of
-    separation, normal velocity and load, not of a slider's displacement; covariances: of the ``names`` with one
-    another, at one time and in products of their units.
+    negative_share: of time with P < 0, P Gaussian; suppression: spread of the slider's displacement (else of friction
+    force, else of load) at constant separation over that here; error: bound of the relative error of spreads, not of
+    the slider's; covariances: of the ``names`` with one another at one time.
     """
 
     separation_std: float
@@ -102,18 +90,19 @@ def load_motion(model: Model) -> LoadMotion:
     """Return the exact stationary spreads and covariances of the linear model.
 
     m z'' + c z' + (W/s_0) z = W eps, eps = A_r/A_rm - 1 at constant separation; P = W + m z'' + c z'; F = sum of psi A
-    less E[psi] A_rm z/s_0. With S the density of the area and o, m the answers of `answers`,
-    Cov[u, v] = (1/pi) int_0^inf S(k) Re(Var[psi] o_u o_v* + m_u m_v*) dk. Raises Refused without a load that weighs or
-    a sliding speed, and unless births are a Poisson process.
+    less E[psi] A_rm z/s_0. With o, m as in `_answers`, Cov[u, v] = (1/pi) int_0^inf S(k) Re(Var[psi] o_u o_v* + m_u
+    m_v*) dk. Raises Refused as `separation_of` and `drive_of`, and unless births are a Poisson process.
     Source: Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     need_random_births(model, "the motion under a load")
-    drive, speed, live = drive_of(separation_of(model)), relative_speed(model), model.mean_junction_count
-    names, covariances = _covariances(model)
-    spread = dict(zip(names, np.sqrt(np.diagonal(covariances)).tolist(), strict=True))
+    drive, speed, rule = drive_of(separation_of(model)), relative_speed(model), frequencies(model)
+    found, power = _answers(model, rule.wavenumber), rule.weight * rule.alone
+    own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
+    spread_strengths = 0.0 if model.strengths is None else spread_of(model.strengths)
+    covariances = (spread_strengths * (own * power) @ own.conj().T + (mean * power) @ mean.conj().T).real
+    spread = dict(zip(found, np.sqrt(np.diagonal(covariances)).tolist(), strict=True))
     weight, ratio = drive.strengths.mean * model.mean_real_contact_area, drive.slider.damping_ratio
-    variance = model.birth_rate * model.pulse.life_integral(2) * model.sizes.moment(5)
-    still = sqrt(variance) / model.mean_real_contact_area
+    area = sqrt(float(autocovariance(model, 0.0)))
     return LoadMotion(
         separation_std=spread["separation"],
         velocity_std=spread["normal_velocity"],
@@ -121,11 +110,11 @@ def load_motion(model: Model) -> LoadMotion:
         contact_resonance=drive.slider.natural_frequency,
         damping_ratio=ratio,
         relative_speed=speed,
-        regime=_regime(live, speed, spread["load"] / (weight * still)),
-        suppression=_suppression(model, spread, still),
+        regime=_regime(model.mean_junction_count, speed, spread["load"] / (drive.strengths.mean * area)),
+        suppression=_suppression(model, spread, area),
         negative_share=0.5 * erfc(weight / (spread["load"] * sqrt(2.0))),
-        error=_error(live, speed, ratio),
-        names=names,
+        error=_error(model.mean_junction_count, speed, ratio),
+        names=tuple(found),
         covariances=covariances,
     )
 
@@ -142,72 +131,49 @@ def _regime(live: float, speed: float, kept: float) -> Regime:
 def _error(live: float, speed: float, ratio: float) -> float:
     """Return the bound of the error of first order, relative to a spread of z, z' or P, from runs of 20 live junctions.
 
-    1 % up to v = 0.1, 2 % from a damping ratio of 0.3 on, 10 % from 0.05 on; fewer junctions err more, as 1/N_jm. inf
-    if nothing is known: less damping, and contacts that bounce.
+    Fewer err more, as 1/N_jm. inf if nothing is known: little damping, and contacts that bounce.
     """
     if live < FEWEST_LIVE or ratio < 0.05:
         return inf
     return max(20.0 / live, 1.0) * (0.01 if speed <= 0.1 else 0.02 if ratio >= 0.3 else 0.1)
 
 
-def _suppression(model: Model, spread: dict[str, float], still: float) -> float:
-    if "displacement" in spread:
+def _suppression(model: Model, spread: dict[str, float], area: float) -> float:
+    if model.slider is not None:
         return response(replace(model, separation=None)).displacement_std / spread["displacement"]
-    area = still * model.mean_real_contact_area
     if model.strengths is not None:
         return sqrt(model.strengths.moment(2)) * area / spread[FORCE]
     return drive_of(separation_of(model)).strengths.mean * area / spread["load"]
 
 
-def answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Complexes]]:
+def _answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Complexes]]:
     """Return the response of each quantity to the transform of the area at wavenumbers in rad/um, by name.
 
-    A pair o, m: a junction of strength psi brings (psi - E[psi]) o + m to it. The separation (um), its velocity (um/s)
-    and the load P (uN) take no notice of strengths, whose deviations reach the friction force (uN) whole.
+    A pair o, m: a junction of strength psi brings (psi - E[psi]) o + m to it.
     """
     drive = drive_of(separation_of(model))
     none, turned = np.zeros_like(wavenumber, dtype=np.complex128), 1.0j * drive.speed * wavenumber
-    hardness, borne = drive.strengths.mean, drive.borne(wavenumber)
-    separation = hardness * drive.compliance(wavenumber)
+    borne, separation = drive.borne(wavenumber), drive.strengths.mean * drive.compliance(wavenumber)
     found = {
         "separation": (none, separation),
         "normal_velocity": (none, turned * separation),
-        "load": (none, hardness * borne),
+        "load": (none, drive.strengths.mean * borne),
     }
     if model.strengths is not None:
         found[FORCE] = (none + 1.0, model.strengths.mean * borne)
     if model.slider is not None:
-        compliance = drive_of(model).compliance(wavenumber)
-        own, mean = (part * compliance for part in found[FORCE])
+        own, mean = (part * drive_of(model).compliance(wavenumber) for part in found[FORCE])
         found |= {"displacement": (own, mean), "velocity": (turned * own, turned * mean)}
     return found
 
 
-def _covariances(model: Model) -> tuple[tuple[str, ...], Doubles]:
-    spread = 0.0 if model.strengths is None else spread_of(model.strengths)
-    rule = frequencies(model)
-    found, power = answers(model, rule.wavenumber), rule.weight * rule.alone
-    own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
-    return tuple(found), (spread * (own * power) @ own.conj().T + (mean * power) @ mean.conj().T).real
-
-
 def load_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
-    """Return the two-sided spectral density of the load P in uN^2 per rad/s, w in rad/s of any shape.
-
-    H^2 S(w/V)/V |r|^2, r the part that mass and damping bear. Those of separation and normal velocity are
-    `displacement_spectrum` and `velocity_spectrum` of `rubnoise.theory.motion.separation_of`.
-    """
+    """Return the spectral density H^2 S(w/V)/V |r|^2 of the load P in uN^2 per rad/s, r as in `Drive.borne`."""
     separation = separation_of(model)
     drive = drive_of(separation)
     k = np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed
     density = force_spectral_density(separation, drive.strengths, k) / drive.speed
     return density * np.square(np.abs(drive.borne(k)))
-
-
-THIRD: Final = 10.0**0.05
-"""Upper edge over middle of a third-octave band, by powers of ten as IEC 61260-1 has them."""
-
-_PART_LEFT_OUT: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -238,8 +204,7 @@ def third_octaves(model: Model) -> ThirdOctaves:
     edges = response_edges(separation, drive)
     k, weight = panels(np.unique(np.concatenate([ends, edges[(edges > ends[0]) & (edges < ends[-1])]])), 16)
     density = force_spectral_density(separation, drive.strengths, k, exact=False)
-    parts = weight * density * drive.gain(k) * np.square(drive.speed * k) / pi
-    power = np.histogram(k, ends, weights=parts)[0]
+    power = np.histogram(k, ends, weights=weight * density * drive.gain(k) * np.square(drive.speed * k) / pi)[0]
     kept = power > _PART_LEFT_OUT * response(separation).velocity_std ** 2
     return ThirdOctaves(frequency=middles[kept], velocity=np.sqrt(power[kept]))
 
@@ -248,10 +213,8 @@ def third_octaves(model: Model) -> ThirdOctaves:
 class FreeMotion:
     """Scales of free motion (Hz; the rest without units), its exact means (uN, um^2), and its limit.
 
-    live: N; restitution, or impact_damping as beta s_0 omega_c, the other nan; area_mean and force_mean: nan unless the
-    contact is elastic, and force_mean also without a strength; fast_area_mean: what the mean area tends to at high
-    speeds, nan with impact damping; first_order: the limit of small v and large N, of a contact with no loss but that
-    of a dashpot, else None.
+    live: N; restitution, or impact_damping as beta s_0 omega_c; means: nan where unknown; fast_area_mean: what the mean
+    area tends to at high speeds; first_order: the limit of small v and large N, of an elastic contact with a dashpot.
     """
 
     contact_resonance: float
@@ -270,10 +233,9 @@ class FreeMotion:
 def free_motion(model: Model) -> FreeMotion:
     """Return the exact results for a slider that is free to leave its contact; for the rest there is no theory.
 
-    Momentum: the mean of P is W. If nothing is lost in the contact (restitution 1), P = H sum A_i, so the mean area
-    is A_rm, the mean summed overlap N s_0, and the mean friction force E[psi] A_rm: strengths do not move the slider.
-    At high speeds sliding alone changes overlaps, so that half of the area grows and half shrinks, which bears e^2 as
-    much: W = H A (1 + e^2)/2, and the mean area tends to 2 A_rm/(1 + e^2). Raises Refused without free motion.
+    The mean of P is W. Of an elastic contact P = H sum A_i, so the mean area is A_rm and the mean friction force E[psi]
+    A_rm. At high speeds half of the area shrinks, which bears e^2 as much: the mean area tends to 2 A_rm/(1 + e^2).
+    Raises Refused without free motion.
     """
     if model.free is None:
         raise Refused('the slider leaves its contact with load.motion = "free" alone')

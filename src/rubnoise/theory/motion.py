@@ -1,8 +1,7 @@
 """What the friction force moves, one-way: the drive of a slider, and spectra and spreads by one rule over frequencies.
 
-Every stationary spread is (1/pi) int_0^inf S(k) |h(k)|^2 dk, plus the lines of regular births, with S the spectrum of
-the area and h what turns it into the motion. A covariance equation in time would lose the digits of a slow slider,
-whose resonance holds 1e-8 of the force.
+Every stationary spread is (1/pi) int_0^inf S(k) |h(k)|^2 dk, plus lines, S the spectrum of the area. A covariance
+equation in time would lose the digits of a slow slider, whose resonance holds 1e-8 of the force.
 """
 
 from dataclasses import dataclass, replace
@@ -35,30 +34,23 @@ class Drive:
         return self.slider.natural_angular_frequency / self.speed
 
     def compliance(self, wavenumber: Doubles) -> Complexes:
-        """Return 1 / (k - m w^2 + i c w) in um/uN at w = V times the wavenumbers (rad/um), for signs of exp(i w t).
-
-        k - m w^2 is taken as m (w_0 - w)(w_0 + w), which keeps its digits in a sharp resonance.
-        """
+        """Return 1 / (k - m w^2 + i c w) in um/uN at w = V times the wavenumbers (rad/um), for signs of exp(i w t)."""
         slider, natural = self.slider, self.slider.natural_angular_frequency
         frequency = self.speed * wavenumber
         spring = slider.mass * (natural - frequency) * (natural + frequency)
         return np.asarray(1.0 / (spring + 1.0j * slider.damping * frequency), dtype=np.complex128)
 
     def borne(self, wavenumber: Doubles) -> Complexes:
-        """Return (-m w^2 + i c w) / (k - m w^2 + i c w): the part of the force that mass and damping bear.
-
-        The spring bears the rest. Of a separation it is P/W - 1 over what that would be at constant separation.
-        """
+        """Return (-m w^2 + i c w) / (k - m w^2 + i c w), the part of the force that mass and damping bear."""
         frequency, slider = self.speed * wavenumber, self.slider
         return (1.0j * slider.damping - slider.mass * frequency) * frequency * self.compliance(wavenumber)
 
     def gain(self, wavenumber: Doubles) -> Doubles:
         """Return 1 / |k - m w^2 + i c w|^2 in um^2/uN^2; of a base, which drives by k y + c y', times k^2 + c^2 w^2."""
-        slider = self.slider
-        passed = 1.0
-        if slider.excitation != "friction":
-            passed = np.square(slider.stiffness) + np.square(slider.damping * self.speed * wavenumber)
-        return np.asarray(passed * np.square(np.abs(self.compliance(wavenumber))), dtype=np.float64)
+        gain = np.square(np.abs(self.compliance(wavenumber)))
+        if self.slider.excitation == "friction":
+            return gain
+        return gain * (self.slider.stiffness**2 + np.square(self.slider.damping * self.speed * wavenumber))
 
 
 def drive_of(model: Model) -> Drive:
@@ -71,7 +63,7 @@ def drive_of(model: Model) -> Drive:
 
 
 def motion_drive_of(model: Model) -> Drive:
-    """Return the drive of a model, also of a base: its height per area in um per um^2 takes the place of strengths.
+    """Return the drive of a model; of a base its height per area in um per um^2 takes the place of strengths.
 
     Raises Refused as `drive_of` does, and for a base whose lives are not triangles of one size.
     """
@@ -85,10 +77,7 @@ def motion_drive_of(model: Model) -> Drive:
 
 
 def separation_of(model: Model) -> Model:
-    """Return the model whose slider is the separation: s_0 + z in um, driven by the hardness in place of strengths.
-
-    Raises Refused without a load that weighs.
-    """
+    """Return the model whose slider is the separation s_0 + z, driven by the hardness; Refused without a load."""
     if model.separation is None:
         raise Refused("the separation moves under a load that weighs alone ([load])")
     strengths = Fixed(value=model.separation.hardness)
@@ -104,19 +93,16 @@ _AROUND, _SHARP = 2000.0, 30.0  # phases about a far resonance to which it is fo
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frequencies:
-    """Wavenumbers k in rad/um with weights over k/pi, and the spectrum of the area there in um^4 per rad/um.
-
-    alone: the part that goes with the mean square of strengths; together: that of their squared mean.
-    """
+    """Wavenumbers k in rad/um with weights over k/pi, and both parts of the spectrum of the area in um^4 per rad/um."""
 
     wavenumber: Doubles
     weight: Doubles
     alone: Doubles
     together: Doubles
 
-    def power(self, strengths: Law) -> Doubles:
+    def force(self, model: Model, strengths: Law) -> Doubles:
         """Return the variance of force at each wavenumber, in uN^2."""
-        return self.weight * (strengths.moment(2) * self.alone + strengths.mean**2 * self.together)
+        return self.weight * _force_density(model, strengths, self.wavenumber, self.alone, self.together)
 
 
 @lru_cache(maxsize=8)
@@ -136,7 +122,7 @@ def frequencies(model: Model) -> Frequencies:
 
 
 def response_edges(model: Model, drive: Drive) -> Doubles:
-    """Return the ends of panels in rad/um: octaves, no wider than a phase of 8 where the swing of the spectrum counts.
+    """Return the ends of panels in rad/um: octaves, no wider than a phase of 8 where the spectrum's swing counts.
 
     About the resonance they are octaves of the distance from it, from half of its half-width on.
     """
@@ -162,16 +148,17 @@ def _octaves(lowest: float, highest: float) -> Doubles:
 
 
 def force_spectral_density(model: Model, strengths: Law, wavenumber: ArrayLike, *, exact: bool = True) -> Doubles:
-    """Return the two-sided spectral density of friction force in uN^2 per rad/um between lines; k in rad/um.
-
-    E[psi^2] goes with single junctions and E[psi]^2 with births. Under a load that weighs a junction brings
-    psi - E[psi] + r E[psi], r being `Drive.borne` of the separation. Source: as `spectral_density`, for psi A.
-    """
+    """Return the two-sided spectral density of friction force in uN^2 per rad/um between lines; k in rad/um."""
     k, noise = np.abs(np.asarray(wavenumber, dtype=np.float64)), area_noise(model)
+    return _force_density(model, strengths, k, noise.alone(k, exact=exact), noise.together(k, exact=exact))
+
+
+def _force_density(model: Model, strengths: Law, k: Doubles, alone: Doubles, together: Doubles) -> Doubles:
+    """Return the density of force by parts of that of area; under a load a junction brings psi + (r - 1) E[psi]."""
     if model.separation is None:
-        return noise.density(k, strengths.moment(2), strengths.mean**2, exact=exact)
+        return strengths.moment(2) * alone + strengths.mean**2 * together
     borne = np.square(np.abs(drive_of(separation_of(model)).borne(k)))
-    return noise.density(k, exact=exact) * (spread_of(strengths) + strengths.mean**2 * borne)
+    return alone * (spread_of(strengths) + strengths.mean**2 * borne)
 
 
 def spread_of(strengths: Law) -> float:
@@ -182,9 +169,8 @@ def spread_of(strengths: Law) -> float:
 def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
     """Return the two-sided spectral density S_x(w) of the slider's displacement in um^2 per rad/s, w in rad/s.
 
-    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F that of the force; Cov[x(t), x(t + u)] is (1/2 pi) times the
-    integral of S_x exp(i w u). Of regular births it is the part beside lines at w = V k_n. Raises Refused without
-    slider, strength or speed, and without damping, if nothing is stationary.
+    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F that of the force, between lines at w = V k_n. Raises Refused as
+    `motion_drive_of`, and without damping, if nothing is stationary.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     drive = motion_drive_of(model)
@@ -231,21 +217,16 @@ def mean_displacement(model: Model) -> float:
 def response(model: Model) -> Response:
     """Return the stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 
-    Var x = (1/pi) int_0^inf S_x dw, Var x' = (1/pi) int_0^inf w^2 S_x dw; lines add 2 E[psi]^2 power times the gain.
-    Over a base y stands for the force, and its gain is k^2 + c^2 w^2 times as large. inf without damping. Relative
-    error below 1e-8. Raises Refused without slider, strength or speed.
-    Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
+    Var x = (1/pi) int_0^inf S_x dw, Var x' = (1/pi) int_0^inf w^2 S_x dw, to 1e-8; lines add 2 E[psi]^2 power times the
+    gain. inf without damping. Raises Refused as `motion_drive_of`. Source: as above.
     """
     drive = motion_drive_of(model)
     spreads = (inf, inf)
     if drive.slider.damping > 0.0:
         rule, (lines, power) = frequencies(model), area_noise(model).lines
         k = np.concatenate([rule.wavenumber, lines])
-        if model.separation is None:
-            force = rule.power(drive.strengths)
-        else:
-            force = rule.weight * force_under_load(model, drive.strengths, rule)
-        moved = np.concatenate([force, 2.0 * drive.strengths.mean**2 * power]) * drive.gain(k)
+        force = np.concatenate([rule.force(model, drive.strengths), 2.0 * drive.strengths.mean**2 * power])
+        moved = force * drive.gain(k)
         spreads = (sqrt(float(moved.sum())), sqrt(float(moved @ np.square(drive.speed * k))))
     return Response(
         mean_displacement=mean_displacement(model),
@@ -255,13 +236,7 @@ def response(model: Model) -> Response:
     )
 
 
-def force_under_load(model: Model, strengths: Law, rule: Frequencies) -> Doubles:
-    """Return the density of friction force under a load that weighs at the wavenumbers of a rule; see above."""
-    borne = np.square(np.abs(drive_of(separation_of(model)).borne(rule.wavenumber)))
-    return rule.alone * (spread_of(strengths) + strengths.mean**2 * borne)
-
-
 def force_variance(model: Model) -> float:
     """Return the variance of friction force in uN^2 under a load that weighs, (1/pi) int_0^inf S_F dk."""
-    rule, strengths = frequencies(model), model.strengths or drive_of(separation_of(model)).strengths
-    return float(rule.weight @ force_under_load(model, strengths, rule))
+    strengths = model.strengths or drive_of(separation_of(model)).strengths
+    return float(frequencies(model).force(model, strengths).sum())

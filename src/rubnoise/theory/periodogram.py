@@ -1,8 +1,4 @@
-"""The spectrum estimated from ticks: its exact mean, with aliases and leakage, and its scatter.
-
-Read it from above: the covariance of two windowed segments of a record, the mean of a periodogram, and the scatter of
-Welch's estimate.
-"""
+"""The spectrum estimated from ticks: its exact mean, with aliases and leakage, and its scatter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -17,22 +13,20 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.tables import fields_as_text
-from rubnoise.theory.second_order import are_at_random, autocovariance, need_random_births
-from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
+from rubnoise.theory.second_order import are_at_random, autocovariance, covariance_reach, need_random_births
+from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import energy
 
 _LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
 
 
-def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend: bool) -> Complexes:
-    """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks.
+def cross_spectrum(covariance: Doubles, window: Doubles, shift: int) -> Complexes:
+    """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks, exactly.
 
-    X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n) over one segment and X' the same over one that begins ``shift``
-    >= 0 ticks later; without ``detrend`` nothing is subtracted, and the record is taken to have mean zero. With C the
-    covariance by ticks (zero beyond those given), rho the autocorrelation of the window, W its transform, u and v the
-    covariances of a tick with the mean of the other segment:
-    sum_tau rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2,
-    U and V the transforms of w u and w v. Exact, in n log n operations.
+    X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n), X' the same over a segment that begins ``shift`` >= 0 ticks
+    later. C is the covariance by ticks (zero beyond), rho the autocorrelation of the window, W its transform, u and v
+    the covariances of a tick with the mean of the other segment, U and V the transforms of w u and w v: sum_tau
+    rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2.
     """
     n = window.size
     taus = np.arange(1 - n, n)
@@ -42,8 +36,6 @@ def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend:
     products = autocorrelation[np.abs(taus)] * around[::-1]
     folded = np.append(products[n - 1], products[n:] + products[: n - 1])
     plain: Complexes = np.fft.rfft(folded)
-    if not detrend:
-        return plain
     sums = np.cumsum(np.append(0.0, around))
     later = (sums[n:] - sums[:n]) / n  # of the ticks of the later segment with the mean of the earlier one
     transform, u, v = (np.fft.rfft(window * part) for part in (np.ones(n), later[::-1], later))
@@ -55,24 +47,17 @@ def segment_wavenumbers(tick: float, count: int) -> Doubles:
     return np.asarray(2.0 * np.pi / (count * tick) * np.arange(count // 2 + 1), dtype=np.float64)
 
 
-def expected_periodogram(
-    model: Model, tick: float, window: NDArray[np.float64], *, detrend: bool = True
-) -> tuple[Doubles, Doubles]:
+def expected_periodogram(model: Model, tick: float, window: NDArray[np.float64]) -> tuple[Doubles, Doubles]:
     """Return wavenumbers k in rad/um and the exact mean of a windowed periodogram of A_r there, in um^4 per rad/um.
 
     P(k) = h |sum_j w_j (x_j - mean x) exp(-i k j h)|^2 / sum_j w_j^2 over n = len(window) ticks of h = ``tick`` um,
-    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2. It is the Welch estimate of scipy.signal for one
-    segment (fs = 1/h, scaling "density", detrend "constant"), halved, but for p = 0 and, n even, p = n / 2; the mean
-    over segments has the same expectation. Without ``detrend`` nothing is subtracted, and the mean of A_r leaks from
-    k = 0. E[P] = (h / sum w^2) w^H C w with C the covariances R(h (j - l)): aliasing, leakage and the removed mean are
-    all in it. Raises Refused for a window of fewer than 2 ticks or none but zeros.
+    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2: Welch's estimate, with aliases, leakage and the
+    removed mean. Raises Refused for a window of fewer than 2 ticks or none but zeros.
     Source: Priestley, Spectral Analysis and Time Series (1981), chapter 6.
     """
     weights = _checked(window)
     covariance = _tick_covariance(model, tick, weights.size)
-    power = cross_spectrum(covariance, weights, 0, detrend=detrend).real
-    if not detrend:
-        power += model.stationary_mean_area**2 * np.square(np.abs(np.fft.rfft(weights)))
+    power = cross_spectrum(covariance, weights, 0).real
     return segment_wavenumbers(tick, weights.size), np.maximum(tick / float(weights @ weights) * power, 0.0)
 
 
@@ -86,10 +71,8 @@ def _tick_covariance(model: Model, tick: float, count: int) -> Doubles:
 
 @lru_cache(maxsize=8)
 def _reach(model: Model) -> float:
-    """Return a lag in um beyond which R is nothing: the longest life, or less if lives that long are too rare."""
-    lags = longest_life(model) * 0.8 ** np.arange(120.0)
-    correlated = autocovariance(model, lags) > 1e-12 * autocovariance(model, np.zeros(1))
-    return float(lags[max(int(np.argmax(correlated)) - 1, 0)])
+    """Return a lag in um beyond which R is nothing."""
+    return covariance_reach(model, 1e-12)
 
 
 def through_window(
@@ -97,10 +80,9 @@ def through_window(
 ) -> Doubles:
     """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the two-sided density S(w).
 
-    E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), with W the transform of the window padded to 2 n
-    values and S_a(w) = sum_a S(|w + 2 pi a / h|): exact if covariances end before n values of ``step`` h, but for
-    what leaks over more than 8 bins and for aliases beyond the second. The record's mean is taken to be 0; a mean that
-    is subtracted changes bins 0 and 1. Raises Refused for a window that weighs nothing.
+    E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), W the transform of the window padded to 2 n values,
+    S_a(w) = sum_a S(|w + 2 pi a / h|): exact for covariances that end within n values of ``step`` h, to 8 bins of
+    leakage and two aliases; a mean that is subtracted changes bins 0 and 1. Raises Refused as above.
     """
     weights = _checked(window)
     n = weights.size
@@ -119,12 +101,8 @@ def _checked(window: NDArray[np.float64]) -> Doubles:
     return weights
 
 
-SEGMENTS = 64
-"""About how many segments, which half overlap, a record has by default."""
-
-MOST_TICKS = 1 << 18
-"""Of one segment, by default and at most: its errors take some ten seconds and a hundred megabytes."""
-
+SEGMENTS = 64  # about how many, which half overlap, a record has by default
+MOST_TICKS = 1 << 18  # of one segment: its errors take some ten seconds and a hundred megabytes
 _LONGEST = 4  # lengths of a segment beyond which a correlation is left out: a record of a few such lives says nothing
 _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
@@ -133,10 +111,9 @@ _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 class EstimatedSpectrum:
     """The expectation of Welch's method for the real contact area, and the standard error of one estimate.
 
-    ``density`` is the exact mean of the estimate in um^4 per rad/um, two-sided, at ``wavenumber`` in rad/um: aliases,
-    leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf if the
-    bin has no power, nan if it is not known: for births that are not Poisson, and for passes off the centre line.
-    ``ticks`` are those of each of the ``segments``.
+    Two-sided ``density`` in um^4 per rad/um at ``wavenumber`` in rad/um, with aliases and leakage; ``standard_error``:
+    inf of a bin without power, nan if births are not Poisson or passes off the centre line; ``ticks`` of each of the
+    ``segments``.
     """
 
     model: Model = field(repr=False)
@@ -153,9 +130,8 @@ class EstimatedSpectrum:
 def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpectrum:
     """Return the expectation of Welch's method for a record of the model: every tick from 0 to its distance.
 
-    Segments have ``ticks`` values, half of them shared with the next, under the Hann window sin^2(pi j / n), each less
-    its own mean; without ``ticks`` there are about 64 of them. Equations and sources are those of
-    `expected_periodogram` and `welch_errors`. Raises Refused for a segment longer than the record or 262 144 ticks.
+    Segments of ``ticks`` values half overlap, under the Hann window sin^2(pi j / n), each less its own mean; without
+    ``ticks`` there are about 64. Raises Refused for a segment longer than the record or 262 144 ticks.
     """
     record = model.tick_count + 1
     usual = min(max(2, 2 * (record // (SEGMENTS + 1))), MOST_TICKS)
@@ -171,43 +147,39 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
     errors = np.full(density.size, np.nan)
     if are_at_random(model) and model.pulse.offset == "none":
         errors = welch_errors(model, window, count, step)
-    held = np.isfinite(errors)
+        held = np.isfinite(errors)
+        errors[held] *= density[held]
     return EstimatedSpectrum(
-        model=model,
-        ticks=int(length),
-        segments=count,
-        wavenumber=wavenumber,
-        density=density,
-        standard_error=np.where(held, density * np.where(held, errors, 0.0), errors),
+        model=model, ticks=int(length), segments=count, wavenumber=wavenumber, density=density, standard_error=errors
     )
 
 
 def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Doubles:
-    """Return the standard error of a Welch estimate over its own mean, at the wavenumbers of `expected_periodogram`.
+    """Return the standard error of a Welch estimate over its own mean, ``count`` segments ``step`` ticks apart.
 
-    It is over ``count`` segments, ``step`` ticks from start to start, each less its mean. Var[P] / E[P]^2 is the sum
-    over pairs of segments of |E[X conj X']|^2 / E[|X|^2]^2 (Gaussian noise; exact for the window, the overlap and the
-    spectrum's own slope), of |E[X X']|^2 / E[|X|^2]^2, which counts at the ends of the axis and is taken from the
-    window alone, and of the fourth cumulant of shot noise, E[|A^(k)|^4]/(lam E[|A^(k)|^2]^2) times the window's
-    sum_j w_j^2 w'_j^2 / (h (sum w^2)^2), about 1/(lam T). inf if a bin holds nothing. Raises Refused unless births
-    are a Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
+    Var[P] / E[P]^2 is the sum over pairs of segments of |E[X conj X']|^2 / E[|X|^2]^2, of |E[X X']|^2 / E[|X|^2]^2,
+    which counts at the ends of the axis and is taken from the window alone, and of the fourth cumulant E[|A^|^4]/(lam
+    E[|A^|^2]^2) times sum_j w_j^2 w'_j^2 / (h (sum w^2)^2). inf if a bin holds nothing. Raises Refused unless births
+    are a Poisson process.
+    Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
     """
-    need_random_births(model, "the error of a spectrum", centred=True)
+    need_random_births(model, "the error of a spectrum")
+    if model.pulse.offset != "none":
+        raise Refused("the error of a spectrum is known for passes through both centres alone (pulse.offset)")
     n, energy_of_window = window.size, float(window @ window)
     lags = min(2 + int(_reach(model) / model.tick), _LONGEST * n)
     covariance = _tick_covariance(model, model.tick, lags)
-    mean = cross_spectrum(covariance, window, 0, detrend=True).real
+    mean = cross_spectrum(covariance, window, 0).real
     held = mean > _EMPTY_BIN * mean.max()
-    variance, shared = np.full(mean.size, np.inf), 0.0
-    variance[held] = 0.0
+    variance, shared = np.where(held, 0.0, np.inf), 0.0
     for apart in range(min(count, 1 + (n + lags) // step)):
         shift, weight = apart * step, (2.0 if apart else 1.0) / count * (1.0 - apart / count)
-        ordinary = cross_spectrum(covariance, window, shift, detrend=True)
         product = np.zeros(n)
         product[shift:] = window[shift:] * window[: max(n - shift, 0)]
-        turned = np.fft.fft(product)[2 * np.arange(mean.size) % n] / energy_of_window
-        variance[held] += weight * (np.square(np.abs(ordinary[held]) / mean[held]) + np.square(np.abs(turned[held])))
-        shared += weight * float(np.square(product).sum()) / energy_of_window**2
+        ordinary = cross_spectrum(covariance, window, shift)[held] / mean[held]
+        turned = np.fft.fft(product)[2 * np.arange(mean.size) % n][held] / energy_of_window
+        variance[held] += weight * (np.square(np.abs(ordinary)) + np.square(np.abs(turned)))
+        shared += weight * float(product @ product) / energy_of_window**2
     variance[held] += shared / (model.birth_rate * model.tick) * _scatter(model, mean.size, n)[held]
     return np.sqrt(variance)
 
@@ -215,10 +187,9 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
 def _scatter(model: Model, bins: int, ticks: int) -> Doubles:
     """Return E[|A^|^4] / E[|A^|^2]^2 at each bin."""
     sizes, k = sizes_of(model.sizes, COARSE), segment_wavenumbers(model.tick, ticks)[:bins]
-    weight = sizes.probability * sizes.diameter**6
     mean, fourth = np.zeros(bins), np.zeros(bins)
-    for diameter, share in zip(sizes.diameter.tolist(), weight.tolist(), strict=True):
-        own = energy(model.pulse, k * diameter)
+    for diameter, share in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
+        own = diameter**6 * energy(model.pulse, k * diameter)
         mean += share * own
-        fourth += share * diameter**6 * np.square(own)
+        fourth += share * np.square(own)
     return fourth / np.square(mean)

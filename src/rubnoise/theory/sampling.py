@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
-from math import comb, hypot, inf, nan, sqrt
+from math import factorial, hypot, inf, nan, sqrt
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
-from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants, strengths_of
+from rubnoise.theory.cumulants import AREA_ITSELF, force_cumulants, shot_cumulants, strengths_of
 from rubnoise.theory.load import FORCE, load_motion
 from rubnoise.theory.motion import (
     drive_of,
@@ -25,9 +25,7 @@ from rubnoise.theory.second_order import area_noise, joint_cumulant, lag_rule, n
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import pass_energies
 
-Powers = tuple[int, int]
-
-_ORDER = 4
+_ORDERS = 5  # 0 to 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,11 +39,7 @@ class StandardErrors:
 
 
 def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
-    """Return the variance in um^4 of the mean of A_r over a stationary record of T um, or the model's ticks.
-
-    Var = (2/T^2) int_0^T (T - tau) R(tau) dtau, exact for every length, which tends to S(0)/T.
-    Source: Papoulis, Probability, Random Variables and Stochastic Processes, section 12-1.
-    """
+    """Return the variance in um^4 of the mean of A_r over T um or the ticks, (2/T^2) int_0^T (T - tau) R dtau."""
     return area_noise(model).variance_of_mean(distance)
 
 
@@ -57,9 +51,7 @@ def mean_area_error(model: Model, distance: float | None = None) -> float:
 def mean_force_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
 
-    E[psi^2] multiplies the part of single junctions, E[psi]^2 that of births. Under a load that weighs only the
-    deviations of strengths have an error, and what momentum carries bounds that of the mean of P. Raises Refused
-    without a strength.
+    Under a load only the deviations of strengths err, and momentum bounds the mean of P. Refused without a strength.
     """
     psi, noise = strengths_of(model), area_noise(model)
     mean = psi.mean * model.stationary_mean_area
@@ -72,36 +64,34 @@ def mean_force_error(model: Model, distance: float | None = None) -> float:
     return deviations + psi.mean / drive.strengths.mean * carried
 
 
-def standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
+def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
+    """Return `standard_errors` of friction force at constant separation: joint cumulants gain E[psi^(i + j)]."""
+    return standard_errors(model, distance, strengths_of(model))
+
+
+def standard_errors(model: Model, distance: float | None = None, strengths: Law = AREA_ITSELF) -> StandardErrors:
     """Return the standard errors of mean, std, skewness and excess kurtosis of A_r over a stationary record.
 
-    The record is continuous over ``distance`` um or, without one, the model's ticks. The errors are of first order in
-    life/distance (trust them from some 100 lives on). Each estimate moves with the mean over the record of a polynomial
-    f in z = (A_r - mean)/std, its influence function: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2) g (z^2 - 1);
-    z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis; and Var = sum over lags of weight times
-    Cov[f(0), f(tau)], from `joint_cumulant`. Raises
-    Refused unless births are a Poisson process.
+    The record is as in `lag_rule`; the errors are of first order in life/distance (from some 100 lives on). Each
+    estimate moves with the mean of its influence function of z = (A_r - mean)/std: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2)
+    g (z^2 - 1); z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis. Raises Refused unless births are a
+    Poisson process.
     Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
     """
-    return _standard_errors(model, distance, area_cumulants(model), (1.0,) * (2 * _ORDER + 1))
-
-
-def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
-    """Return the same for friction force: the joint cumulants of psi A gain E[psi^(i + j)]."""
-    psi = strengths_of(model)
-    return _standard_errors(model, distance, force_cumulants(model), tuple(map(psi.moment, range(2 * _ORDER + 1))))
-
-
-def _standard_errors(
-    model: Model, distance: float | None, cumulants: Cumulants, strength_moments: tuple[float, ...]
-) -> StandardErrors:
     need_random_births(model, "the standard error of a moment")
+    cumulants = shot_cumulants(model, strengths)
     lags, weights = lag_rule(model, distance)
-    joint = _joint_cumulants(model, cumulants, strength_moments, lags)
-    moments, orders = _joint_moments(joint), range(1, _ORDER + 1)
-    covariances = np.array(
-        [[weights @ (moments[i, j] - moments[i, 0] * moments[0, j]) for j in orders] for i in orders]
-    )
+    series = np.zeros((_ORDERS, _ORDERS, lags.size))
+    for i, j in product(range(_ORDERS), repeat=2):
+        if i and j:
+            joint = strengths.moment(i + j) * joint_cumulant(model, lags, i, j)
+        else:
+            joint = np.full(lags.size, cumulants.values[i + j - 1] if i + j > 1 else 0.0)
+        series[i, j] = joint / (cumulants.std ** (i + j) * factorial(i) * factorial(j))
+    moments = _exponential(series)
+    covariances = (moments - moments[:, :1] * moments[:1]) @ weights
+    scale = np.array([factorial(i) for i in range(_ORDERS)])
+    covariances = (covariances * np.outer(scale, scale))[1:, 1:]
     g, b = cumulants.skewness, cumulants.excess_kurtosis + 3.0
     influence = ([1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0])
     mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in map(np.array, influence))
@@ -110,37 +100,16 @@ def _standard_errors(
     )
 
 
-def _joint_cumulants(
-    model: Model, cumulants: Cumulants, strength_moments: tuple[float, ...], lags: Doubles
-) -> dict[Powers, Doubles]:
-    """Return kappa_ij of z(0) and z(tau), i and j up to 4, z = (A_r - mean)/std."""
-    found = {}
-    for i, j in product(range(_ORDER + 1), repeat=2):
-        order = i + j
-        if i and j:
-            found[i, j] = strength_moments[order] * joint_cumulant(model, lags, i, j) / cumulants.std**order
-        elif order:
-            value = cumulants.values[order - 1] / cumulants.std**order if order > 1 else 0.0
-            found[i, j] = np.full_like(lags, value)
+def _exponential(series: Doubles) -> Doubles:
+    """Return exp of a power series in x and y without a constant: of cumulants over i! j! that gives the moments'."""
+    found = term = np.zeros_like(series)
+    found[0, 0] = 1.0
+    for power in range(1, 2 * _ORDERS - 1):
+        longer = np.zeros_like(series)
+        for i, j in product(range(_ORDERS), repeat=2):
+            longer[i:, j:] += series[i, j] * term[: _ORDERS - i, : _ORDERS - j] / power
+        found, term = found + longer, longer
     return found
-
-
-def _joint_moments(cumulants: dict[Powers, Doubles]) -> dict[Powers, Doubles]:
-    """Return E[x^i y^j] up to i = j = 4 from the joint cumulants kappa_ij.
-
-    E[x^(i+1) y^j] = sum over a <= i, b <= j of C(i, a) C(j, b) kappa_(a+1, b) E[x^(i-a) y^(j-b)], and likewise in y
-    (Smith 1995, doi:10.1080/00031305.1995.10476146).
-    """
-    none = np.zeros_like(cumulants[1, 1])
-    moments: dict[Powers, Doubles] = {(0, 0): none + 1.0}
-    for i, j in product(range(_ORDER + 1), repeat=2):
-        if i:
-            terms = ((a, b, comb(i - 1, a) * comb(j, b)) for a in range(i) for b in range(j + 1))
-            moments[i, j] = sum((c * cumulants[a + 1, b] * moments[i - 1 - a, j - b] for a, b, c in terms), none)
-        elif j:
-            lower = (comb(j - 1, b) * cumulants[0, b + 1] * moments[0, j - 1 - b] for b in range(j))
-            moments[0, j] = sum(lower, none)
-    return moments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,8 +124,8 @@ class MotionErrors:
 def expected_mean_displacement(model: Model, distance: float) -> float:
     """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
 
-    From equilibrium it is x_e = E[psi] mean A_r / k; from rest the free decay y of -x_e is added, with
-    (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
+    From equilibrium x_e = E[psi] mean A_r / k; from rest plus the mean decay of -x_e, (c (y(0) - y(T)) - m y'(T)) / (k
+    T).
     """
     from scipy.linalg import expm
 
@@ -171,25 +140,24 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
 
 
 def mean_displacement_error(model: Model, distance: float) -> float:
-    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, the contact stationary.
+    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, exact for long runs.
 
-    It holds for every length and is exact for long runs: k mean x = mean F - (m dv + c dx)/T, where dv and dx, the
-    changes over the run, spread by no more than their stationary std plus that of the decaying start (whose energy
-    only falls). Over a base y, k mean x = k mean y + (c dy - m dv - c dx)/T. inf without damping.
+    k mean x = mean F - (m dv + c dx)/T, dv and dx the changes over the run; over a base y, k mean y + (c dy - m dv - c
+    dx)/T. inf without damping.
     """
     drive = motion_drive_of(model)
     change = carried_momentum(model) * drive.speed / distance
-    if drive.slider.excitation == "base":
-        lifted = replace(model, strengths=drive.strengths)
-        change += 2.0 * drive.slider.damping * force_cumulants(lifted).std * drive.speed / distance
-        return mean_force_error(lifted, distance) + change / drive.slider.stiffness
-    return (mean_force_error(model, distance) + change) / drive.slider.stiffness
+    if drive.slider.excitation != "base":
+        return (mean_force_error(model, distance) + change) / drive.slider.stiffness
+    lifted = replace(model, strengths=drive.strengths)
+    change += 2.0 * drive.slider.damping * force_cumulants(lifted).std * drive.speed / distance
+    return mean_force_error(lifted, distance) + change / drive.slider.stiffness
 
 
 def carried_momentum(model: Model) -> float:
-    """Return a bound in uN s of the spread of m dv + c dx over a run, which the mean force does not balance."""
-    drive, motion = motion_drive_of(model), response(model)
-    slider, natural = drive.slider, drive.slider.natural_angular_frequency
+    """Return a bound in uN s of the spread of m dv + c dx over a run: of stationary motion plus a decaying start."""
+    slider, motion = motion_drive_of(model).slider, response(model)
+    natural = slider.natural_angular_frequency
     start = hypot(motion.displacement_std, motion.velocity_std / natural)
     return slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
 
@@ -197,9 +165,8 @@ def carried_momentum(model: Model) -> float:
 def motion_errors(model: Model, distance: float) -> MotionErrors:
     """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
 
-    The mean's is that of `mean_displacement_error`. The stds' are for runs of many lives and decay times: the root of
-    `mean_square_variances` over 2 std. Raises Refused without slider, strength or speed, and unless births are a
-    Poisson process; inf without damping.
+    Of the stds, for runs of many lives and decay times, the root of `mean_square_variances` over 2 std; inf without
+    damping. Raises Refused as `motion_drive_of`, and unless births are a Poisson process.
     """
     drive, motion = motion_drive_of(model), response(model)
     need_random_births(model, "the standard error of the slider's motion")
@@ -209,51 +176,34 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     def gains(k: Doubles) -> Doubles:
         return drive.gain(k) * np.stack([np.ones_like(k), np.square(drive.speed * k)])
 
-    displacement, velocity = np.sqrt(mean_square_variances(model, drive.strengths, gains, distance))
+    displacement, velocity = np.sqrt(mean_square_variances(model, drive.strengths, gains, distance)).tolist()
     return MotionErrors(
         mean_displacement=mean_displacement_error(model, distance),
-        displacement_std=float(displacement) / (2.0 * motion.displacement_std),
-        velocity_std=float(velocity) / (2.0 * motion.velocity_std),
+        displacement_std=displacement / (2.0 * motion.displacement_std),
+        velocity_std=velocity / (2.0 * motion.velocity_std),
     )
 
 
 def mean_square_variances(
     model: Model, strengths: Law, gains: Callable[[Doubles], Doubles], distance: float
 ) -> Doubles:
-    """Return the variances of the mean of u^2 over a long run, u the friction force after filters of some power gains.
+    """Return the variances of the mean of u^2 over a long run, u the force after filters of some power gains.
 
-    (1/T) int Cov[u^2(0), u^2(t)] dt = (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
-    junction of any strength, size and offset. Source: cumulants of filtered shot noise (Rice 1944, as above).
+    (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one junction; under a load one brings
+    psi - E[psi] + r E[psi], r as in `Drive.borne`. Source: cumulants of filtered shot noise (Rice 1944).
     """
-    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
-    powers, mean = gains(rule.wavenumber), strengths.mean
-    if model.separation is None:
-        terms = np.ones((1, rule.wavenumber.size))
-        density = strengths.moment(2) * rule.alone
-    else:
-        # Under a load a junction brings q + E[psi] r, q = psi - E[psi]: factors of q^2, q and 1.
-        borne = mean * drive_of(separation_of(model)).borne(rule.wavenumber)
-        terms = np.stack([np.ones(borne.size), 2.0 * borne.real, np.square(np.abs(borne))])
-        density = rule.alone * (spread_of(strengths) + terms[2])
-    gaussian = 2.0 * np.square(density * powers) @ rule.weight
+    rule, sizes, psi = frequencies(model), sizes_of(model.sizes, COARSE), sizes_of(strengths, COARSE)
+    powers, borne = gains(rule.wavenumber), np.ones_like(rule.wavenumber, dtype=np.complex128)
+    if model.separation is not None:
+        borne = drive_of(separation_of(model)).borne(rule.wavenumber)
+    brought = rule.weight * np.square(np.abs(psi.diameter[:, None] - strengths.mean + strengths.mean * borne))
+    gaussian = 2.0 * np.square(rule.force(model, strengths) * powers) @ (1.0 / rule.weight)
     fourth = np.zeros(len(powers))
     for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
         lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
-        energies = diameter**6 * np.einsum("vk,tk,lk->tvl", powers, terms * rule.weight, lives)
-        fourth += probability * _squared_strengths(strengths, energies) @ shares
+        energies = diameter**6 * np.einsum("vk,pk,lk->vpl", powers, brought, lives)
+        fourth += probability * np.square(energies) @ shares @ psi.probability
     return (gaussian + model.birth_rate * fourth) / distance
-
-
-def _squared_strengths(strengths: Law, terms: Doubles) -> Doubles:
-    """Return the mean over strengths of the square of energies: of psi^2, or of q^2, q and 1, q = psi - E[psi]."""
-    if len(terms) == 1:
-        return np.asarray(strengths.moment(4) * np.square(terms[0]), dtype=np.float64)
-    mean, square, cube, fourth = (strengths.moment(n) for n in (1, 2, 3, 4))
-    third = cube - 3.0 * mean * square + 2.0 * mean**3
-    kurtosis = fourth - 4.0 * mean * cube + 6.0 * mean**2 * square - 3.0 * mean**4
-    own, mixed, same = terms
-    spread = spread_of(strengths) * (mixed**2 + 2.0 * own * same)
-    return np.asarray(kurtosis * own**2 + 2.0 * third * own * mixed + spread + same**2, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -272,46 +222,43 @@ class LoadErrors:
 def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
     """Return standard errors of the motion under a load over a run of ``distance`` um.
 
-    Those of `motion_errors` for the separation, which bounds the mean's. The mean of P - W is what momentum and damping
-    carry from start to end, (m dz' + c dz)/T. A run ``from_start`` has `start_excess` in the squares of z' and P - W,
-    which is as uncertain as it is large: for Gaussian z and z' its root mean square is at most sqrt(3) times as much.
+    Of the separation as `motion_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in
+    the squares of z' and P - W, as uncertain as it is large: for Gaussian z and z' at most sqrt(3) times as much.
     """
-    separation = separation_of(model)
+    separation, psi = separation_of(model), model.strengths
     drive, motion = drive_of(separation), load_motion(model)
     errors = motion_errors(separation, distance)
-    fast, excess = (sqrt(3.0) * each * from_start for each in start_excess(model, distance))
+    fast, excess = (sqrt(3.0) * each * from_start for each in _start_excess(model, distance))
 
     def held(k: Doubles) -> Doubles:
         return np.square(np.abs(drive.borne(k)))[None]
 
     square = float(mean_square_variances(separation, drive.strengths, held, distance)[0])
-    force_mean, force_std = nan, nan
-    if model.strengths is not None:
-        std, share = motion.covariance(FORCE, FORCE) ** 0.5, model.strengths.mean / drive.strengths.mean
-        own = mean_square_variances(model, model.strengths, lambda k: np.ones((1, k.size)), distance)[0]
-        force_mean = mean_force_error(model, distance)
-        force_std = hypot(sqrt(float(own)), share**2 * excess) / (2.0 * std)
+    force_std = nan
+    if psi is not None:
+        std, share = motion.covariance(FORCE, FORCE) ** 0.5, psi.mean / drive.strengths.mean
+        own = float(mean_square_variances(model, psi, lambda k: np.ones((1, k.size)), distance)[0])
+        force_std = hypot(sqrt(own), share**2 * excess) / (2.0 * std)
     return LoadErrors(
         separation_mean=errors.mean_displacement,
         separation_std=errors.displacement_std,
         velocity_std=hypot(errors.velocity_std, fast / (2.0 * motion.velocity_std)),
         load_mean=carried_momentum(separation) * drive.speed / distance,
         load_std=hypot(sqrt(square), excess) / (2.0 * motion.load_std),
-        force_mean=force_mean,
+        force_mean=nan if psi is None else mean_force_error(model, distance),
         force_std=force_std,
     )
 
 
-def start_excess(model: Model, distance: float) -> tuple[float, float]:
+def _start_excess(model: Model, distance: float) -> tuple[float, float]:
     """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
 
-    It is the free decay y from the values of a stationary separation, over ``distance`` um or T: E[int y'^2 dt]/T
-    and K^2 E[int y^2 dt]/T, with int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and
-    int y^2 dt = (c y_0^2/2 + m y_0 y'_0 + m e/c)/K, from m y'' + c y' + K y = 0.
+    Of the free decay of a stationary separation: int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and int y^2 dt = (c
+    y_0^2/2 + m y_0 y'_0 + m e/c)/K.
     """
     drive, motion = drive_of(separation_of(model)), load_motion(model)
     slider, square = drive.slider, motion.separation_std**2
     energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
-    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) / slider.stiffness
+    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) * slider.stiffness
     rate = drive.speed / distance
-    return energy / slider.damping * rate, slider.stiffness**2 * decay * rate
+    return energy / slider.damping * rate, decay * rate

@@ -6,14 +6,15 @@ With births at the rate lam whose number has the spectral density S_N(k), and A^
     S(k) = lam E[|A^(k)|^2] + (S_N - lam) |E[A^(k)]|^2;
 
 births at random have S_N = lam and the first part alone. Strengths psi multiply the first part by E[psi^2], the second
-by E[psi]^2. Regular births, and jittered ones, have lines beside S, at k_n = 2 pi n lam.
+by E[psi]^2. Regular births, and jittered ones, have lines beside S, at k_n = 2 pi n lam, of power (lam |E[A^(k_n)]|)^2
+each, times the share that births keep.
 Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); Bartlett's spectrum of a point process
-(Daley and Vere-Jones 2003, section 8.2).
+(Daley and Vere-Jones 2003, section 8.2); Cox and Lewis, The Statistical Analysis of Series of Events (1966).
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from math import isfinite, pi, sqrt
+from functools import cached_property, lru_cache, partial
+from math import ceil, floor, isfinite, pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,21 +23,23 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.birth_part import BirthPart
-from rubnoise.theory.size_averages import is_one_life, mean_energy, mean_life_energy, over_sizes, table_over_sizes
-from rubnoise.theory.sizes import longest_life, panels
-from rubnoise.theory.unit_pulse import Function, UnitLife, area_life, count_life, overlaps
+from rubnoise.theory.sizes import (
+    Function,
+    cubic_spline,
+    is_one_size,
+    longest_life,
+    over_phases,
+    over_sizes,
+    panels,
+    sizes_of,
+    table_over_sizes,
+)
+from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps, settled_energy
 
-_ROUNDING, _VISIBLE = 1e-12, 1e-26
+_ROUNDING, _VISIBLE, _NO_POWER = 1e-12, 1e-26, 1e-32
 _MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
-
-
-def need_random_births(model: Model, quantity: str, *, centred: bool = False) -> None:
-    """Raise Refused unless births are a Poisson process; with ``centred`` also for passes off the centre line."""
-    if not are_at_random(model):
-        raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
-    if centred and model.pulse.offset != "none":
-        raise Refused(f"{quantity} is known for passes through both centres alone (pulse.offset)")
+_AGES, _PHASES, _MOST_LINES = 1 << 19, 4096, 1 << 18
+_RARE = 1e-12
 
 
 def are_at_random(model: Model) -> bool:
@@ -44,11 +47,88 @@ def are_at_random(model: Model) -> bool:
     return isinstance(model.births, PoissonBirths)
 
 
+def need_random_births(model: Model, quantity: str) -> None:
+    """Raise Refused unless births are a Poisson process."""
+    if not are_at_random(model):
+        raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
+
+
+def is_one_life(model: Model) -> bool:
+    """Return whether all lives are equal."""
+    return is_one_size(model.sizes) and model.pulse.offset == "none"
+
+
+class BirthPart:
+    """What births that are not at random add to a covariance: the lines, and the rest by a transform of the mean life.
+
+    ``wavenumber`` (rad/um) and ``power`` are those of the lines; as much power lies at -k_n.
+    """
+
+    def __init__(self, model: Model, life: UnitLife) -> None:
+        self._model, self._jumps = model, life.power == 0 and isinstance(model.births, RegularBirths)
+        sizes, memory, self._spacing = sizes_of(model.sizes), model.births.memory, model.births.mean
+        weight = sizes.probability * sizes.diameter**3
+        longest = 2.0 * float(sizes.diameter[weight > _RARE * weight.max()].max())
+        self._reach = longest + (memory if isfinite(memory) else 0.0)
+        # A whole number of spacings, so that lines lie at wavenumbers of the transform.
+        spacings = ceil(2.0 * self._reach / self._spacing)
+        self._step = spacings * self._spacing / _AGES
+        mean_life, ages = np.zeros(_AGES), min(int(longest / self._step) + 2, _AGES)
+        age = self._step * np.arange(ages, dtype=np.float64)
+        mean_life[:ages] = table_over_sizes(model, life.mean, life.power)(age)
+        mean_life[0] *= 0.5  # by the trapezoidal rule, for a count that jumps at birth
+        self._wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(_AGES, self._step), dtype=np.float64)
+        self._squares = np.square(np.abs(np.fft.rfft(mean_life)) * self._step)
+        lines = slice(spacings, spacings * _MOST_LINES + 1, spacings)
+        self.wavenumber, power = self._wavenumber[lines], self._squares[lines]
+        if is_one_life(model):
+            d = float(sizes.diameter[0])
+            power = np.square(model.birth_rate * d ** (life.power + 1) * life.amplitude(self.wavenumber * d))
+            if life.power:
+                power[power < _NO_POWER * model.stationary_mean_area**2] = 0.0
+        self.power = power * model.births.line_share(self.wavenumber)
+
+    @cached_property
+    def covariance(self) -> Function:
+        """The part of births at lags >= 0 in um, lines apart; 0 beyond its reach."""
+        births, rate = self._model.births, self._model.birth_rate
+        values = np.fft.irfft(births.excess(self._wavenumber) * self._squares) / (self._step * rate)
+        values[0] -= 0.25 * self._step * rate * self._jumps  # of births that jump, whose square has half the weight
+        kept = int(self._reach / self._step) + 3
+        spline = cubic_spline(self._step * np.arange(kept), values[:kept])
+        return lambda lag: np.where(lag < self._reach, spline(np.minimum(lag, self._reach)), 0.0)
+
+    @cached_property
+    def lines(self) -> Function:
+        """2 sum of power cos(k_n tau) at lags tau >= 0 in um; of births that jump lam^2/k^2 has a known sum."""
+        if self._jumps and is_one_life(self._model):
+            return self._whole_lives
+        turn = 0.5 * self._step
+        births = np.square(self._model.birth_rate * turn / np.tan(turn * self.wavenumber)) if self._jumps else 0.0
+        points = 2 * max(self.power.size, _PHASES)
+        values = np.fft.irfft(np.append(0.0, self.power - births), points) * points
+        spline = cubic_spline(np.arange(points + 1) / points, np.append(values, values[0]))
+
+        def summed(lag: Doubles) -> Doubles:
+            part = (lag / self._spacing) % 1.0
+            return np.asarray(spline(part) + 0.5 * self._jumps * (part * part - part + 1.0 / 6.0), dtype=np.float64)
+
+        return summed
+
+    def _whole_lives(self, lag: Doubles) -> Doubles:
+        """Return the covariance of a whole number of equal lives and one more with probability f."""
+        lives = longest_life(self._model) / self._spacing
+        f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives - floor(lives)
+        part = (lag / self._spacing) % 1.0
+        return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShotNoise:
     """The sum over live junctions of d^power a(s/d): real contact area in um^2, or the live count.
 
-    Covariances are within some 1e-9 of the variance; those of a count whose births are not at random within 1e-6.
+    Error some 1e-9 of the variance; of a count whose births are not at random 1e-6. ``square`` is E[psi^2] of
+    strengths, ``squared_mean`` E[psi]^2.
     """
 
     model: Model
@@ -60,42 +140,40 @@ class ShotNoise:
         return table_over_sizes(self.model, self.life.overlap, 2 * self.life.power + 1)
 
     @cached_property
-    def mean_life(self) -> Function:
-        """The mean life, lam E[A(s)], by age s >= 0 in um."""
-        return table_over_sizes(self.model, self.life.mean, self.life.power)
-
-    @cached_property
     def from_empty(self) -> Function:
         """The mean at distances s >= 0 in um after an empty start, lam E[int_0^s A ds']."""
         return table_over_sizes(self.model, self.life.so_far, self.life.power + 1)
 
+    @cached_property
+    def births(self) -> BirthPart:
+        """What births that are not at random add."""
+        return BirthPart(self.model, self.life)
+
     def density(
         self, wavenumber: ArrayLike, square: float = 1.0, squared_mean: float = 1.0, *, exact: bool = True
     ) -> Doubles:
-        """Return the two-sided density between lines at wavenumbers in rad/um; not ``exact``, without tail's swing.
-
-        E[psi^2] and E[psi]^2 are given; in um^4 per rad/um without strengths.
-        """
+        """Return the two-sided density between lines, k in rad/um; not ``exact``, without the swing of its tail."""
         k = np.abs(np.asarray(wavenumber, dtype=np.float64))
-        found = square * self.alone(k, exact=exact)
-        return found if are_at_random(self.model) else found + squared_mean * self.together(k, exact=exact)
+        return square * self.alone(k, exact=exact) + squared_mean * self.together(k, exact=exact)
 
     def alone(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
         """Return the part of single junctions in the density, lam E[|A^(k)|^2]."""
-        return self.model.birth_rate * mean_energy(self.model, wavenumber, exact=exact)
+        settled = partial(settled_energy, self.model.pulse)
+        followed = partial(energy, self.model.pulse) if exact else settled
+        return self.model.birth_rate * over_phases(self.model.sizes, wavenumber, followed, settled, 6).real
 
     def together(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
         """Return the part of births in the density, (S_N - lam) |E[A^(k)]|^2; 0 for births at random."""
         if are_at_random(self.model):
             return np.zeros_like(wavenumber)
         if is_one_life(self.model):
-            energies = mean_energy(self.model, wavenumber, exact=exact)
-        else:
-            energies = mean_life_energy(self.model, wavenumber)
-        return self.model.birth_rate * self.model.births.excess(wavenumber) * energies
+            return self.model.births.excess(wavenumber) * self.alone(wavenumber, exact=exact)
+        followed, settled = (partial(from_birth, self.model.pulse, exact=each) for each in (exact, False))
+        mean_life = np.square(np.abs(over_phases(self.model.sizes, wavenumber, followed, settled, 3)))
+        return self.model.birth_rate * self.model.births.excess(wavenumber) * mean_life
 
     def covariance(self, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
-        """Return the covariance at lags in um of any shape; E[psi^2] and E[psi]^2 are given."""
+        """Return the covariance at lags in um of any shape."""
         lags = np.abs(np.asarray(lag, dtype=np.float64))
         found = self.unphased(lags, square, squared_mean)
         return found + squared_mean * self.births.lines(lags) if self.has_lines else found
@@ -111,11 +189,9 @@ class ShotNoise:
     def variance_of_mean(self, distance: float | None, square: float = 1.0, squared_mean: float = 1.0) -> float:
         """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`.
 
-        A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2:
-        all of it if ticks always meet the same phase.
+        A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2.
         """
         lags, weights = lag_rule(self.model, distance)
-        found = float(weights @ self.unphased(lags, square, squared_mean))
         k, power = self.lines
         turns = k / (2.0 * pi)
         if distance is None:
@@ -123,6 +199,7 @@ class ShotNoise:
             kept = np.sinc(ticks * missed) / np.sinc(missed)
         else:
             kept = np.sinc(turns * distance)
+        found = float(weights @ self.unphased(lags, square, squared_mean))
         return found + 2.0 * squared_mean * float(power @ np.square(kept))
 
     @property
@@ -132,13 +209,8 @@ class ShotNoise:
 
     @property
     def lines(self) -> tuple[Doubles, Doubles]:
-        """Wavenumbers k_n in rad/um and powers of the lines; as much power lies at -k_n."""
-        return (self.births.line_wavenumber, self.births.line_power) if self.has_lines else (np.empty(0), np.empty(0))
-
-    @cached_property
-    def births(self) -> BirthPart:
-        """What births that are not at random add."""
-        return BirthPart(self.model, self.mean_life, of_count=self.life.power == 0)
+        """Wavenumbers k_n = 2 pi n lam in rad/um and powers of the lines; as much power lies at -k_n."""
+        return (self.births.wavenumber, self.births.power) if self.has_lines else (np.empty(0), np.empty(0))
 
 
 @lru_cache(maxsize=16)
@@ -162,8 +234,8 @@ def spectral_density(model: Model, wavenumber: ArrayLike, *, exact: bool = True)
     """Return the two-sided S(k) of real contact area in um^4 per rad/um, for k in rad/um of any shape.
 
     R(tau) = (1/2 pi) int S(k) exp(i k tau) dk. Errors: 1e-8 of S(0) and 1e-6 of the value up to k d = 16, 1e-5 beyond;
-    1e-4 far out where sizes end hard, and off the centre line the tail has no swing from k d = 256 on.
-    Not ``exact``, it is averaged over the swing of its tail, for integrals over panels wider than that.
+    1e-4 far out where sizes end hard, and off the centre line the tail has no swing from k d = 256 on, as without
+    ``exact``.
     """
     return area_noise(model).density(wavenumber, exact=exact)
 
@@ -174,10 +246,7 @@ def density_at_zero(model: Model) -> float:
 
 
 def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
-    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area.
-
-    They add 2 sum of power cos(k_n tau) to the autocovariance; as much power lies at -k_n.
-    """
+    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area."""
     k, power = area_noise(model).lines
     seen = power > _VISIBLE * model.stationary_mean_area**2
     return k[seen], power[seen]
@@ -186,8 +255,7 @@ def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
 def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the level about which S(k) falls off, lam c m_(6-p) / k^p in um^4 per rad/um, k > 0 in rad/um.
 
-    c and p are those of the pulse: the squares of its jumps of slope, and 4; off the centre line lenses have p = 5.
-    Raises Refused unless births are a Poisson process. Source: Watson's lemma for the kinks of paper Eq. (2).
+    c and p are those of the pulse (Watson's lemma for its kinks). Raises Refused unless births are a Poisson process.
     """
     need_random_births(model, "the tail of the spectrum")
     factor, power = model.pulse.tail
@@ -195,10 +263,7 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
 
 
 def half_power_wavenumber(model: Model) -> float:
-    """Return the smallest k in rad/um at which S(k) = S(0)/2: 2.2522/d for lenses of one size.
-
-    Raises Refused unless births are a Poisson process.
-    """
+    """Return the least k in rad/um with S(k) = S(0)/2: 2.2522/d for lenses of one size; Refused as `tail`."""
     from scipy.optimize import brentq
 
     need_random_births(model, "the corner of the spectrum")
@@ -210,10 +275,9 @@ def half_power_wavenumber(model: Model) -> float:
 
 
 def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
-    """Return the joint cumulant of i times A_r(s) and j times A_r(s + tau), births at random, for lags >= 0 in um.
+    """Return the joint cumulant of i times A_r(s) and j times A_r(s + tau) in um^(2i + 2j), lags >= 0 in um.
 
-    lam E[int A(s)^i A(s + tau)^j ds] = lam E[d^(2i + 2j + 1) q_ij(tau/d)] in um^(2i + 2j); for other births it is the
-    part of single junctions. Source: Campbell's theorem for two places at once.
+    lam E[d^(2i + 2j + 1) q_ij(tau/d)] for births at random (Campbell); for others the part of single junctions.
     """
     return over_sizes(model, overlaps(model.pulse, min(i, j), max(i, j)), 2 * (i + j) + 1, lag)
 
@@ -221,9 +285,9 @@ def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
 def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:
     """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
 
-    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
-    over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0. Lags end where
-    covariances do. Many ticks a life count as a continuous record of n h. Lines are not included.
+    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or over the model's n ticks
+    h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0; many ticks a life count as a continuous record of n h.
+    Lines are not in it.
     """
     memory = model.births.memory
     ticks, reach = model.tick_count + 1, longest_life(model) + (memory if isfinite(memory) else 0.0)
@@ -235,10 +299,14 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
         step = np.arange(within + 1, dtype=np.float64)
         return step * model.tick, np.where(step > 0.0, 2.0 / ticks * (1.0 - step / ticks), 1.0 / ticks)
     length = ticks * model.tick if distance is None else distance
+    lag, weight = graded(min(length, reach))
+    return lag, weight * (2.0 / length) * (1.0 - lag / length)
+
+
+def graded(reach: float) -> tuple[Doubles, Doubles]:
+    """Return lags in um and weights of a rule from 0 on, closer there: of lives unlike in length most are short."""
     place, weight = panels(np.linspace(0.0, 1.0, _LAG_PANELS + 1), 10)
-    # Closer at 0: where lives differ much in length, most are short.
-    lag = min(length, reach) * place**3
-    return lag, 3.0 * min(length, reach) * place**2 * weight * (2.0 / length) * (1.0 - lag / length)
+    return reach * place**3, 3.0 * reach * place**2 * weight
 
 
 def resolved_error(variance: float, mean: float) -> float:
@@ -248,7 +316,7 @@ def resolved_error(variance: float, mean: float) -> float:
 
 
 def covariance_reach(model: Model, part: float) -> float:
-    """Return a lag in um beyond which |R| is below a part of the variance: the longest life, or half of it, or less."""
+    """Return a lag in um beyond which |R| is below a part of the variance: the longest life, halved while it can be."""
     reach, least = longest_life(model), part * float(autocovariance(model, 0.0))
     while np.all(np.abs(autocovariance(model, np.linspace(0.5 * reach, reach, 17))) < least):
         reach *= 0.5

@@ -1,16 +1,23 @@
-"""A law of sizes as diameters with probabilities, by Gauss's rule over log d; and rules over panels."""
+"""A law of sizes as diameters with probabilities, by Gauss's rule over log d; averages of g(x/d) and g(k d)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from math import ceil, inf, log
+from math import ceil, inf, log, log1p
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.laws.discrete import parts_of
 from rubnoise.model import Model
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+Function = Callable[[Doubles], Doubles]
 
 FINE, COARSE = 160.0, 20.0
 """Diameters for a factor e of size: for averages right to 1e-8, and for errors of errors."""
@@ -20,17 +27,17 @@ _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
 _NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
 _LEFT_OUT = 1e-17
-_CUT_PANELS, _CUT_NODES = 3.0, 16
-_FEWEST = 8
+_CUT_PANELS, _FEWEST = 3.0, 8
 _NARROW = 0.8  # logarithm of the factor that a narrow law counts as
+_AT_ONCE = 1 << 17
+_TABLE, _TURNS = 2400, 400
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sizes:
     """Diameters in um with their probabilities.
 
-    ``followed`` is the wavenumber in rad/um to which the rule follows the swing of a spectrum at each; inf for single
-    sizes. From there on what fades over sizes is left out.
+    ``followed`` is the wavenumber in rad/um to which each follows the swing of a spectrum, inf for single sizes.
     """
 
     diameter: Doubles
@@ -46,8 +53,7 @@ def _rule(count: int) -> tuple[Doubles, Doubles]:
 def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
     """Return nodes and weights of a ``count``-point rule on each panel between consecutive edges.
 
-    Edges may have leading axes, one set of panels each; nodes and weights gain a last axis of all panels in order.
-    ``rooted``, the rule is for functions that may end like roots at the edges, as a life does at birth and death.
+    Edges may have leading axes. ``rooted``, the rule is for functions that may end like roots at the edges.
     """
     edge = np.asarray(edges, dtype=np.float64)
     x, w = _rule(count)
@@ -59,57 +65,66 @@ def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubl
     return nodes.reshape(shape), np.broadcast_to(half * w, nodes.shape).reshape(shape)
 
 
+def cubic_spline(places: ArrayLike, values: ArrayLike) -> "CubicSpline":
+    """Return the cubic spline through values; scipy is loaded only where something is calculated."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(places, values)
+
+
+def _leaves(law: Law) -> list[tuple[float, Law]]:
+    """Return the laws without parts of which a law is made, with their probabilities."""
+    if parts := parts_of(law):
+        return [(weight * share, leaf) for weight, part in parts for share, leaf in _leaves(part)]
+    return [(1.0, law)]
+
+
 @lru_cache(maxsize=64)
 def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
     """Return diameters and probabilities with which averages of d^n g(d) are sums, n from 1 to 12, g smooth."""
-    if parts := parts_of(law):
-        each = [(weight, sizes_of(part, per_factor)) for weight, part in parts]
-        return Sizes(
-            diameter=np.concatenate([of.diameter for _, of in each]),
-            probability=np.concatenate([weight * of.probability for weight, of in each]),
-            followed=np.concatenate([of.followed for _, of in each]),
-        )
-    low, high = size_range(law)
-    finer = _HARD if any(end is not None for end in hard_ends(law)) else 1.0
-    edges = _edges(law, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
-    diameter, probability = _shared_out(law, edges, _PANEL, rooted=False)
-    followed = inf if low == high else _PHASE * finer / (high - low)
-    return Sizes(diameter=diameter, probability=probability, followed=np.full(diameter.size, followed))
+    rules = []
+    for weight, leaf in _leaves(law):
+        low, high = size_range(leaf)
+        finer = _HARD if any(_hard_ends(leaf)) else 1.0
+        edges = _edges(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
+        diameter, probability = _shared_out(leaf, edges, rooted=False)
+        followed = inf if low == high else _PHASE * finer / (high - low)
+        rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
+    diameter, probability, followed_to = (np.concatenate(each) for each in zip(*rules, strict=True))
+    return Sizes(diameter=diameter, probability=probability, followed=followed_to)
 
 
 def cut_sizes(law: Law, cuts: Doubles) -> tuple[Doubles, Doubles]:
     """Return diameters in um and probabilities for averages of what is smooth between cuts, or ends there as a root.
 
-    Cuts (um) lie along the last axis; leading axes have a rule each, along a last axis of the same length.
+    Cuts (um) lie along the last axis; leading axes have a rule each.
     """
-    if parts := parts_of(law):
-        rules = [(weight, *cut_sizes(part, cuts)) for weight, part in parts]
-        diameters = np.concatenate([each for _, each, _ in rules], axis=-1)
-        return diameters, np.concatenate([weight * each for weight, _, each in rules], axis=-1)
-    edges = _edges(law, _CUT_PANELS, _FEWEST)
-    whole = np.broadcast_to(edges, (*cuts.shape[:-1], edges.size))
-    inside = np.log(np.clip(cuts, np.exp(edges[0]), np.exp(edges[-1])))
-    return _shared_out(law, np.sort(np.concatenate([whole, inside], axis=-1), axis=-1), _CUT_NODES, rooted=True)
+    rules = []
+    for weight, leaf in _leaves(law):
+        edges = _edges(leaf, _CUT_PANELS, _FEWEST)
+        whole = np.broadcast_to(edges, (*cuts.shape[:-1], edges.size))
+        inside = np.log(np.clip(cuts, np.exp(edges[0]), np.exp(edges[-1])))
+        diameter, share = _shared_out(leaf, np.sort(np.concatenate([whole, inside], axis=-1), axis=-1), rooted=True)
+        rules.append((diameter, weight * share))
+    diameters, shares = (np.concatenate(each, axis=-1) for each in zip(*rules, strict=True))
+    return diameters, shares
 
 
-def _edges(law: Law, panels_of_factor: float, fewest: int) -> Doubles:
+def _edges(leaf: Law, panels_of_factor: float, fewest: int) -> Doubles:
     """Return the edges of panels in log d; one edge for one size."""
-    low, high = size_range(law)
+    low, high = size_range(leaf)
     count = max(fewest, ceil(panels_of_factor * log(high / low)))
     return np.linspace(log(low), log(high), (low < high) * count + 1)
 
 
-def _shared_out(law: Law, edges: Doubles, count: int, *, rooted: bool) -> tuple[Doubles, Doubles]:
-    """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly.
-
-    A law of little spread needs that: its density has few digits. The panels of one size are empty.
-    """
-    if is_one_size(law):
+def _shared_out(leaf: Law, edges: Doubles, *, rooted: bool) -> tuple[Doubles, Doubles]:
+    """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly, as narrow laws need."""
+    if is_one_size(leaf):
         return np.exp(edges[..., :1]), np.ones((*edges.shape[:-1], 1))
-    place, weight = panels(edges, count, rooted=rooted)
+    place, weight = panels(edges, _PANEL, rooted=rooted)
     diameter = np.exp(place)
-    share = weight * diameter * law.density(diameter)
-    return diameter, share * (law.moment(1) / np.sum(share * diameter, axis=-1, keepdims=True))
+    share = weight * diameter * leaf.density(diameter)
+    return diameter, share * (leaf.moment(1) / np.sum(share * diameter, axis=-1, keepdims=True))
 
 
 @lru_cache(maxsize=64)
@@ -126,7 +141,7 @@ def size_range(law: Law) -> tuple[float, float]:
         return float(law.density(np.array([diameter]))[0]) * (diameter / law.mean) ** power * diameter
 
     step = (high - low) / 16.0
-    while hard_ends(law)[1] is None and (weight(high, 8) > _LEFT_OUT or weight(2.0 * high, 8) > weight(high, 8)):
+    while not _hard_ends(law)[1] and (weight(high, 8) > _LEFT_OUT or weight(2.0 * high, 8) > weight(high, 8)):
         high, step = high + step, 1.25 * step
     low = max(low, 2.0**-200 * high)
     while weight(2.0 * low, 1) <= _LEFT_OUT and 4.0 * low < high:
@@ -134,21 +149,68 @@ def size_range(law: Law) -> tuple[float, float]:
     return low, high
 
 
-def hard_ends(law: Law) -> tuple[float | None, float | None]:
-    """Return the smallest and the largest diameter in um at which the density of a law jumps to 0; None if it fades."""
-    low, high = law.support
-    if low == high or parts_of(law):
-        return None, None
+def _hard_ends(leaf: Law) -> tuple[bool, bool]:
+    """Return whether the density of a law without parts jumps to 0 at its smallest and at its largest diameter."""
+    low, high = leaf.support
+    if low == high:
+        return False, False
     places = np.array([np.nextafter(low, -np.inf), low, high, np.nextafter(high, np.inf)])
-    below, first, last, above = law.density(places).tolist()
-    return low if low > 0.0 and below == 0.0 < first else None, high if above == 0.0 < last else None
+    below, first, last, above = leaf.density(places).tolist()
+    return low > 0.0 and below == 0.0 < first, above == 0.0 < last
 
 
 def is_one_size(law: Law) -> bool:
     """Return whether a law counts as a single size."""
-    return size_range(law)[0] == size_range(law)[1]
+    low, high = size_range(law)
+    return low == high
 
 
 def longest_life(model: Model) -> float:
     """Return 2 d of the largest diameter that counts, in um: beyond it nothing of the contact is left."""
     return 2.0 * size_range(model.sizes)[1]
+
+
+def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
+    """Return lam E[d^power unit(x/d)] at x >= 0 in um, sizes cut where x is the end or the middle of a life."""
+    found = np.empty(x.size)
+    for rows in np.array_split(np.arange(x.size), 1 + x.size // 4096):
+        some = x.ravel()[rows, None]
+        diameter, probability = cut_sizes(model.sizes, some * (0.5, 1.0))
+        found[rows] = np.sum(unit(some / diameter) * probability * diameter**power, axis=-1)
+    return model.birth_rate * found.reshape(x.shape)
+
+
+def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
+    """Return `over_sizes` as a function of x, for many sizes by a table; beyond the longest life it is constant.
+
+    It is even in u, x = c (exp(b u^2) - 1): closer at 0, where lives begin, and far apart in the rare longest lives.
+    """
+    if sizes_of(model.sizes).diameter.size < _FEWEST:
+        return lambda x: over_sizes(model, unit, power, x)
+    low, high = size_range(model.sizes)
+    scale = 0.5 * model.sizes.moment(2) / model.sizes.moment(1)
+    octaves = log1p(2.0 * high / scale)
+
+    def place(x: Doubles) -> Doubles:
+        return np.sqrt(np.minimum(np.log1p(x / scale) / octaves, 1.0))
+
+    knots = np.linspace(0.0, 1.0, _TABLE + 1)
+    if high < 2.0 * low:  # lives of nearly equal sizes turn within a narrow stretch, and end in another
+        turns = np.linspace(low, high, _TURNS)
+        knots = np.unique(np.concatenate([knots, place(turns), place(2.0 * turns)]))
+    spline = cubic_spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
+    return lambda x: spline(place(x))
+
+
+def over_phases(
+    law: Law, wavenumber: Doubles, followed: Callable[..., Any], settled: Callable[..., Any], power: int
+) -> Complexes:
+    """Return E[d^power g(k d)], g the first function where diameters follow its swing and the second beyond."""
+    sizes, k = sizes_of(law), wavenumber.ravel()
+    weight, found = sizes.probability * sizes.diameter**power, np.zeros(k.size, dtype=np.complex128)
+    for last in np.unique(sizes.followed).tolist():
+        part = sizes.followed == last
+        for rows in np.array_split(np.arange(k.size), 1 + k.size * int(part.sum()) // _AT_ONCE):
+            for some, unit in ((rows[k[rows] <= last], followed), (rows[k[rows] > last], settled)):
+                found[some] += unit(k[some, None] * sizes.diameter[part]) @ weight[part]
+    return found.reshape(wavenumber.shape)
