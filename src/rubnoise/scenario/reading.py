@@ -14,7 +14,7 @@ import numpy as np
 from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
-from rubnoise.scenario.checks import modelled, plausibility
+from rubnoise.scenario.checks import modelled
 from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput, Slider
 from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean
 from rubnoise.scenario.keys import ALTERNATIVES
@@ -163,14 +163,12 @@ def examined(
     if any(problem.message != "missing" for problem in formats):
         return None, [*given.problems, *formats]  # the other keys may well be right in that format
     given, unread = with_values(given, read)
-    document, problems = keys.read(given, from_python=from_python)
-    problems = [*given.problems, *formats, *unread, *problems]
-    model = tick = None
-    if document and not given.problems and not unread:
-        model, tick, more = modelled(document, given)
-        problems += [*plausibility(document, given), *more]
-    wrong = any(problem.severity == "error" and not problem.forbids_run for problem in problems)
-    if document is None or model is None or tick is None or wrong:
+    document, wrong, problems = keys.read(given, from_python=from_python)
+    wrong |= {_TABLE} if unread else set()
+    model, tick, more = modelled(document, given, wrong)
+    problems = [*given.problems, *formats, *unread, *problems, *more]
+    refused = wrong or any(each.severity == "error" and not each.forbids_run for each in problems)
+    if model is None or tick is None or refused:
         return None, problems
     return _scenario(given, document, model, tick, problems), problems
 

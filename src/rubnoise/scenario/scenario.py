@@ -87,7 +87,7 @@ class Scenario:
         >>> rubnoise.load("paper/fig5").to_toml().splitlines()[0]
         'format = 1'
         """
-        from rubnoise.scenario.writing import text_of
+        from rubnoise.scenario.text import text_of
 
         return text_of(self.resolved())
 
