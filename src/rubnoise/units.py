@@ -1,10 +1,9 @@
-"""Quantities as text, `NUMBER UNIT`: the number is read here, the size of a unit is pint's; inside all is um, s, kg.
+"""Quantities as text, `NUMBER UNIT`: an exact number and an exact size of its unit, in um, s and kg.
 
-pint never sees the number: given the whole text it turns "1,5 mm" into 15 mm, drops a Unicode minus, evaluates
-"5 mm + 3 mm" and hangs on powers of powers. Nor does it choose the units: to it a bit, a count and a radian are 1, so
-that an area may hold one; pa is a picoyear, kt a knot, and Kim 1024 m. The usual ones stand in a table with their
-sizes, so that reading an ordinary scenario does not pay the half second of loading pint; tests hold the table equal to
-pint.
+The grammar is narrow on purpose: "1,5 mm" is not 15 mm, a Unicode minus is not dropped, "5 mm + 3 mm" is refused, and
+so is a tower of powers. Nor is a bit, a count or a radian a unit, which libraries take for 1, so that an area may hold
+one. Sizes stand in a table, which tests hold equal to pint's; quantities of pint are taken from Python, and pint is
+loaded by those who make them.
 """
 
 import re
@@ -13,7 +12,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from functools import lru_cache
 from math import isfinite
 from numbers import Real
 from typing import Any, Self
@@ -26,44 +24,11 @@ _NAME = r"[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*"
 _FACTOR = rf"{_NAME}(?:(?:\^|\*\*)-?[0-9]{{1,2}}(?:\.[0-9]+)?)?"
 _UNIT = re.compile(rf"(?:1 ?/ ?)?{_FACTOR}(?:(?: ?[*/] ?| +){_FACTOR})*")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))( *)([^ ].*)")
+_FACTORS = re.compile(rf"([*/ ]*)({_NAME})(?:(?:\^|\*\*)(-?[0-9]+))?")
 _FOREIGN = re.compile(r"[^A-Za-z0-9\u00b5\u03bc%*/^. \-]")
 _MINUS_SIGNS = "\u2212\u2010\u2011\u2012\u2013\u2014\ufe63\uff0d"
 _COMMA = re.compile(r"(?<=[0-9]),(?=[0-9])")
 _BARE_POWER = re.compile(r"(?<=[A-Za-z\u00b5\u03bc])(-?[0-9])")
-
-_SI = ("m", "g", "s", "N", "Pa")
-_PREFIXES = ("", "f", "p", "n", "u", "\u00b5", "\u03bc", "m", "c", "d", "da", "h", "k", "M", "G", "T")
-_SI_WORDS = tuple(word + end for word in ("meter", "metre", "gram", "second", "newton", "pascal") for end in ("", "s"))
-_PREFIX_WORDS = (
-    "",
-    "femto",
-    "pico",
-    "nano",
-    "micro",
-    "milli",
-    "centi",
-    "deci",
-    "hecto",
-    "kilo",
-    "mega",
-    "giga",
-    "tera",
-)
-OTHERS = (
-    *("micron", "angstrom", "thou", "in", "inch", "ft", "foot", "feet", "yard", "mile"),
-    *("sec", "min", "minute", "h", "hr", "hour", "day", "t", "tonne", "oz", "ounce", "lb", "pound"),
-    *("lbf", "kgf", "dyn", "dyne", "bar", "mbar", "kbar", "atm", "psi", "ksi"),
-)
-"""Those beside the SI, which take no prefixes."""
-
-UNITS: frozenset[str] = frozenset(
-    (
-        *(prefix + unit for prefix in _PREFIXES for unit in _SI),
-        *(prefix + unit for prefix in _PREFIX_WORDS for unit in _SI_WORDS),
-        *OTHERS,
-    )
-)
-RATIOS = ("%", "percent", "ppm")
 
 
 class QuantityError(ValueError):
@@ -109,42 +74,76 @@ class Unit:
     """A unit: its exact size in working units (for a ratio: as a part of 1), and its dimension."""
 
     size: Fraction
-    dimension: tuple[int, ...]
+    dimension: tuple[int, int, int]
 
 
-def _usual(kind: Kind, sizes: dict[str, str], suffix: str = "", power: int = 1) -> dict[str, Unit]:
-    return {name + suffix: Unit(Fraction(size) ** power, kind.dimension) for name, size in sizes.items()}
-
-
-_MICRO, _MU = "\u00b5", "\u03bc"
-_LENGTHS = {
-    "nm": "1e-3",
-    "um": "1",
-    f"{_MICRO}m": "1",
-    f"{_MU}m": "1",
-    "mm": "1e3",
-    "cm": "1e4",
-    "m": "1e6",
-    "km": "1e9",
+_PREFIXES = (
+    *(("f", "femto", -15), ("p", "pico", -12), ("n", "nano", -9), ("u", "micro", -6), ("\u00b5", "micro", -6)),
+    *(("\u03bc", "micro", -6), ("m", "milli", -3), ("c", "centi", -2), ("d", "deci", -1), ("da", "", 1)),
+    *(("h", "hecto", 2), ("k", "kilo", 3), ("M", "mega", 6), ("G", "giga", 9), ("T", "tera", 12)),
+)
+_SI = {
+    "m": ("1e6", LENGTH, ("meter", "meters", "metre", "metres")),
+    "g": ("1e-3", MASS, ("gram", "grams")),
+    "s": ("1", TIME, ("second", "seconds")),
+    "N": ("1e6", FORCE, ("newton", "newtons")),
+    "Pa": ("1e-6", STRESS, ("pascal", "pascals")),
 }
-_FORCES = {"mN": "1e-3", "N": "1", "kN": "1e3"}
+_OTHERS = {
+    LENGTH: "micron 1, angstrom 1e-4, thou 25.4, in inch 25400, ft foot feet 304800, yard 914400, mile 1609344e3",
+    TIME: "sec 1, min minute 60, h hr hour 3600, day 86400",
+    MASS: "t tonne 1000, oz ounce 0.028349523125, lb pound 0.45359237",
+    FORCE: "lbf 4448221.6152605, kgf 9806650, dyn dyne 10",
+    STRESS: "bar 0.1, mbar 1e-4, kbar 100, atm 0.101325, psi 8896443230521/1290320000000000, "
+    "ksi 8896443230521/1290320000000",
+    RATIO: "% 1e-2, percent 1e-2, ppm 1e-6",
+}
+"""Sizes in working units of units without prefixes."""
+
+
+def _table() -> dict[str, Unit]:
+    """Return every unit by its names, also with prefixes: symbols before symbols, words before words."""
+    units: dict[str, Unit] = {}
+    for symbol, (size, kind, words) in _SI.items():
+        for mark, prefix, power in (("", "", 0), *_PREFIXES):
+            names = [mark + symbol, *(prefix + word for word in words if prefix or not mark)]
+            units |= dict.fromkeys(names, Unit(Fraction(size) * Fraction(10) ** power, kind.dimension))
+    for kind, told in _OTHERS.items():
+        for *names, size in map(str.split, told.split(",")):
+            units |= dict.fromkeys(names, Unit(Fraction(size), kind.dimension))
+    return units
+
+
+UNITS = _table()
+RATIOS = tuple(name for name, unit in UNITS.items() if unit.dimension == RATIO.dimension)
+
+
+def _product(text: str) -> Unit:
+    """Return the product of the units and powers that a text names."""
+    size, dimension = Fraction(1), (0, 0, 0)
+    for operator, name, power in _FACTORS.findall(text):
+        unit, exponent = UNITS[name], int(power or 1) * (-1 if "/" in operator else 1)
+        size *= unit.size**exponent
+        length, mass, time = (had + exponent * more for had, more in zip(dimension, unit.dimension, strict=True))
+        dimension = length, mass, time
+    return Unit(size, dimension)
+
+
+_FREQUENCIES = {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}
+_LENGTHS, _FORCES = ("nm", "um", "\u00b5m", "\u03bcm", "mm", "cm", "m", "km"), ("mN", "N", "kN")
 USUAL_UNITS: dict[str, Unit] = {
-    **_usual(LENGTH, _LENGTHS),
-    **_usual(AREA, _LENGTHS, "^2", 2),
-    **_usual(SPEED, _LENGTHS, "/s"),
-    **_usual(MASS, {"mg": "1e-6", "g": "1e-3", "kg": "1"}),
-    **_usual(STRESS, {"mPa": "1e-9", "Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3"}),
-    **_usual(STIFFNESS, _FORCES, "/m"),
-    **_usual(STIFFNESS, {"N/mm": "1e3"}),
-    **_usual(DAMPING, _FORCES, "*s/m"),
-    **_usual(DAMPING, _FORCES, " s/m"),
-    **_usual(INVERSE_SPEED, {"s/um": "1", "s/mm": "1e-3", "s/m": "1e-6"}),
-    **_usual(TIME, {"us": "1e-6", "ms": "1e-3", "s": "1"}),
-    **_usual(RATIO, {"%": "1e-2"}),
-    **_usual(FORCE, {"uN": "1", "mN": "1e3", "N": "1e6", "kN": "1e9"}),
-    **_usual(DENSITY, {"1/um^2": "1", "1/mm^2": "1e-6", "1/cm^2": "1e-8", "1/m^2": "1e-12"}),
-    **_usual(FREQUENCY, {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}),
-}
+    text: _product(text)
+    for text in (
+        *(f"{length}{end}" for end in ("", "^2", "/s") for length in _LENGTHS),
+        *("mg", "g", "kg", "mPa", "Pa", "kPa", "MPa", "GPa"),
+        *(f"{force}/m" for force in _FORCES),
+        "N/mm",
+        *(f"{force}{end}" for end in ("*s/m", " s/m") for force in _FORCES),
+        *("s/um", "s/mm", "s/m", "us", "ms", "s", "%", "uN", *_FORCES),
+        *("1/um^2", "1/mm^2", "1/cm^2", "1/m^2"),
+    )
+} | {name: Unit(Fraction(size), FREQUENCY.dimension) for name, size in _FREQUENCIES.items()}
+"""What a text usually says, and an axis of a page offers."""
 
 
 class Quantity(float):
@@ -225,7 +224,9 @@ def _read_unit(text: str, number: str) -> Unit:
             raise QuantityError(f'"{name}" is part of no other unit', f'right form: "{RATIO.example}"')
         if name not in UNITS:
             raise QuantityError(f'unknown unit "{name}"', _power_hint(text, number) or _name_hint(name))
-    return _sized_by_pint(text)
+    if re.search(r"(?:\^|\*)-?[0-9]+\.", text):
+        raise QuantityError(f'the unit "{text}" has no exact size in um, s and kg')
+    return _product(text)
 
 
 def _name_hint(name: str) -> str:
@@ -296,34 +297,12 @@ def from_pint(value: Any, *kinds: Kind) -> Quantity:
 
 def unit_name(unit: Any) -> Any:
     """Return a unit of pint as a text, anything else as it is."""
-    return f"{unit:~C}".replace(_MICRO, "u") if hasattr(unit, "m_from") else unit
+    return f"{unit:~C}".replace("\u00b5", "u") if hasattr(unit, "m_from") else unit
 
 
 def is_of_pint(value: Any) -> bool:
     """Whether a value is a quantity of pint, which need not be loaded for that."""
     return hasattr(value, "magnitude") and hasattr(value, "to") and hasattr(value, "units")
-
-
-@lru_cache(maxsize=256)
-def _sized_by_pint(text: str) -> Unit:
-    registry = _registry()
-    try:
-        units = registry.parse_units(text)
-        size, _ = registry.get_base_units(units)
-        dimension = units.dimensionality
-    except Exception:  # noqa: BLE001  (pint raises TypeError, OverflowError and more for odd powers)
-        raise QuantityError(f'"{text}" is no unit') from None
-    powers = tuple(dimension.get(name, 0) for name in ("[length]", "[mass]", "[time]"))
-    if not isinstance(size, (int, Fraction)) or any(power % 1 for power in powers):
-        raise QuantityError(f'the unit "{text}" has no exact size in um, s and kg')
-    return Unit(Fraction(size) * Fraction(10**6) ** int(powers[0]), tuple(int(power) for power in powers))
-
-
-@lru_cache(maxsize=1)
-def _registry() -> Any:
-    import pint
-
-    return pint.UnitRegistry(non_int_type=Fraction)
 
 
 def _split(text: str, kind: Kind) -> tuple[str, str]:

@@ -282,9 +282,13 @@ LINE = re.compile(
 
 def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
     arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=100 mm")
+    began = time.monotonic()
     code, first = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))
+    took = time.monotonic() - began
     assert code == 0
     assert first.count("Compiling the kernels") == 1
+    (said,) = re.findall(r"ticks, .*, in ([0-9.]+) s", first)
+    assert float(said) < 0.5 * took, "compiling is no part of the run's seconds"
     code, second = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))
     assert code == 0
     assert "Compiling" not in second

@@ -17,7 +17,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
 from rubnoise.pages import run_view
 from rubnoise.pages.run_view import RunView
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import PAPER, call
 from tests.pages.reading import PARTS, answer, data_of

@@ -22,7 +22,7 @@ from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario, build, loads
-from rubnoise.scenario.source import Source
+from rubnoise.scenario.text import read_toml
 from rubnoise.simulation.extent import extent
 from rubnoise.storage.reader import open_run
 from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
@@ -295,7 +295,7 @@ VALUES = st.recursive(
 def test_the_locator_finds_every_value_that_tomllib_reads(top: dict[str, str], below: dict[str, str]) -> None:
     lines = [f"{key} = {value} # note" for key, value in top.items()]
     lines += ["[table.'sub']", *(f'"{key}" . x = {value}' for key, value in below.items())]
-    source = Source("a.toml", "\n".join(lines))
+    source = read_toml("a.toml", "\n".join(lines))
     assert source.data == tomllib.loads(source.text)
     written = {(key,): value for key, value in top.items()} | {
         ("table", "sub", key, "x"): value for key, value in below.items()

@@ -11,7 +11,6 @@ from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Spread, Weibull, law_for
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import build, loads
-from rubnoise.scenario.reread import reread
 from rubnoise.scenario.sweep import load_sweep
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 from tests.unit.test_scenario_traps import shown
@@ -357,12 +356,3 @@ def test_a_law_of_births_takes_its_own_keys_and_no_others(law: str) -> None:
 def test_clusters_wider_than_ten_thousand_spacings_are_refused() -> None:
     wide = f'{BARE}[birth]\nlaw = "clustered"\ncluster_size = 3\ncluster_width = "1 m"\n'
     assert "birth.cluster_width: 1e+06 um is 1.83e+06 mean spacings of births" in refusal(wide)
-
-
-def test_a_text_without_calibration_means_what_it_meant_to_an_older_run() -> None:
-    text = BARE + '[diameter]\nlaw = "lognormal"\nspread = "50 %"\n'
-    older = loads(text, overrides=["interface.calibration=exact"]).resolved()
-    assert reread(text, older).resolved == older
-    assert reread(text, loads(text).resolved()).resolved == loads(text).resolved() != older
-    says = text.replace("[sliding]", 'calibration = "matched"\n[sliding]')
-    assert reread(says, older).resolved != older

@@ -502,3 +502,15 @@ def test_what_contradicts_a_load_is_said_beside_everything_else() -> None:
     report = refusal(text.replace('speed = "1 mm/s"', 'speed = "1 mm"').replace("[diameter]\n", ""))
     for key in ("birth.law", "slider.coupling", "sliding.speed", "load.mass", "load.damping"):
         assert report.count(f"error: {key}: ") == 1, report
+
+
+def test_everything_that_is_wrong_is_said_at_once() -> None:
+    """Keys, their combinations, and what follows from them: no table that is wrong hides what is wrong with others."""
+    changed = WHOLE.replace("[run]", "[rum]").replace("damping =", 'coupling = "two-way"\ndamping =')
+    changed = changed.replace('"300 N/m"', '"300 N"').replace('tick = "0.1 um"', 'tick = "1 m"\ntock = 3')
+    changed += '[birth]\nlaw = "clustered"\n[load]\nheight_scale = "0.5 um"\nmass = "5 um"\ndamping = 1,5\n'
+    assert {head.split(": ")[2] for head in refusal(changed).splitlines() if ": error: " in head} == {
+        *("birth.cluster_size", "birth.cluster_width", "birth.law", "diameter.law", "diameter.spread"),
+        *("interface.calibration", "interface.load", "load.damping", "load.mass", "output.tick", "output.tock"),
+        *("rum", "slider.coupling", "slider.stiffness"),
+    }

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rubnoise.scenario import build, limits, load
+from rubnoise.scenario import build, load
 from rubnoise.scenario.points import Point, canonical, run_id
 from rubnoise.scenario.sweep import Sweep, expand, load_either, load_sweep
+from rubnoise.scenario.sweep_table import SWEEP_POINTS
 from rubnoise.streams import SEED_LIMIT
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
 
@@ -258,10 +259,8 @@ def test_values_are_judged_as_the_key_judges_them_each_once(tmp_path: Path) -> N
         f"s.toml:{START + 5}: error: interface.mean_junction_count: needs a number, not a text",
         f"s.toml:{START + 5}: error: interface.mean_junction_count: needs a number, not a list",
     ]
-    assert (
-        '    interface.mean_junction_count = [10, -3, "20", [1]]\n                                         ^^\n'
-        in report
-    )
+    shown = '    interface.mean_junction_count = [10, -3, "20", [1]]\n'
+    assert f"{shown}{' ' * shown.index('[')}{'^' * 19}\n" in report
 
 
 def test_everything_is_told_at_once(tmp_path: Path) -> None:
@@ -339,7 +338,7 @@ def test_too_many_are_refused_before_any_is_looked_at(tmp_path: Path) -> None:
     head = f"s.toml:{START + 1}: error: sweep: too many: 20,000 points, 20,000 runs with replicates; "
     assert report.splitlines()[0].startswith(head)
     assert "too many: 6 points, 120,000 runs" in sweep_refusal(tmp_path, GRID, "sweep.replicates=20000")
-    assert limits.SWEEP_POINTS < 20_000
+    assert SWEEP_POINTS < 20_000
 
 
 def test_what_is_no_sweep_is_told_so(tmp_path: Path) -> None:

@@ -13,10 +13,9 @@ from rubnoise.figure_names import QUANTITIES
 from rubnoise.record.tally import Tally
 from rubnoise.runs.measuring import Measurement, measured
 from rubnoise.runs.stopping_rule import AdaptiveReplicates
-from rubnoise.scenario import limits
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
-from rubnoise.scenario.sweep_table import FEWEST, Precision
+from rubnoise.scenario.sweep_table import FEWEST, SWEEP_RUNS, Precision
 from rubnoise.simulation.run import simulate
 from tests.models import model
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
@@ -74,7 +73,7 @@ def test_what_is_wrong_is_told_where_it_stands(tmp_path: Path, lines: list[str],
 
 
 def test_runs_that_a_precision_may_come_to_are_counted(tmp_path: Path) -> None:
-    most = limits.SWEEP_RUNS // 6 + 1
+    most = SWEEP_RUNS // 6 + 1
     report = sweep_refusal(tmp_path, _line("precision = 0.1", f"most_replicates = {most}"))
     assert "sweep: too many: 6 points, 100,002 runs with replicates" in report
     assert "fewer values or most_replicates" in report

@@ -16,7 +16,7 @@ from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.model import Model
 from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 from rubnoise.simulation import draws
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import exact

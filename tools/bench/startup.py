@@ -16,7 +16,7 @@ from bench.case import Case
 from bench.checks import Wrong
 from bench.clock import Task, Timing, cpu_time, interleaved
 from bench.entrants import FASTEST
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 
 PROGRAM = Path(sys.executable).with_name("rubnoise")
 FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"

@@ -12,7 +12,7 @@ from rubnoise.api import keywords
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
 from rubnoise.inference import inference
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import SPEED, STRESS
 

@@ -23,7 +23,7 @@ from rubnoise.scenario import Scenario
 from rubnoise.scenario.layers import plain
 from rubnoise.scenario.reading import place_of
 from rubnoise.scenario.sweep import Sweep, loads_sweep
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 from rubnoise.storage.output import check_locks
 
 ProgressWatch = Callable[[SweepProgress], None]

@@ -40,8 +40,7 @@ def command(
 
     Example: rubnoise new contact.toml
     """
-    from rubnoise.scenario.shipped import copy_of
-    from rubnoise.scenario.template import template
+    from rubnoise.scenario.template import copy_of, template
     from rubnoise.storage.output import whole_file
 
     text = template() if source is None else copy_of(source)

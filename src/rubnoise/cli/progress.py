@@ -242,7 +242,20 @@ def announce_compilation_by_workers() -> None:
 @cache
 def _say_compiling() -> None:
     begin = "\r" if on_terminal() else ""  # over what a terminal shows of the run
-    print(f"{begin}Compiling the kernels; this happens once and takes up to a minute.", file=sys.stderr)
+    print(
+        f"{begin}Compiling the kernels of this kind of motion; this happens once and takes up to a minute.",
+        file=sys.stderr,
+    )
+
+
+@contextmanager
+def stopwatch() -> Iterator[Callable[[], float]]:
+    """Yield a function that returns the seconds since the start, without those in which kernels were compiled."""
+    from numba.core.event import TimingListener, install_listener
+
+    began = time.monotonic()
+    with install_listener("numba:compile", TimingListener()) as compiling:  # type: ignore[no-untyped-call]
+        yield lambda: time.monotonic() - began - (compiling.duration if compiling.done else 0.0)
 
 
 def clock(seconds: float) -> str:

@@ -1,7 +1,6 @@
 """`rubnoise run`: a scenario file in, a result file out, and a few lines about it."""
 
 import sys
-import time
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,7 +21,7 @@ from rubnoise.cli.layout import (
     too_short_for_motion,
 )
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
-from rubnoise.cli.progress import Watcher, announce_compilation, interrupted_at_once, on_terminal, watching
+from rubnoise.cli.progress import Watcher, announce_compilation, interrupted_at_once, on_terminal, stopwatch, watching
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -75,13 +74,12 @@ def command(
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
     prepare_kernels()
     doubts = _doubts(scenario, quiet=quiet or as_json)
-    began = time.monotonic()
-    with _watching(scenario, quiet=quiet or as_json) as watcher:
+    with _watching(scenario, quiet=quiet or as_json) as watcher, stopwatch() as seconds:
         watcher.counting()
         result = rubnoise.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
+        took = seconds()
     with result:
-        seconds, warnings = time.monotonic() - began, [*scenario.warnings, *doubts]
-        _print_result(result, path, seconds, warnings, as_json=as_json, quiet=quiet)
+        _print_result(result, path, took, [*scenario.warnings, *doubts], as_json=as_json, quiet=quiet)
 
 
 def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: bool) -> None:

@@ -22,7 +22,7 @@ from rubnoise.model import Model
 from rubnoise.pages.page import HERE, coded, written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.web_page import part, web_page
 

@@ -21,8 +21,8 @@ from rubnoise.runs.index import DONE, FAILED, figures_in, index_of
 from rubnoise.runs.point_file import SUFFIXES, Keep, RunFigures, read_summary, resolved_in, run_in, summarised
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.reading import stored, stored_sizes
-from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Sweep, loads_sweep
+from rubnoise.scenario.text import read_toml
 from rubnoise.storage.index import (
     POINTS,
     RUNS,
@@ -225,7 +225,7 @@ def _sweep_in(notes: Notes, index: IndexFile, results: Results, left_out: list[L
         sweep = loads_sweep(text, "scenario_toml", asked.overrides if asked else (), kept)
         points = points_of(sweep.cases, sweep.replicates)
     except ScenarioRefused as refusal:
-        if "extends" in Source("scenario_toml", text).data:
+        if "extends" in read_toml("scenario_toml", text).data:
             reason = "it extends a file that is not kept, and is not compared"
             left_out.append(LeftOut(name="index scenario_toml", reason=reason))
         else:

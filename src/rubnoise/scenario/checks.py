@@ -1,14 +1,13 @@
 """Problems and warnings of a scenario whose keys are all valid: plausibility, ticks, calibration, cost."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from typing import Final
 
 from rubnoise.contact.births import ScatteredBirths
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.contact.off_centre import pulse_of
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.scenario import limits
-from rubnoise.scenario.document import AREAS, COUNTS, SECTIONS, Diameter, Document, Strength
+from rubnoise.scenario.document import AREAS, COUNTS, LIVE_JUNCTIONS, SECTIONS, Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
@@ -23,6 +22,7 @@ _LOAD: Path = ("interface", "load")
 _PATCH: Path = ("interface", "patch_area")
 _CALIBRATION: Path = ("interface", "calibration")
 _WIDTH: Path = ("birth", "cluster_width")
+RESULT_ROWS: Final = 2_000_000_000
 _FEW_ASPERITIES = 0.3
 _EXCITATION: Path = ("slider", "excitation")
 _MOST_SPACINGS = 1e4
@@ -60,32 +60,48 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
     return ""
 
 
-def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
-    """Return the model and its tick, or None and the reason; and the problems that forbid a run of the model."""
-    if problems := [*_contact_problems(document, layers), *_free_problems(document, layers)]:
+def modelled(
+    document: Document, layers: Layers, wrong: Collection[str] = ()
+) -> tuple[Model | None, Quantity | None, list[Problem]]:
+    """Return the model and its tick, None if there is none; and all problems that can be seen in it.
+
+    In place of a ``wrong`` table stands its default: no check that needs it is made.
+    """
+    problems = [*plausibility(document, layers), *_excitation_problems(document, layers, wrong)]
+    if document.strength:
+        problems += _width_problems(layers, "strength", document.strength, float(document.strength.mean))
+    if "interface" not in wrong:
+        problems += (impossible := [*_contact_problems(document, layers), *_free_problems(document, layers)])
+    if document.output.tick and "sliding" not in wrong:
+        problems += _distance_problems(document, layers, document.output.tick)
+    if "interface" in wrong or impossible or {"diameter", "pulse"} & set(wrong):
         return None, None, problems
     try:
         diameter = diameter_of(document)
     except NoMatchingDiameter as error:
-        return None, None, [_unmatched(layers, error)]
+        problems.append(_unmatched(layers, error))
     except PaperMeansLens as error:
-        return None, None, [layers.problem(_CALIBRATION, str(error), 'calibration = "exact" or "matched"')]
-    tick = document.output.tick or default_tick(diameter)
-    problems = [*_tick_problems(document, layers, tick, diameter), *_width_problems(document, layers, diameter)]
-    if problems:
-        return None, None, problems
-    model = model_of(document, diameter, tick)
-    return (
-        model,
-        tick,
-        [
-            *_excitation_problems(document, layers, model),
-            *_cluster_problems(layers, model),
-            *_crowd_problems(layers, model),
-            *_cost_problems(document, layers, model),
-            *_resonance_problems(document, layers, model),
-        ],
-    )
+        problems.append(layers.problem(_CALIBRATION, str(error), 'calibration = "exact" or "matched"'))
+    else:
+        tick = document.output.tick or default_tick(diameter)
+        problems += _tick_problems(document, layers, tick, diameter)
+        if not document.output.tick and not {"sliding", "output"} & set(wrong):
+            problems += _distance_problems(document, layers, tick)
+        too_wide = list(_width_problems(layers, "diameter", document.diameter, diameter))
+        if not too_wide:
+            model = model_of(document, diameter, tick)
+            return model, tick, [*problems, *_model_problems(document, layers, model, wrong)]
+        problems += too_wide
+    return None, None, problems
+
+
+def _model_problems(document: Document, layers: Layers, model: Model, wrong: Collection[str]) -> Iterator[Problem]:
+    if "birth" not in wrong:
+        yield from _cluster_problems(layers, model)
+    yield from _crowd_problems(layers, model)
+    if not {"sliding", "output"} & set(wrong):
+        yield from _cost_problems(document, layers, model)
+        yield from _resonance_problems(document, layers, model)
 
 
 def _resonance_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
@@ -110,7 +126,7 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
             yield layers.problem(path, f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}")
 
 
-def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
+def _excitation_problems(document: Document, layers: Layers, wrong: Collection[str]) -> Iterator[Problem]:
     """Refuse excitations without a run, heights without equal sizes, and sums of asperities without `heights = "sum"`.
 
     A base is lifted by triangles: with lives of another shape only theory knows it.
@@ -118,15 +134,16 @@ def _excitation_problems(document: Document, layers: Layers, model: Model) -> It
     slider = document.slider
     if slider is None or slider.excitation in {None, "friction"}:
         return
-    if slider.excitation != "base" or model.pulse != TRIANGLE:
+    if slider.excitation != "base" or (document.pulse.shape != "triangle" and "pulse" not in wrong):
         why, hint = ("", "") if slider.excitation != "base" else (" of such lives", 'pulse.shape = "triangle"')
         message = f'the excitation "{slider.excitation}"{why} has no run: rubnoise theory works it out'
         yield layers.problem(_EXCITATION, message, hint, forbids_run=True)
     if slider.excitation == "base" and document.diameter.law != "fixed":
         message = "excitation by the base is known for equal diameters alone"
         yield layers.problem(_EXCITATION, message, 'diameter.law = "fixed"')
-    if slider.excitation == "base" and model.mean_junction_count > _FEW_ASPERITIES and slider.heights != "sum":
-        message = f"{model.mean_junction_count:g} asperities at once: a rigid body rides on the highest"
+    count = 0.0 if "interface" in wrong else area_and_count(document.interface)[1]
+    if slider.excitation == "base" and count > _FEW_ASPERITIES and slider.heights != "sum":
+        message = f"{count:g} asperities at once: a rigid body rides on the highest"
         hint = f'at most {_FEW_ASPERITIES:g}, or slider.heights = "sum" if sums are wanted'
         yield layers.problem(_COUNT, message, hint)
 
@@ -160,11 +177,14 @@ def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
 
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:
-    distance = document.sliding.distance
     life = pulse_of(document.pulse.shape, document.pulse.offset).mean_life * diameter
     if tick > life:
         message = f"longer than the mean life of a junction ({life:.6g} um); a trace would miss whole lives"
         yield layers.problem(_TICK, message, f'about "{life / 200.0:.2g} um" resolves a life well')
+
+
+def _distance_problems(document: Document, layers: Layers, tick: Quantity) -> Iterator[Problem]:
+    distance = document.sliding.distance
     if tick.exact > distance.exact:
         path = _TICK if document.output.tick else _DISTANCE
         message = "the tick is longer than the distance: only the start would be written"
@@ -172,17 +192,13 @@ def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter:
         yield layers.problem(path, message, hint)
 
 
-def _width_problems(document: Document, layers: Layers, diameter: float) -> Iterator[Problem]:
+def _width_problems(layers: Layers, table: str, quantity: Diameter | Strength, centre: float) -> Iterator[Problem]:
     """Refuse laws with a long tail that are wider than their numerics allow; the normal law has no limit."""
-    quantities: list[tuple[str, Diameter | Strength, float]] = [("diameter", document.diameter, diameter)]
-    if document.strength:
-        quantities.append(("strength", document.strength, float(document.strength.mean)))
-    for name, quantity, centre in quantities:
-        path, spread = (name, "spread"), spread_of(quantity)
-        ratio, widest = spread.std(centre) / centre, spread.entry.widest
-        if ratio > widest * (1.0 + 1e-12):
-            message = f'{ratio:.4g} times the mean is too wide for the law "{quantity.law}"'
-            yield layers.problem(path, message, f'up to "{100.0 * widest:g} %"')
+    spread = spread_of(quantity)
+    ratio, widest = spread.std(centre) / centre, spread.entry.widest
+    if ratio > widest * (1.0 + 1e-12):
+        message = f'{ratio:.4g} times the mean is too wide for the law "{quantity.law}"'
+        yield layers.problem((table, "spread"), message, f'up to "{100.0 * widest:g} %"')
 
 
 def _where_from(document: Document) -> str:
@@ -192,8 +208,8 @@ def _where_from(document: Document) -> str:
 def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     """Refuse a contact in which drawing again makes lives so long that memory cannot hold the junctions."""
     alive = model.mean_junction_count * (model.sizes.moment(1) / model.calibrated_diameter)
-    if alive > limits.LIVE_JUNCTIONS:
-        message = f"{alive:.3g} junctions alive at once expected; at most {limits.LIVE_JUNCTIONS:.0e}"
+    if alive > LIVE_JUNCTIONS:
+        message = f"{alive:.3g} junctions alive at once expected; at most {LIVE_JUNCTIONS:.0e}"
         yield layers.problem(_COUNT, message, "fewer junctions or a smaller diameter.spread", forbids_run=True)
 
 
@@ -202,11 +218,11 @@ def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator
     # Those alive at the start are at most a two-thousandth of the limit (`_crowd_problems`).
     junctions = model.birth_rate * model.distance
     ticks = model.tick_count + 1
-    if junctions + ticks <= limits.RESULT_ROWS:
+    if junctions + ticks <= RESULT_ROWS:
         return
     message = (
         f"too long a run: {junctions:.3g} junctions and {float(ticks):.3g} ticks expected; "
-        f"at most {limits.RESULT_ROWS:.0e} rows"
+        f"at most {RESULT_ROWS:.0e} rows"
     )
     hint = f"make sliding.distance shorter or output.tick longer{_where_from(document)}"
     yield layers.problem(_DISTANCE, message, hint, forbids_run=True)

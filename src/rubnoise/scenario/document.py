@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final, get_args, get_type_hints
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS, LawEntry
-from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number, Parts, Range, Sizes
 from rubnoise.scenario.section import Section, key, keys_of, needed
 from rubnoise.streams import SEED_LIMIT
@@ -20,7 +19,10 @@ from rubnoise.units import AREA, DAMPING, FORCE, INVERSE_SPEED, LENGTH, MASS, RA
 FORMAT: Final = 1
 ONE_STRENGTH: Final = "constant"
 """The strength table's word for the law that the registry calls fixed."""
-AREAS, COUNTS = Range(1e-12, 1e18), Range(1e-6, limits.LIVE_JUNCTIONS)
+LIVE_JUNCTIONS: Final = 1e6
+"""A block of a run holds about eleven times as many junctions as are alive at once, at some 500 bytes each."""
+
+AREAS, COUNTS = Range(1e-12, 1e18), Range(1e-6, LIVE_JUNCTIONS)
 """Mean real contact areas in um^2 and mean numbers of junctions that are possible."""
 _MASS: Final = Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6))
 _DAMPING: Final = Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9))

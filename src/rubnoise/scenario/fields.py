@@ -15,8 +15,9 @@ from math import isfinite
 from typing import Any, Final
 
 from rubnoise.contact.laws import LAWS
-from rubnoise.scenario.limits import TITLE_CHARACTERS
 from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, QuantityError, from_pint, is_of_pint, read_quantity
+
+TITLE_CHARACTERS: Final = 200
 
 # Letters and marks that print as nothing, such as fillers; and selectors of a variant without a sign before them.
 _SELECTORS = "\u180b-\u180d\u180f\ufe00-\ufe0f\U000e0100-\U000e01ef"

@@ -1,19 +1,30 @@
 """Find problems of keys: unknown, missing, in the wrong table, or with an invalid value."""
 
 from collections.abc import Collection, Iterator, Mapping
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Final
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE
-from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Diameter, Document, presence
+from rubnoise.scenario.document import (
+    FORMAT,
+    ONE_STRENGTH,
+    SECTIONS,
+    TOP,
+    Diameter,
+    Document,
+    Interface,
+    Sliding,
+    presence,
+)
 from rubnoise.scenario.fields import Measure, Unfit, did_you_mean
-from rubnoise.scenario.layers import Layers, Overlay, Values
+from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
 from rubnoise.scenario.section import Key, Section, keys_of, right_form
-from rubnoise.units import RATIO, Quantity
+from rubnoise.units import LENGTH, RATIO, Quantity
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
 SWEEP = "sweep"
@@ -26,6 +37,7 @@ ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
 """Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
 
 DAMPINGS: Final = (("damping",), ("damping_ratio",))
+_ANY_DISTANCE: Final = Sliding(distance=Quantity(Fraction(1), LENGTH))
 LOSSES: Final = tuple((key,) for key in FREE_MOTION)
 """Ways to say what a load that weighs loses: of first order, and in free motion, which may have the others, too."""
 
@@ -38,19 +50,23 @@ def format_problems(layers: Layers) -> list[Problem]:
         if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
             message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
             problems.append(layers.problem(("format",), message, place=source.value_place(("format",))))
-        elif version is None and not isinstance(source, (Overlay, Values)) and not layers.problems:
+        elif version is None and source.kind == "file" and not layers.problems:
             hint = "the first line of the file: format = 1"
             problems.append(layers.problem(("format",), "missing", hint, place=source.key_place(())))
     return problems
 
 
-def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Problem]]:
-    """Return the document, or None and the problems of its keys, alone and in combination.
+def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list[Problem]]:
+    """Return the document, the tables of it that are wrong, and the problems of all keys, alone and in combination.
 
-    If a source has broken lines, no key counts as missing, since it may be in one of those.
+    A default stands in for a wrong table. If a line is broken, it may be any key of its table; if it is in no table,
+    of any.
     """
     layers = completed(layers)
-    problems = [] if layers.problems else list(_rule_problems(layers))
+    paths = [problem.path for problem in layers.problems]
+    broken = {str(name) for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
+    problems = [each for each in _rule_problems(layers) if each.path[0] not in broken]
+    wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each.path == ("pulse", "offset")}
     values: dict[str, Any] = {}
     for name, given in {"format": FORMAT, **layers.data}.items():
         if name in TOP:
@@ -58,23 +74,26 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Pr
         elif name not in SECTIONS:
             problems.append(_unknown(layers, (name,)))
         elif isinstance(given, Mapping):
-            values[name] = _section(layers, problems, name, given, from_python=from_python)
+            values[name] = _section(layers, problems, name, given, from_python=from_python, whole=name not in broken)
         elif given is not None or presence(name) != "optional":
             problems.append(layers.problem((name,), "needs a table", f"a line [{name}] with its keys below"))
     for name in SECTIONS:
         if name not in layers.data and presence(name) == "needed":
-            values[name] = _section(layers, problems, name, {}, from_python=from_python)
-    return (None if problems else Document(**values)), problems
+            values[name] = _section(layers, problems, name, {}, from_python=from_python, whole=name not in broken)
+    wrong |= {name for name, value in values.items() if name in SECTIONS and value is None}
+    right = {name: value for name, value in values.items() if name not in wrong}
+    return Document(**{"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE, **right}), wrong, problems
 
 
 def _section(
-    layers: Layers, problems: list[Problem], name: str, given: Mapping[str, Any], *, from_python: bool
+    layers: Layers, problems: list[Problem], name: str, given: Mapping[str, Any], *, from_python: bool, whole: bool
 ) -> Section | None:
-    """Return a table, or None if something is wrong with it, which joins the problems."""
-    known, before = keys_of(SECTIONS[name]), len(problems)
+    """Return a table, or None without a right value of a key; what is wrong joins the problems."""
+    known = keys_of(SECTIONS[name])
     problems += [_unknown(layers, (name, key)) for key in given if key not in known]
     lacking = [key for key, about in known.items() if about.is_needed and key not in given]
-    problems += [missing(layers, (name, key)) for key in lacking if not layers.problems]
+    problems += [missing(layers, (name, key)) for key in lacking if whole]
+    before = len(problems)
     values = _values(layers, problems, (name,), given, from_python=from_python)
     return SECTIONS[name](**values) if len(problems) == before and not lacking else None
 

@@ -40,6 +40,11 @@ class Problem:
         """The key as written in TOML, with dots."""
         return ".".join(_shown_text(str(part)) for part in self.path)
 
+    @property
+    def is_missing(self) -> bool:
+        """Whether a scenario lacks the key."""
+        return self.message.startswith("missing")
+
     def __str__(self) -> str:
         """Return the problem as it is printed."""
         place = self.place

@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import replace
+from dataclasses import fields, replace
 from hashlib import sha256
 from pathlib import Path as FilePath
 from typing import Any
@@ -14,8 +14,8 @@ import numpy as np
 from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
-from rubnoise.scenario.checks import modelled, plausibility
-from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput, Slider
+from rubnoise.scenario.checks import modelled
+from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput
 from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
@@ -163,38 +163,24 @@ def examined(
     if any(problem.message != "missing" for problem in formats):
         return None, [*given.problems, *formats]  # the other keys may well be right in that format
     given, unread = with_values(given, read)
-    document, problems = keys.read(given, from_python=from_python)
-    problems = [*given.problems, *formats, *unread, *problems]
-    model = tick = None
-    if document and not given.problems and not unread:
-        model, tick, more = modelled(document, given)
-        problems += [*plausibility(document, given), *more]
-    wrong = any(problem.severity == "error" and not problem.forbids_run for problem in problems)
-    if document is None or model is None or tick is None or wrong:
+    document, wrong, problems = keys.read(given, from_python=from_python)
+    wrong |= {_TABLE} if unread else set()
+    model, tick, more = modelled(document, given, wrong)
+    problems = [*given.problems, *formats, *unread, *problems, *more]
+    refused = wrong or any(each.severity == "error" and not each.forbids_run for each in problems)
+    if model is None or tick is None or refused:
         return None, problems
     return _scenario(given, document, model, tick, problems), problems
 
 
-def _complete(slider: Slider | None) -> Slider | None:
-    """Return a slider with the default tolerance of a two-way motion."""
-    if slider is None or slider.coupling == "one-way" or slider.tolerance is not None:
-        return slider
-    return replace(slider, tolerance=TOLERANCE)
-
-
 def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, problems: list[Problem]) -> Scenario:
+    """Return the scenario of a document that is right, with the defaults that follow from other keys."""
+    slider, values = document.slider, {each.name: getattr(document, each.name) for each in fields(document)}
+    if slider is not None and slider.coupling == "two-way" and slider.tolerance is None:
+        values["slider"] = replace(slider, tolerance=TOLERANCE)
+    values["output"] = SampledOutput(tick=tick, compression=document.output.compression)
     return Scenario(
-        title=document.title,
-        interface=document.interface,
-        diameter=document.diameter,
-        birth=document.birth,
-        pulse=document.pulse,
-        strength=document.strength,
-        sliding=document.sliding,
-        slider=_complete(document.slider),
-        load=document.load,
-        output=SampledOutput(tick=tick, compression=document.output.compression),
-        run=document.run,
+        **values,
         name=given.main.name,
         text=given.main.text,
         warnings=tuple(str(each) for each in in_order(problems) if each.severity == "warning"),

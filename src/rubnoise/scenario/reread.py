@@ -1,22 +1,20 @@
 """Read a text with its overrides again, to compare it with a run that was made from it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario.keys import SWEEP
-from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
+from rubnoise.scenario.layers import from_text, from_text_over, from_values
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
-from rubnoise.scenario.reading import checked, examined, replaced, stored_sizes
-from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.source import Source
-from rubnoise.scenario.sweep import PointOverlay
+from rubnoise.scenario.reading import checked, examined, stored_sizes
+from rubnoise.scenario.sweep import point_source
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
+from rubnoise.scenario.text import read_toml
 
 NAME: Final = "scenario_toml"
-_FIRST_CALIBRATION: Final = "exact"  # what a text without the key meant when older runs were made
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,40 +35,18 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
     ``run`` is the resolved scenario of the run. Raises ScenarioRefused if the text is not a scenario, or its sweep
     has no such point.
     """
-    self_contained = "extends" not in Source(NAME, text).data
+    self_contained = "extends" not in read_toml(NAME, text).data
     given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
-    interface = given.data.get("interface")
-    unsaid = isinstance(interface, dict) and "calibration" not in interface
-    if unsaid and run["interface"].get("calibration") == _FIRST_CALIBRATION:
-        given = from_text(text, NAME, [*overrides, f"interface.calibration={_FIRST_CALIBRATION}"])
-    if SWEEP in given.data:
-        return _point(given, run, self_contained=self_contained)
-    return Reread(resolved=checked(given, stored_sizes(run)).resolved(), self_contained=self_contained)
-
-
-def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
-    """Return a scenario with the defaults of the time of its run, whose resolved scenario is ``made``.
-
-    If neither has the calibration, it was exact, and not today's default.
-    """
-    interface = made.get("interface")
-    first = isinstance(interface, Mapping) and interface.get("calibration") == _FIRST_CALIBRATION
-    if not first or "calibration" in scenario.given.get("interface", {}):
-        return scenario
-    return replace(replaced(scenario, {"interface.calibration": _FIRST_CALIBRATION}), text=scenario.text)
-
-
-def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Reread:
+    if SWEEP not in given.data:
+        return Reread(resolved=checked(given, stored_sizes(run)).resolved(), self_contained=self_contained)
     table, wrong = read_table(given)
     if given.problems or wrong:
         raise ScenarioRefused(report([*given.problems, *wrong]))
-    choice = PointOverlay(NAME, "", origin=given, axes=table.axes, indices=_indices(table, run))
-    scenario = checked(given.topped(choice, without=SWEEP), stored_sizes(run))
-    replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
-    seeds = frozenset(point.seed for point in replicates)
-    return Reread(
-        resolved=scenario.resolved(), seeds=seeds if self_contained else frozenset(), self_contained=self_contained
-    )
+    values, source = point_source(given, table, _indices(table, run))
+    scenario = checked(given.topped(source, without=SWEEP), stored_sizes(run))
+    replicates = points_of([Case(values=values, scenario=scenario)], table.settings.most_replicates)
+    seeds = frozenset(point.seed for point in replicates if self_contained)
+    return Reread(resolved=scenario.resolved(), seeds=seeds, self_contained=self_contained)
 
 
 def _indices(table: Table, run: Mapping[str, Any]) -> tuple[int, ...]:

@@ -25,7 +25,7 @@ from rubnoise.units import LENGTH, RATIO, Quantity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Scenario:
+class Scenario(sections.Document):
     """The sections of a scenario file, with values in um, s, kg, uN, MPa, N/m, N s/m and defaults filled in.
 
     ``text`` is the file as read, ``warnings`` are texts about doubtful values, ``physics`` is the model, ``given`` are
@@ -38,17 +38,7 @@ class Scenario:
     (1000.0, 300.0, 1)
     """
 
-    title: str
-    interface: sections.Interface
-    diameter: sections.Diameter
-    birth: sections.Birth
-    pulse: sections.Pulse
-    strength: sections.Strength | None
-    sliding: sections.Sliding
-    slider: sections.Slider | None
-    load: sections.Load | None
     output: sections.SampledOutput
-    run: sections.Run
     name: str
     text: str
     warnings: tuple[str, ...]
@@ -87,7 +77,7 @@ class Scenario:
         >>> rubnoise.load("paper/fig5").to_toml().splitlines()[0]
         'format = 1'
         """
-        from rubnoise.scenario.writing import text_of
+        from rubnoise.scenario.text import text_of
 
         return text_of(self.resolved())
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from rubnoise.scenario.fields import Field
-from rubnoise.scenario.writing import toml_value
+from rubnoise.scenario.text import toml_value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

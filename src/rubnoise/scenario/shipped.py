@@ -71,19 +71,3 @@ def _title(path: Path) -> str:
     if "title" in data:
         return str(data["title"])
     return _title(path.parent / data["extends"]) if "extends" in data else ""
-
-
-def copy_of(name: str) -> str:
-    """Return the text of a shipped scenario as a complete file; the keys that it extends come before its own.
-
-    Raises Refused, with near names, for an unknown name.
-    """
-    from rubnoise.scenario.writing import as_toml
-
-    path = by_name(name)
-    text = path.read_text(encoding="utf-8")
-    if "extends" in tomllib.loads(text):
-        return as_toml(path)
-    # A first line may name a schema, by a path that holds in the checkout alone.
-    first, _, rest = text.partition("\n")
-    return rest if first.startswith("#:schema") else text

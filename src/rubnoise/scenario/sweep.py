@@ -12,12 +12,13 @@ from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
 from rubnoise.scenario.keys import SWEEP
-from rubnoise.scenario.layers import Layers, Overlay
+from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.points import Case, Point, points_of, run_id
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_table import Axis, Keep, Precision, Table, read_table
+from rubnoise.scenario.sweep_table import Keep, Precision, Table, read_table
+from rubnoise.scenario.text import Source
 from rubnoise.tables import fields_as_text
 
 _NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
@@ -94,41 +95,23 @@ _ENGINE_OF_SWEEPS = "batch"
 """Many runs are made by the faster engine if the file names none; it gives the same bits."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PointOverlay(Overlay):
-    """The layer of one point on top of the file: a value for every swept key, from the list of its axis."""
+def point_source(given: Layers, table: Table, indices: tuple[int, ...]) -> tuple[dict[str, Any], Source]:
+    """Return the swept values of a point by their dotted keys, and as a source to lay on top of the file.
 
-    origin: Layers
-    axes: Sequence[Axis]
-    indices: tuple[int, ...]
-
-    @property
-    def data(self) -> dict[str, Any]:
-        """The values under their keys, and the default engine of sweeps if the file names none."""
-        data: dict[str, Any] = {}
-        run = self.origin.data.get("run", {})
-        if isinstance(run, dict) and "engine" not in run:
-            data["run"] = {"engine": _ENGINE_OF_SWEEPS}
-        for axis, index in zip(self.axes, self.indices, strict=True):
-            data.setdefault(str(axis.path[0]), {})[axis.path[1]] = axis.values[index]
-        return data
-
-    @property
-    def values(self) -> Mapping[str, Any]:
-        """The values by their dotted keys."""
-        return {axis.key: axis.values[index] for axis, index in zip(self.axes, self.indices, strict=True)}
-
-    def value_place(self, path: Path) -> Place:
-        """Return the place of the value in its list."""
-        for axis, index in zip(self.axes, self.indices, strict=True):
-            if axis.path == path:
-                return self.origin.value_place((*axis.swept_path, index))
-        return self.origin.value_place(path)
-
-    def key_place(self, path: Path) -> Place:
-        """Return the place where the key is swept, or the table of the file."""
-        swept = next((axis.swept_path for axis in self.axes if axis.path == path), path)
-        return self.origin.key_place(swept)
+    Each value is shown where its list is. The engine is that of sweeps if the file names none.
+    """
+    run = given.data.get("run", {})
+    unsaid = isinstance(run, dict) and "engine" not in run
+    data: dict[str, Any] = {"run": {"engine": _ENGINE_OF_SWEEPS}} if unsaid else {}
+    values = {}
+    places: dict[Path, tuple[Place, Place]] = {(): (given.key_place(()), given.value_place(()))}
+    for axis, index in zip(table.axes, indices, strict=True):
+        values[axis.key] = axis.values[index]
+        data.setdefault(str(axis.path[0]), {})[axis.path[1]] = axis.values[index]
+        places[axis.path] = given.key_place(axis.swept_path), given.value_place(axis.swept_path)
+    for name in data:
+        places[name,] = given.key_place((name,)), given.value_place((name,))
+    return values, Source(name=given.main.name, kind="setting", data=data, places=places)
 
 
 def expand(sweep: Sweep) -> tuple[Point, ...]:
@@ -179,7 +162,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     found = gathered(looked_at)
     if wrong:
         # What is missing may be meant by a key of the sweep that is not right yet.
-        found = [problem for problem in found if not problem.message.startswith("missing")]
+        found = [problem for problem in found if not problem.is_missing]
     problems = [*given.problems, *wrong, *found]
     cases = [Case(values=each.values, scenario=each.scenario) for each in looked_at if each.scenario is not None]
     if not wrong and len(cases) == len(looked_at):
@@ -201,9 +184,9 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
 
 
 def _examined(given: Layers, table: Table, indices: tuple[int, ...], read: ReadSizes | None) -> Examined:
-    choice = PointOverlay(given.main.name, "", origin=given, axes=table.axes, indices=indices)
-    scenario, problems = examined(given.topped(choice, without=SWEEP), read)
-    return Examined(values=choice.values, scenario=scenario, problems=problems)
+    values, source = point_source(given, table, indices)
+    scenario, problems = examined(given.topped(source, without=SWEEP), read)
+    return Examined(values=values, scenario=scenario, problems=problems)
 
 
 def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:

@@ -7,14 +7,17 @@ from math import ceil, fsum, inf, isfinite, prod, sqrt
 from typing import Any, Final, Literal, cast
 
 from rubnoise.figure_names import QUANTITIES
-from rubnoise.scenario import limits
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import Choice, Number, Range, Unfit, did_you_mean
 from rubnoise.scenario.keys import SWEEP
-from rubnoise.scenario.layers import Layers, Setting, gives
+from rubnoise.scenario.layers import Layers, gives
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.section import Section, key, keys_of
 
+SWEEP_POINTS: Final = 10_000
+"""A point takes a millisecond to check, and all are checked before the first runs."""
+
+SWEEP_RUNS: Final = 100_000
 FEWEST: Final = 8
 """Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""
 
@@ -64,7 +67,7 @@ class Sweeping(Section):
     """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary."""
 
     replicates: int = key(
-        Number(Range(1, limits.SWEEP_RUNS), whole=True),
+        Number(Range(1, SWEEP_RUNS), whole=True),
         f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or more.",
         1,
     )
@@ -82,7 +85,7 @@ class Sweeping(Section):
         Choice(tuple(QUANTITIES)), "The figure of a run that must reach this precision.", "real_contact_area_std"
     )
     most_replicates: int = key(
-        Number(Range(FEWEST, limits.SWEEP_RUNS), whole=True),
+        Number(Range(FEWEST, SWEEP_RUNS), whole=True),
         "Most runs of a point, even if it does not reach the precision.",
         1000,
     )
@@ -271,7 +274,7 @@ def _as_written(layers: Layers, axes: list[Axis]) -> tuple[Axis, ...]:
     """
 
     def position(axis: Axis) -> tuple[int, int, int]:
-        source = layers.origin_of(axis.swept_path)
+        source = next((each for each in layers.sources if gives(each.data, axis.swept_path)), layers.main)
         place = source.key_place(axis.swept_path)
         return layers.sources.index(source), place.line, place.start
 
@@ -298,7 +301,7 @@ def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
     """Refuse a `--set` of a key that the sweep sets at every point."""
     for axis in table.axes:
         source = layers.source_of(axis.path)
-        if isinstance(source, Setting) and gives(source.data, axis.path):
+        if source.kind == "setting" and gives(source.data, axis.path):
             hint = f'to change its values: --set "{".".join(map(str, axis.swept_path))}=[...]"'
             place = source.key_place(axis.path)
             yield layers.problem(axis.path, "the sweep gives it a value at every point", hint, place=place)
@@ -306,10 +309,10 @@ def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
 
 def _excess(layers: Layers, table: Table) -> Iterator[Problem]:
     points, runs = table.point_count, table.point_count * table.settings.most_replicates
-    if points > limits.SWEEP_POINTS or runs > limits.SWEEP_RUNS:
+    if points > SWEEP_POINTS or runs > SWEEP_RUNS:
         message = (
             f"too many: {points:,} points, {runs:,} runs with replicates; "
-            f"at most {limits.SWEEP_POINTS:,} points and {limits.SWEEP_RUNS:,} runs"
+            f"at most {SWEEP_POINTS:,} points and {SWEEP_RUNS:,} runs"
         )
         fewer = "fewer values or replicates" if table.settings.precision is None else "fewer values or most_replicates"
         hint = f"{fewer}, or several sweeps"

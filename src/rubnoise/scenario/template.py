@@ -1,15 +1,18 @@
 """A template of a scenario: every key of this version with its meaning, written from the definitions of the keys."""
 
+import tomllib
 from collections.abc import Iterator
 from textwrap import wrap
 from typing import Final
 
+from rubnoise.scenario import layers
 from rubnoise.scenario.document import SECTIONS, TOP, presence
 from rubnoise.scenario.fields import Choice
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.section import Key, Section, keys_of
+from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep_table import GRID, Sweeping
-from rubnoise.scenario.writing import toml_value
+from rubnoise.scenario.text import text_of, toml_value
 
 WIDTH: Final = 100
 HEADING: Final = """\
@@ -80,3 +83,18 @@ def _choices(about: Key) -> str:
 
 def _comment(text: str) -> list[str]:
     return [f"# {line}" for line in wrap(text, WIDTH - 2, break_long_words=False, break_on_hyphens=False)]
+
+
+def copy_of(name: str) -> str:
+    """Return the text of a shipped scenario as a complete file; the keys that it extends come before its own.
+
+    Raises Refused, with near names, for an unknown name.
+    """
+    path = by_name(name)
+    text = path.read_text(encoding="utf-8")
+    if "extends" in tomllib.loads(text):
+        comments = [f"{line}\n" for line in text.splitlines() if line.startswith("# ")]
+        return "".join(comments) + text_of(layers.from_file(path).data)
+    # A first line may name a schema, by a path that holds in the checkout alone.
+    first, _, rest = text.partition("\n")
+    return rest if first.startswith("#:schema") else text

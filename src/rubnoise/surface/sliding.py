@@ -13,7 +13,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import Scenario, loads
 from rubnoise.scenario.scenario import RAYLEIGH
-from rubnoise.scenario.writing import text_of
+from rubnoise.scenario.text import text_of
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap
 from rubnoise.surface.normal_motion import NormalMotion, gap_slope, normal_motion

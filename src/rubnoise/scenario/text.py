@@ -1,0 +1,211 @@
+"""One TOML text: its data, the place of each key, and the lines that break it; and keys written as such a text.
+
+tomllib gives values without their places, and stops at the first mistake. So keys are found line by line, as the tables
+of a scenario are flat; and a line that breaks the text is reported and left out, so that one report names them all.
+"""
+
+import json
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, Literal
+
+from rubnoise.scenario.problems import Path, Place, Problem
+
+FILE_BYTES: Final = 64 * 1024
+LINE_CHARACTERS: Final = 1000
+SYNTAX_ERRORS: Final = 20
+"""A text with a mistake is read once more without its line, so often at most."""
+
+_STRING: Final = r""""(?:[^"\\\n]|\\.)*+"|'[^'\n]*+\'"""
+_NAME: Final = rf"(?:[A-Za-z0-9_-]++|{_STRING})"
+_DOTTED: Final = rf"{_NAME}(?:[ \t]*+\.[ \t]*+{_NAME})*+"
+_HEADER: Final = re.compile(rf"[ \t]*\[\[?[ \t]*(?P<key>{_DOTTED})")
+_SETTING: Final = re.compile(rf"[ \t]*(?P<key>{_DOTTED})[ \t]*=[ \t]*(?P<value>(?:{_STRING}|[^#\"'])*+)")
+_PLACE: Final = re.compile(
+    r"(?P<why>.*) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)", re.DOTALL
+)
+_SLIPS: Final = {
+    "a comma in a number": re.compile(r"=\s*(?P<all>(?P<a>[+-]?[0-9]+),(?P<b>[0-9]+)\s*(?P<c>[^\s#\"']*))"),
+    "a value with a unit needs quotation marks": re.compile(
+        r"=\s*(?P<all>(?!0[xob])(?P<a>[+-]?[0-9][0-9.+-]*(?:[eE][+-]?[0-9]+)?)(?P<b>)\s*"
+        r"(?P<c>[A-Za-z\u00b5\u03bc%][^=#\"']*?))\s*(?:#.*)?$"
+    ),
+    "a text needs quotation marks": re.compile(r"=\s*(?P<all>(?P<a>)(?P<b>)(?P<c>[A-Za-z][A-Za-z-]*))\s*(?:#.*)?$"),
+}
+"""Usual slips: in each ``a`` is a number, ``b`` its decimals, ``c`` its unit or a word."""
+_UNCLOSED: Final = ("Illegal character '\\n'", "Unterminated string", 'Expected "\'"')
+_TWICE: Final = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot declare", "Cannot mutate immutable")
+
+Places = Mapping[Path, tuple[Place, Place]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """Keys that were given together: in a file, by a setting, or as values of Python; and what is wrong with them.
+
+    ``places`` has the place of each key and that of its value, under ``()`` those of any other key.
+    """
+
+    name: str
+    kind: Literal["file", "setting", "values"]
+    data: Mapping[str, Any]
+    places: Places
+    text: str = ""
+    problems: tuple[Problem, ...] = ()
+
+    def value_place(self, path: Path) -> Place:
+        """Return the place of a key's value, or of the nearest key or header above it."""
+        known = next(path[:end] for end in range(len(path), -1, -1) if path[:end] in self.places)
+        return self.places[known][1]
+
+    def key_place(self, path: Path) -> Place:
+        """Return the place where a key is first named."""
+        return self.places[path][0] if path in self.places else self.value_place(path)
+
+
+def read_toml(name: str, text: str, rank: int = 0) -> Source:
+    """Return the keys of a TOML text, without its broken lines; ``rank`` is its place in a report."""
+    lines = _Lines(name, text, rank)
+    data, problems = lines.parsed()
+    return Source(name=name, kind="file", text=text, data=data, places=lines.places, problems=problems)
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """The lines of a text, and what is where in them."""
+
+    name: str
+    text: str
+    rank: int
+
+    @cached_property
+    def lines(self) -> list[str]:
+        return self.text.replace("\r\n", "\n").split("\n")
+
+    def on(self, line: int, start: int, end: int) -> Place:
+        """Return a place on a line, which is counted from 1; 0 is the whole text."""
+        text = self.lines[line - 1] if line else ""
+        start, end = min(start, len(text)), min(end, len(text))
+        return Place(source=self.name, line=line, text=text, start=start, end=end, rank=self.rank)
+
+    def parsed(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+        """Return the data of all lines but those that break the text, and these."""
+        if refused := tuple(self._refused()):
+            return {}, refused
+        lines, found = list(self.lines), list[Problem]()
+        while len(found) < SYNTAX_ERRORS:
+            try:
+                return tomllib.loads("\n".join(lines)), tuple(found)
+            except tomllib.TOMLDecodeError as error:
+                problem = self._broken(str(error), lines)
+            except RecursionError:
+                return {}, (*found, Problem(path=(), message="nested too deeply", place=self.on(1, 0, 1)))
+            found.append(problem)
+            line = lines[problem.place.line - 1].strip()
+            # Without its header the keys of a table would be blamed for being in the wrong one.
+            if not line or line.startswith("["):
+                break
+            lines[problem.place.line - 1] = ""
+        return {}, tuple(found)
+
+    def _refused(self) -> Iterator[Problem]:
+        """Yield why a text is not read at all: half a surrogate pair, which no file can hold, or too much of it."""
+        if any("\ud800" <= character <= "\udfff" for character in self.text):
+            yield Problem(path=(), message="not UTF-8 text", place=self.on(0, 0, 0))
+        elif len(self.text.encode()) > FILE_BYTES:
+            yield Problem(path=(), message=f"larger than {FILE_BYTES // 1024} kB", place=self.on(0, 0, 0))
+        else:
+            long = [number for number, line in enumerate(self.lines, 1) if len(line) > LINE_CHARACTERS]
+            message = f"a line of more than {LINE_CHARACTERS} characters"
+            yield from (Problem(path=(), message=message, place=self.on(n, 0, 1)) for n in long[:SYNTAX_ERRORS])
+
+    def _broken(self, error: str, lines: list[str]) -> Problem:
+        """Return what is wrong with the line that breaks the text, from what tomllib says."""
+        at = _PLACE.fullmatch(error)
+        last = max((number for number, line in enumerate(lines, 1) if line.strip()), default=1)
+        line, column = (int(at["line"] or last), int(at["column"] or 1)) if at else (last, 1)
+        line, why = min(line, last), at["why"] if at else error
+        path, text = self._last_named(line), lines[line - 1]
+        if why.startswith(_TWICE):
+            first = self.places[path][0].line
+            hint = f"first given in line {first}; keep one of the two" if first < line else "keep one"
+            place = self.on(line, len(text) - len(text.lstrip()), len(text.partition("=")[0].rstrip()))
+            return Problem(path=path, message="given twice", place=place, hint=hint)
+        for message, slip in _SLIPS.items():
+            if found := slip.search(text):
+                number, unit = ".".join(filter(None, (found["a"], found["b"]))), found["c"]
+                written = f'"{f"{number} {unit}".strip()}"' if unit else number
+                place = self.on(line, *found.span("all"))
+                return Problem(path=path, message=message, place=place, hint=f"write {written}")
+        hint = "is the closing quotation mark missing?" if why.startswith(_UNCLOSED) else ""
+        message = f"not valid TOML: {why[:1].lower()}{why[1:]}"
+        return Problem(path=path, message=message, place=self.on(line, column - 1, column), hint=hint)
+
+    @cached_property
+    def places(self) -> Places:
+        """The places of each key and each part of a dotted one, where it is first named."""
+        found: dict[Path, tuple[Place, Place]] = {(): (self.on(1, 0, 1), self.on(1, 0, 1))}
+        for path, key, value in self._named:
+            for end in range(1, len(path) + 1):
+                found.setdefault(path[:end], (key, value))
+        return found
+
+    def _last_named(self, line: int) -> Path:
+        return next((path for path, key, _ in reversed(self._named) if key.line <= line), ())
+
+    @cached_property
+    def _named(self) -> list[tuple[Path, Place, Place]]:
+        return list(self._headers_and_settings())
+
+    def _headers_and_settings(self) -> Iterator[tuple[Path, Place, Place]]:
+        """Yield what each header and each setting names, and the places of key and value."""
+        table: Path = ()
+        for number, line in enumerate(self.lines, 1):
+            if found := _HEADER.match(line):
+                table = _parts(found["key"])
+                place = self.on(number, *found.span("key"))
+                yield table, place, place
+            elif found := _SETTING.match(line):
+                start, value = found.start("value"), found["value"].rstrip()
+                key = self.on(number, *found.span("key"))
+                yield (*table, *_parts(found["key"])), key, self.on(number, start, start + len(value))
+
+
+def _parts(dotted: str) -> Path:
+    return tuple(part.strip("\"'") for part in re.findall(_NAME, dotted))
+
+
+def text_of(scenario: Mapping[str, Any]) -> str:
+    """Return the keys of a scenario as the text of a file."""
+    top = [f"{key} = {toml_value(value)}" for key, value in scenario.items() if not isinstance(value, Mapping)]
+    tables = [
+        line for name, table in scenario.items() if isinstance(table, Mapping) for line in _table_lines(name, table)
+    ]
+    return "\n".join([*top, *tables]) + "\n"
+
+
+def _table_lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the keys of a table with simple values, then the tables in it; no key needs quotes."""
+    inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+    plain = {key: value for key, value in table.items() if key not in inner}
+    if plain or not inner:
+        yield from ("", f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in plain.items()))
+    for key, value in inner.items():
+        yield from _table_lines(f"{name}.{key}", value)
+
+
+_IN_A_LINE: Final = 32  # lines of a file have a length at most
+
+
+def toml_value(value: Any) -> str:
+    """Return a text, number, boolean, or a list or table of these as TOML, which differs from JSON in one character."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        each = list(map(toml_value, value))
+        rows = [", ".join(each[at : at + _IN_A_LINE]) for at in range(0, len(each), _IN_A_LINE)]
+        return "[" + ", ".join(rows) + "]" if len(rows) < 2 else "[\n    " + ",\n    ".join(rows) + ",\n]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
