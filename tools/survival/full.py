@@ -11,15 +11,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
-from rubnoise.storage import disk
 from survival.child import MEMORY_BYTES, Child, Ending, command, isolated
 from survival.stories import PART, SLIDER, SMALL, TWO_WAY, Outcome, Story, chance, interrupted
 
-CALLS = (
-    *("open_or_create", "create_unnamed", "write_all", "read_into", "resize", "allocate", "sync"),
-    *("sync_folder", "rename", "link", "remove"),
-)
-"""Every call by which a result comes to the disk."""
+CALLS = ("open", "pwrite", "preadv", "ftruncate", "posix_fallocate", "fsync", "replace", "link", "unlink")
+"""Every call of the system by which a result comes to the disk."""
 
 FAILURES = (errno.ENOSPC, errno.EIO)
 TMPFS_BYTES = 20 * 1024**2
@@ -44,16 +40,18 @@ class Counter:
         """Count the calls."""
         with ExitStack() as patches:
             for name in CALLS:
-                patches.enter_context(patch.object(disk, name, self._counted(name, getattr(disk, name))))
+                patches.enter_context(patch.object(os, name, self._counted(name, getattr(os, name))))
             yield
 
     def _counted(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
-        def called(*given: Any) -> Any:
+        def called(*given: Any, **named: Any) -> Any:
+            if name == "open" and not given[1] & os.O_RDWR:
+                return real(*given, **named)  # others read files of their own
             call = len(self.names)
             self.names.append(name)
             if self._at is not None and (call == self._at or (self._for_ever and call > self._at)):
                 raise OSError(self._number, os.strerror(self._number))
-            return real(*given)
+            return real(*given, **named)
 
         return called
 
@@ -96,7 +94,7 @@ def _fail(outcome: Outcome, where: str, folder: Path, story: Story, counter: Cou
     ending = isolated(task)
     outcome.count(f"exit code {ending.code}")
     # A part stays where the disk does not let it be removed; the next run overwrites it.
-    left = frozenset((PART,)) if " from " in where or " remove " in where else frozenset[str]()
+    left = frozenset((PART,)) if " from " in where or " unlink " in where else frozenset[str]()
     outcome.find(where, [*_said(ending), *interrupted(folder, story, older=older, left=left)])
 
 
