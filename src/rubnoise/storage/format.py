@@ -151,7 +151,8 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     for name, value in about.items():
         _put(owner, name, value)
     for column, dataset in columns:
-        for name, value in {**column.attributes, HASH: "0" * HASH_DIGITS}.items():
+        said = {**column.attributes, HASH: "0" * HASH_DIGITS}
+        for name, value in sorted(said.items(), key=lambda about: about[0].startswith("flag")):  # codes come last
             _put(dataset, name, value)
     return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns}
 
