@@ -19,15 +19,7 @@ MOST_INPUT_BYTES: Final = 1 << 32
 PIECE_BYTES = 1 << 20
 
 
-def flags(*names: str) -> int:
-    """Return flags for os.open by their names; flags that the system lacks are left out.
-
-    Windows has none of POSIX's, and takes a file for text unless O_BINARY says otherwise.
-    """
-    return sum(getattr(os, name, 0) for name in (*names, "O_BINARY", "O_NOINHERIT"))
-
-
-_READING = os.O_RDONLY | flags("O_CLOEXEC", "O_NONBLOCK", "O_NOCTTY")
+_READING = os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY
 
 
 class NotRegular(OSError):  # noqa: N818  (says what the path is)

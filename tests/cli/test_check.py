@@ -293,13 +293,11 @@ def test_of_many_points_the_first_are_listed(here: Path) -> None:
     assert call("check", "s.toml").out.endswith("  and 50 more; --json has all\n")
 
 
-def test_memory_and_time_are_foreseen(here: Path) -> None:
+def test_memory_is_foreseen(here: Path) -> None:
     answer = call("check", SLIDER)
     assert _value(answer.out, "memory").endswith(" beside the program's own")
-    assert _value(answer.out, "time").endswith(" s on this machine, engine events")
     cost = call("check", SLIDER, "--json").json()["scenarios"][str(SLIDER)]["cost"]
     assert 0 < cost["working_memory"] < cost["peak_memory"]
-    assert cost["seconds"] > 0.0
 
 
 def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.storage.run_structure import INTERVENTION
-from rubnoise.storage.schema import LANDMARKS
+from rubnoise.storage.schema import INTERVENTION, LANDMARKS
 from tests.docs.test_plain_words import listed
 
 # The file that the page is about, made by the program as it is.

@@ -10,7 +10,7 @@ import pytest
 from survival import full, kills
 from survival.stories import FREE, SLIDER, SMALL, TWO_WAY, Story
 
-from rubnoise.storage import disk, output
+from rubnoise.storage import output
 from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter
 from tests.frozen import examples
@@ -51,13 +51,13 @@ def test_rivals_are_refused_while_the_first_continues() -> None:
 
 
 def test_two_writers_at_once_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(output, "_lock", lambda _descriptor: None)
+    monkeypatch.setattr(output, "_wait_for_lock", lambda _descriptor: None)
     assert kills.rivals(3, seed=3, stories=KILLED[:1]).findings
 
 
 @pytest.mark.parametrize("story", [BARE, *SMALL], ids=lambda story: story.name)
 def test_a_call_that_fails_leaves_one_line_and_the_older_result(story: Story) -> None:
-    outcome = full.failing((story,), every=examples(61, 7))
+    outcome = full.failing((story,), every=examples(41, 7))
     assert outcome.findings == []
     assert outcome.counts["exit code 2"] > 2 < outcome.counts["exit code 1"]
 
@@ -66,12 +66,12 @@ def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.Monkey
     finish = PartFile.finish
 
     def removing(self: PartFile, *, durable: bool = True) -> None:
-        disk.remove(self.final)
+        self.final.unlink(missing_ok=True)
         finish(self, durable=durable)
 
     monkeypatch.setattr(PartFile, "finish", removing)
     calls = full.calls_of(BARE, older=True)
-    outcome = full.failing((BARE,), every=len(calls), first=calls.index("sync"))
+    outcome = full.failing((BARE,), every=len(calls), first=calls.index("fsync"))
     assert any("the older result is gone" in finding for finding in outcome.findings)
 
 

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 import rubnoise
 from rubnoise.record.rows import junction_columns
 from rubnoise.scenario import Scenario, build
-from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.run_structure import read_provenance, read_root, read_summary, seal_of
-from rubnoise.storage.schema import HASH, Feature
+from rubnoise.storage.format import seal_of
+from rubnoise.storage.objects import read_attributes
+from rubnoise.storage.reader import RunFile, open_run, read_provenance, read_summary
+from rubnoise.storage.schema import HASH, ROOT, Feature
 from tests.format.runs import BARE, describe, random_rows, write_run
 from tests.format.runs import EVERYTHING as EVERY_FEATURE
 
@@ -99,7 +100,7 @@ def forget(path: Path, group: str, name: str, *, seal: bool = True) -> None:
 
 def put_seal(file: h5py.File) -> None:
     """Write the hash of the attributes as they have become."""
-    digest = seal_of(read_root(file), read_summary(file), read_provenance(file))
+    digest = seal_of(read_attributes(file, ROOT), read_summary(file), read_provenance(file))
     put_text(file["provenance"], HASH, digest)
 
 

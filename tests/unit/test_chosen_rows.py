@@ -19,9 +19,9 @@ from rubnoise import arrays
 from rubnoise.analysis import selection
 from rubnoise.analysis.selection import gather, select
 from rubnoise.analysis.where import LONGEST, ConditionRefused, condition
+from rubnoise.storage.format import LIBRARY_VERSIONS, complete, compose
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import JUNCTIONS, TRACE, Dataset
-from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
 from tests.format.runs import Compression, describe, random_rows, write_run
 
 # Which rows are chosen, in which order, and how much is read for it.

@@ -1,24 +1,19 @@
 """Files below results: regular, written whole, between HDF5 and the disk, on systems that do half of what is asked."""
 
 import errno
-import io
 import os
 import socket
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.regular_file import NotRegular, is_folder, open_regular, open_stream, read_at_most
-from rubnoise.storage import disk
-from rubnoise.storage.disk import write_all
+from rubnoise.storage.disk import read_into, write_all
+from rubnoise.storage.format import Unfailing
 from rubnoise.storage.output import OutputAppearedError, whole_file
-from rubnoise.storage.pages import PAGE, PagedFile, Unfailing
 from rubnoise.storage.reader import open_run
 from tests.format.runs import Compression, attempt, describe, names, random_rows, write_run
 
@@ -158,38 +153,6 @@ def test_a_file_that_appears_meanwhile_stays_beside_the_part(tmp_path: Path) -> 
 
 
 # Files between HDF5 and the disk behave as files, and keep what goes wrong until it is asked for.
-offsets = st.integers(0, 3 * PAGE)
-changes = st.lists(st.tuples(offsets, st.binary(min_size=1, max_size=PAGE + 7)), max_size=8)
-
-
-@given(beneath=st.binary(max_size=2 * PAGE + 5), changes=changes)
-def test_overlay_reads_as_the_changed_file(beneath: bytes, changes: list[tuple[int, bytes]]) -> None:
-    expected = io.BytesIO(beneath)
-    with TemporaryFile() as disk:
-        disk.write(beneath)
-        disk.flush()
-        overlay = PagedFile(disk.fileno())
-        for file in (expected, overlay):
-            for offset, data in changes:
-                file.seek(offset)
-                file.write(data)
-        size = overlay.seek(0, os.SEEK_END)
-        overlay.seek(0)
-        assert overlay.read(size) == expected.getvalue()
-        assert os.pread(disk.fileno(), 4 * PAGE, 0) == beneath
-
-
-def test_overlay_of_nothing_costs_only_what_is_written() -> None:
-    overlay = PagedFile()
-    overlay.truncate(10**15)
-    overlay.seek(10**14)
-    overlay.write(b"far")
-    overlay.seek(-3, os.SEEK_CUR)
-    assert overlay.read(3) == b"far"
-    assert overlay.seek(0, os.SEEK_END) == 10**15
-    assert len(overlay._pages) == 1
-
-
 def test_unfailing_is_the_file_on_disk(tmp_path: Path) -> None:
     with (tmp_path / "file").open("w+b") as disk:
         file = Unfailing(disk.fileno())
@@ -240,25 +203,23 @@ def half(size: int) -> int:
 def short(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Shorten:
     """Let every call of the system read and write less than it was asked for."""
     less: Shorten = request.param
-    pread, preadv, pwrite, write = os.pread, os.preadv, os.pwrite, os.write
+    preadv, pwrite = os.preadv, os.pwrite
 
     def short_preadv(descriptor: int, targets: Sequence[Any], offset: int) -> int:
         view = memoryview(targets[0]).cast("B")
         return preadv(descriptor, [view[: less(len(view))]], offset)
 
-    monkeypatch.setattr(os, "pread", lambda descriptor, size, offset: pread(descriptor, less(size), offset))
     monkeypatch.setattr(os, "preadv", short_preadv)
     monkeypatch.setattr(os, "pwrite", lambda descriptor, data, at: pwrite(descriptor, data[: less(len(data))], at))
-    monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[: less(len(data))]))
     return less
 
 
 def test_all_is_read_and_written(tmp_path: Path, short: Shorten) -> None:
     with (tmp_path / "file").open("w+b") as file:
-        disk.write_all(file.fileno(), memoryview(CONTENT), 3)
-        assert disk.read(file.fileno(), len(CONTENT), 3) == CONTENT
-        assert disk.read(file.fileno(), 10**5, 3) == CONTENT
-        assert disk.read(file.fileno(), 10, 10**5) == b""
+        write_all(file.fileno(), memoryview(CONTENT), 3)
+        for size, offset, content in ((len(CONTENT), 3, CONTENT), (10**5, 3, CONTENT), (10, 10**5, b"")):
+            found = bytearray(size)
+            assert found[: read_into(file.fileno(), memoryview(found), offset)] == content
 
 
 @pytest.mark.parametrize("compression", ["none", "gzip"])
@@ -278,8 +239,7 @@ def test_a_result_is_the_same_file(tmp_path: Path, short: Shorten, compression: 
 
 def test_a_system_that_writes_nothing_is_not_asked_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "pwrite", lambda *_: 0)
-    monkeypatch.setattr(os, "write", lambda *_: 0)
     with (tmp_path / "file").open("w+b") as file, pytest.raises(OSError, match=os.strerror(errno.EIO)):
-        disk.write_all(file.fileno(), memoryview(b"x"), 0)
+        write_all(file.fileno(), memoryview(b"x"), 0)
     with pytest.raises(RubnoiseError, match="cannot be written: Input/output error"):
         attempt(tmp_path / "x.h5")

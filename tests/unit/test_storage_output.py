@@ -15,7 +15,7 @@ from types import ModuleType
 import pytest
 
 from rubnoise.errors import OutputRefused, RunFileRefused
-from rubnoise.storage import disk, output
+from rubnoise.storage import output
 from rubnoise.storage.output import (
     OutputInUse,
     OutputSwappedError,
@@ -207,7 +207,7 @@ def test_of_many_writers_one_has_the_part_and_no_result_is_cut(tmp_path: Path) -
                     inside[0] += 1
                     turns[0] += 1
                     most[0] = max(most[0], inside[0])
-                disk.write_all(part.descriptor, memoryview(b"whole"), 0)
+                os.pwrite(part.descriptor, b"whole", 0)
                 with guard:
                     inside[0] -= 1
                 part.finish(durable=False)
@@ -252,7 +252,7 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
             waited.append(descriptor)
             (tmp_path / "run.h5.part").rename(tmp_path / "run.h5")
 
-    monkeypatch.setattr(output, "_lock", lock)
+    monkeypatch.setattr(output, "_wait_for_lock", lock)
     with pytest.raises(OutputRefused, match="exists already"):
         attempt(tmp_path / "run.h5")
     assert waited
@@ -351,14 +351,14 @@ def test_only_a_full_disk_or_quota_means_no_room(
 
 def failing_for(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the disk fail where one name is to be removed."""
-    remove = disk.remove
+    unlink = os.unlink
 
     def failing(name: Path) -> None:
         if name == path:
             raise OSError(errno.EIO, os.strerror(errno.EIO))
-        remove(name)
+        unlink(name)
 
-    monkeypatch.setattr(disk, "remove", failing)
+    monkeypatch.setattr(os, "unlink", failing)
 
 
 def failing(number: int) -> Callable[..., None]:

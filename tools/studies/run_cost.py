@@ -1,11 +1,9 @@
-"""Memory and time of runs of many kinds, beside their forecasts: `python tools/studies run_cost [--large | --two-way]`.
+"""Memory of runs of many kinds, beside their forecasts: `python tools/studies run_cost [--large | --two-way]`.
 
-Each is made in a process of its own, once to load everything and twice to be timed. Printed are the peak of its memory
-and the processor's time, measured and foretold, and at the end the constants of `rubnoise.simulation.cost` that would
-fit this machine best, beside those that are there. Exit code 1 where memory was foretold too small or more than 1.4
-times too large, or time by more than a factor of 3. With ``--large``, a million junctions at once are among them: some
-minutes and 8 GB of memory. With ``--two-way`` it is runs of a slider that pushes back, from 10 um/s to 1 m/s and from
-half a junction to 500: there the factor is 2, and /slider has to have no more rows than were foretold at most.
+Each is made in a process of its own, twice, since the first loads everything. Exit code 1 where memory was foretold too
+small or more than 1.4 times too large. With ``--large``, a million junctions at once are among them: some minutes and
+8 GB of memory. With ``--two-way`` it is runs of a slider that pushes back, from 10 um/s to 1 m/s and from half a
+junction to 500: there /slider has to have no more rows than were foretold at most.
 """
 
 import argparse
@@ -13,27 +11,21 @@ import json
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import process_time
 
-import numpy as np
-
-import rubnoise
 from rubnoise import run
 from rubnoise.scenario import Scenario, load
-from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, MachineSpeed, machine_speed, seconds
-from rubnoise.storage.forecast import Budget, counted
+from rubnoise.simulation.cost import PROGRAM_BYTES
+from rubnoise.storage.forecast import counted
 
 ROOT = Path(__file__).resolve().parents[2]
 WITH_SLIDER = ROOT / "scenarios" / "paper" / "fig5.toml"
 CONTACT_ALONE = ROOT / "scenarios" / "paper" / "fig4.toml"
 STATUS = Path("/proc/self/status")
 MEMORY_FACTOR = 1.4
-TIME_FACTOR = 3.0
-TWO_WAY_FACTOR = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,46 +69,31 @@ TWO_WAY = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Taken:
-    """What a run took: memory of its process in bytes, processor's time in s, and the budget that foretold them."""
+    """What a run took and what was foretold: memory of its process in bytes, and rows of /slider over the most."""
 
     peak: int
-    time: float
     foretold_peak: int
-    foretold_time: float
-    work: Mapping[str, float]
     rows_share: float
-    factor: float
 
     @property
     def within(self) -> bool:
-        """Whether all were foretold well enough."""
-        memory, time = self.foretold_peak / self.peak, self.foretold_time / self.time
-        near = 1.0 <= memory <= MEMORY_FACTOR and 1.0 / self.factor <= time <= self.factor
-        return near and self.rows_share <= 1.0
+        """Whether both were foretold well enough."""
+        return 1.0 <= self.foretold_peak / self.peak <= MEMORY_FACTOR and self.rows_share <= 1.0
 
 
 def taken(scenario: Scenario) -> Taken:
     """Make a run in this process and return what it took."""
-    told: Budget = counted(scenario)
+    told = counted(scenario)
     with TemporaryDirectory() as folder:
-        times = [_timed(scenario, Path(folder) / "run.h5") for _ in range(3)][1:]
-        with rubnoise.open(Path(folder) / "run.h5") as made:
+        path = Path(folder) / "run.h5"
+        run(scenario, path).close()
+        with run(scenario, path, force=True) as made:
             rows = made.slider["time"].size if told.slider_rows_at_most else 0
     return Taken(
         peak=_peak(),
-        time=min(times),
         foretold_peak=PROGRAM_BYTES + told.working_bytes,
-        foretold_time=seconds(told.work, machine_speed()),
-        work=told.work,
         rows_share=rows / (told.slider_rows_at_most or 1),
-        factor=TWO_WAY_FACTOR if told.slider_rows_at_most else TIME_FACTOR,
     )
-
-
-def _timed(scenario: Scenario, path: Path) -> float:
-    begin = process_time()
-    run(scenario, path, force=True).close()
-    return process_time() - begin
 
 
 def _peak() -> int:
@@ -130,40 +107,21 @@ def _in_a_child(name: str, engine: str) -> Taken:
     return Taken(**json.loads(told))
 
 
-def _fitting(runs: Sequence[Taken]) -> Iterator[str]:
-    """Yield each constant as it is and as it would fit the measured times, relative errors squared."""
-    from scipy.optimize import nnls
-
-    here = machine_speed()
-    paces = [here.processes if kind in IN_PROCESSES else here.arrays for kind in SECONDS]
-    amounts = np.array([[each.work.get(kind, 0.0) for kind in SECONDS] for each in runs]) * paces
-    times = np.array([each.time for each in runs])
-    fitted, _ = nnls(amounts / times[:, None], np.ones(len(runs)))
-    for (kind, constant), best in zip(SECONDS.items(), fitted, strict=True):
-        yield f"  {kind:<20}{constant:>12.2g}{best:>12.2g}"
-
-
 def measure(cases: Mapping[str, Case]) -> int:
     """Print everything and return the exit code."""
-    here: MachineSpeed = machine_speed()
     for name in ("Figure 5", "triangles", "1 mm/s, 20"):
         _in_a_child(name, "batch")  # compiles what has not been compiled yet, which takes memory of its own
-    print(f"machine_speed of this machine: processes {here.processes:.2f}, arrays {here.arrays:.2f}")
-    print(f"{'':<26}{'MB':>9}{'told':>9}{'ratio':>7}{'s':>11}{'told':>9}{'ratio':>7}{'rows':>7}")
+    print(f"{'':<26}{'MB':>9}{'told':>9}{'ratio':>7}{'rows':>7}")
     runs = []
     for name in cases:
         for engine in ("events", "batch"):
             each = _in_a_child(name, engine)
             runs.append(each)
-            memory, time = each.foretold_peak / each.peak, each.foretold_time / each.time
             print(
-                f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.foretold_peak / 1e6:>9.0f}{memory:>7.2f}"
-                f"{each.time:>11.3f}{each.foretold_time:>9.3f}{time:>7.2f}{each.rows_share:>7.2f}"
-                f"{'' if each.within else '  outside'}",
+                f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.foretold_peak / 1e6:>9.0f}"
+                f"{each.foretold_peak / each.peak:>7.2f}{each.rows_share:>7.2f}{'' if each.within else '  outside'}",
                 flush=True,
             )
-    print("\nseconds for one of   as it is     fitting")
-    print("\n".join(_fitting(runs)))
     return 0 if all(each.within for each in runs) else 1
 
 

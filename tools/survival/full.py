@@ -11,17 +11,16 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
-from rubnoise.storage import disk
 from survival.child import MEMORY_BYTES, Child, Ending, command, isolated
 from survival.stories import PART, SLIDER, SMALL, TWO_WAY, Outcome, Story, chance, interrupted
 
-CALLS = (
-    *("open_or_create", "create_unnamed", "write_all", "read_into", "resize", "allocate", "sync"),
-    *("sync_folder", "rename", "link", "remove"),
-)
-"""Every call by which a result comes to the disk."""
+CALLS = ("open", "pwrite", "preadv", "ftruncate", "posix_fallocate", "fsync", "replace", "link", "unlink")
+"""Every call of the system by which a result comes to the disk."""
 
 FAILURES = (errno.ENOSPC, errno.EIO)
+PREFIX = "rubnoise-"
+"""Of the folders in which results are made."""
+
 TMPFS_BYTES = 20 * 1024**2
 FILLING = (
     Story(name="filled", sections=SLIDER, distance="25 mm", tick="0.5 um"),
@@ -44,16 +43,18 @@ class Counter:
         """Count the calls."""
         with ExitStack() as patches:
             for name in CALLS:
-                patches.enter_context(patch.object(disk, name, self._counted(name, getattr(disk, name))))
+                patches.enter_context(patch.object(os, name, self._counted(name, getattr(os, name))))
             yield
 
     def _counted(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
-        def called(*given: Any) -> Any:
+        def called(*given: Any, **named: Any) -> Any:
+            if name == "open" and not (given[1] & os.O_RDWR and PREFIX in str(given[0])):
+                return real(*given, **named)  # of a file elsewhere, or to be read
             call = len(self.names)
             self.names.append(name)
             if self._at is not None and (call == self._at or (self._for_ever and call > self._at)):
                 raise OSError(self._number, os.strerror(self._number))
-            return real(*given)
+            return real(*given, **named)
 
         return called
 
@@ -61,7 +62,7 @@ class Counter:
 def calls_of(story: Story, *, older: bool) -> list[str]:
     """Return the names of the calls of a run, in their order."""
     counter = Counter()
-    with TemporaryDirectory(prefix="rubnoise-") as folder:
+    with TemporaryDirectory(prefix=PREFIX) as folder:
         story.write(Path(folder), older=older)
         with counter.counting():
             command(story.words(*["--force"] * older), Path(folder))
@@ -96,7 +97,7 @@ def _fail(outcome: Outcome, where: str, folder: Path, story: Story, counter: Cou
     ending = isolated(task)
     outcome.count(f"exit code {ending.code}")
     # A part stays where the disk does not let it be removed; the next run overwrites it.
-    left = frozenset((PART,)) if " from " in where or " remove " in where else frozenset[str]()
+    left = frozenset((PART,)) if " from " in where or " unlink " in where else frozenset[str]()
     outcome.find(where, [*_said(ending), *interrupted(folder, story, older=older, left=left)])
 
 
@@ -123,7 +124,7 @@ def filling(count: int, seed: int, stories: Sequence[Story] = FILLING) -> Outcom
 @contextmanager
 def small_disk() -> Iterator[Path]:
     """Yield a folder on a disk of 20 MB; raises PermissionError for who may not make one."""
-    with TemporaryDirectory(prefix="rubnoise-") as name:
+    with TemporaryDirectory(prefix=PREFIX) as name:
         made = ["mount", "-t", "tmpfs", "-o", f"size={TMPFS_BYTES}", "rubnoise", name]
         if os.geteuid() or subprocess.run(made, check=False, capture_output=True).returncode:
             raise PermissionError(name)

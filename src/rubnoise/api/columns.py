@@ -115,13 +115,9 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
     @property
     def attributes(self) -> dict[str, Any]:
         """Unit, meaning, symbol and flags, as the dataset in the file has them."""
-        said = {name: self._say(name) for name in ("units", "long_name", "symbol")}
-        attributes: dict[str, Any] = {name: text for name, text in said.items() if text}
-        attribute, codes = self.about.coded if self.about is not None else ("", ())
-        if codes:
-            attributes[attribute] = np.array([number for number, _ in codes], dtype=self.dtype)
-            attributes["flag_meanings"] = " ".join(meaning for _, meaning in codes)
-        return attributes
+        self._say("units")  # what was computed has none
+        said = {} if self.about is None else self.about.attributes
+        return {name: value for name, value in said.items() if not isinstance(value, str) or value}
 
     @property
     def values(self) -> NDArray[Any]:

@@ -16,7 +16,7 @@ from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.storage.life_curve import stored_pulse
-from rubnoise.storage.reader import OpenFile, RunFile, open_run
+from rubnoise.storage.reader import RunFile, open_run
 
 if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Opened:
     """An object that owns an open file; a context manager."""
 
-    _file: OpenFile
+    _file: RunFile
 
     def __enter__(self) -> Self:
         """Return it."""

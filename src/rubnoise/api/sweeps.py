@@ -24,7 +24,6 @@ from rubnoise.scenario.layers import plain
 from rubnoise.scenario.reading import place_of
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.text import text_of
-from rubnoise.storage.output import check_locks
 
 ProgressWatch = Callable[[SweepProgress], None]
 Source = str | os.PathLike[str] | Sweep | Scenario
@@ -186,7 +185,6 @@ def carry_out(
 
     ``command`` is the command line in its results, ``watch`` is called with the progress, and may raise RunStopped.
     """
-    check_locks(folder)
     root = Path(folder).absolute()
     part = None if shard is None else Shard.of(shard)
     workers = _workers(jobs, cluster, executor)

@@ -109,7 +109,6 @@ COST: Final[tuple[LineWords, ...]] = (
     ("file size", "{bytes:size}{before}"),
     ("disk needed", "{disk_needed:size}"),
     ("memory", "about {peak_memory:size}, {working_memory:size} beside the program's own", "about {peak_memory:size}"),
-    ("time", "{seconds:duration} on this machine, engine {engine}", "{seconds:duration}"),
 )
 """The lines of a scenario, of its slider's motion and of a run's cost."""
 
@@ -217,5 +216,4 @@ def budget_as_json(budget: Budget) -> dict[str, float]:
         "bytes": budget.result_bytes,
         "disk_needed": budget.disk_bytes,
         "peak_memory": int(float(f"{budget.peak_bytes:.3g}")),
-        "seconds": float(f"{budget.seconds:.3g}"),
     }

@@ -139,14 +139,6 @@ def distance(um: float) -> str:
     return f"{_two_digits(um)} um"
 
 
-def duration(seconds: float) -> str:
-    """Return an estimated time, with two digits, in the unit that suits it."""
-    for unit, length in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2.0 * length:
-            return f"about {_two_digits(seconds / length)} {unit}"
-    return f"about {_two_digits(seconds)} s"
-
-
 def _two_digits(value: float) -> str:
     return f"{float(f'{value:.2g}'):,.10g}"
 
@@ -233,7 +225,6 @@ FORMS: Final[Mapping[str, Callable[[Any], str]]] = {
     "": plain,
     "about": about,
     "change": lambda ratio: f"{ratio - 1.0:+.2%}",
-    "duration": duration,
     "grouped": grouped,
     "percent": lambda share: f"{100.0 * share:.3g} %",
     "size": size,

@@ -1,13 +1,12 @@
-"""Forecast the disk space, memory and time of a run before its first event, and refuse a run that does not fit."""
+"""Forecast the rows, bytes and memory of a run before its first event, and refuse a run that does not fit."""
 
 import os
+import resource
 import shutil
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
-from math import ceil, floor, inf
+from math import ceil, floor
 from mmap import PAGESIZE
 from pathlib import Path, PurePosixPath
 from typing import Final, cast
@@ -16,7 +15,7 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, machine_speed, seconds, work, working_bytes
+from rubnoise.simulation.cost import PROGRAM_BYTES, working_bytes
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.output import part_of
@@ -26,15 +25,17 @@ from rubnoise.theory.motion import response
 FAR: Final = 10.0
 """Standard deviations beyond which nothing is taken to lie."""
 
+ROOT = Path("/")
+"""Where the files are in which Linux says what memory there is."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """The cost of one run, or of several made one after the other.
+    """What one run needs, or several made one after the other.
 
     result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
     them, with the rows that wait beside a part if it is compressed, or their number is not known; working_bytes:
-    memory beside the program's own, about; work: how much of each kind (see `rubnoise.simulation.cost`);
-    slider_rows_at_most: of /slider in a two-way run, None in others.
+    memory beside the program's own, about; slider_rows_at_most: of /slider in a two-way run, None in others.
     """
 
     junctions: int
@@ -42,23 +43,18 @@ class Budget:
     result_bytes: int
     disk_bytes: int
     working_bytes: int
-    work: Mapping[str, float]
     slider_rows_at_most: int | None = None
+    runs: int = 1
 
     @property
     def peak_bytes(self) -> int:
         """About the peak memory of a process in bytes; for this process, with what it holds already."""
-        return max(PROGRAM_BYTES, memory_in_use()) + self.working_bytes
+        return memory_in_use() + self.more_bytes
 
     @property
     def more_bytes(self) -> int:
         """About how many bytes this process would use beyond what it holds already."""
         return max(PROGRAM_BYTES - memory_in_use(), 0) + self.working_bytes
-
-    @property
-    def seconds(self) -> float:
-        """About the time of one process on this machine in s, with the program's start and without compiling."""
-        return PROGRAM_SECONDS * machine_speed().processes + seconds(self.work, machine_speed())
 
 
 def counted(scenario: Scenario) -> Budget:
@@ -114,12 +110,9 @@ def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
 def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
     """Return the budget of runs made one after the other, each with its number.
 
-    Work and results add up; memory, and the copy of a result during compression, are those of the largest run.
+    Results add up; memory, and the copy of a result during compression, are those of the largest run.
     """
     counts = tuple(runs)
-    amounts: Counter[str] = Counter()
-    for each, count in counts:
-        amounts.update({kind: count * amount for kind, amount in each.work.items()})
     results = sum(count * each.result_bytes for each, count in counts)
     return Budget(
         junctions=sum(count * each.junctions for each, count in counts),
@@ -127,7 +120,7 @@ def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
         result_bytes=results,
         disk_bytes=results + max((each.disk_bytes - each.result_bytes for each, _ in counts), default=0),
         working_bytes=max((each.working_bytes for each, _ in counts), default=0),
-        work=amounts,
+        runs=sum(count for _, count in counts),
     )
 
 
@@ -136,13 +129,12 @@ def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike
 
     Raises OutputRefused if the disk of ``path`` has less free than the result takes, else as `check_memory` does.
     """
-    room = free_disk_bytes(path)
+    room, compressed = free_disk_bytes(path), scenario.output.compression == "gzip"
     if budget.disk_bytes > room:
-        what = "the result"
+        what, advice = "the result", _fewer_rows(scenario)
         if budget.disk_bytes > budget.result_bytes:
-            what += " and its compressed copy" if _is_compressed(scenario) else " and the rows that grow beside it"
-        advice = _fewer_rows(scenario)
-        if budget.result_bytes <= room and _is_compressed(scenario):
+            what += " and its compressed copy" if compressed else " and the rows that grow beside it"
+        if budget.result_bytes <= room and compressed:
             advice = 'output.compression = "none" takes no copy'
         raise OutputRefused(
             f"{path}: {what} may take {budget.disk_bytes:,} bytes, and {Path(path).absolute().parent} has room for"
@@ -156,11 +148,15 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
 
     Raises Refused, with the keys to change named.
     """
-    room = free_memory_bytes()
-    more = budget.more_bytes + kept_bytes
+    room, more = free_memory_bytes(), budget.more_bytes + kept_bytes
     if room is None or more <= room:
         return
-    remedy = _less_memory(scenario, budget, more - room) if budget.working_bytes > kept_bytes else _fewer_rows(scenario)
+    remedy = "make interface.mean_junction_count smaller"
+    if budget.working_bytes <= kept_bytes:
+        remedy = _fewer_rows(scenario)
+    elif scenario.run.engine == "events":
+        saved = budget.working_bytes - working_bytes(scenario.model(), "batch")
+        remedy = 'run.engine = "batch" needs less' if saved >= more - room else remedy
     raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
 
 
@@ -174,7 +170,7 @@ def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
     room, memory = free_disk_bytes(there / "run.h5"), free_memory_bytes()
     if budget.disk_bytes > room:
         raise OutputRefused(
-            f"{folder}: the results of {round(budget.work['run']):,} runs may take {budget.disk_bytes:,} bytes, and"
+            f"{folder}: the results of {budget.runs:,} runs may take {budget.disk_bytes:,} bytes, and"
             f' there is room for {room:,}; sweep.keep = "summary" keeps kilobytes of each run, or make'
             " sliding.distance shorter or sweep.replicates fewer"
         )
@@ -187,27 +183,20 @@ def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
 
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
-    model, engine = scenario.model(), cast(Engine, scenario.run.engine)
-    most, features = rows_at_most(model, rows), features_of(model)
+    model, features = scenario.model(), features_of(scenario.model())
+    most = rows_at_most(model, rows)
     columns = expected_bytes(most, features)
     size = columns + len(scenario.text.encode())
-    copy = size if _is_compressed(scenario) else 0
-    # Rows that grow lie beside the part until they are copied into it.
-    growing = columns - expected_bytes(rows, features)
-    junctions = _likely_junctions(model) if rows.junctions is None else rows.junctions
+    # Rows that grow, and all of a compressed file, lie beside the part until they are copied into it.
+    beside = size if scenario.output.compression == "gzip" else columns - expected_bytes(rows, features)
     return Budget(
-        junctions=junctions,
+        junctions=_likely_junctions(model) if rows.junctions is None else rows.junctions,
         ticks=rows.ticks,
         result_bytes=size,
-        disk_bytes=size + (copy or growing),
-        working_bytes=working_bytes(model, engine),
+        disk_bytes=size + beside,
+        working_bytes=working_bytes(model, cast(Engine, scenario.run.engine)),
         slider_rows_at_most=most.slider if model.is_two_way else None,
-        work=work(model, engine, junctions, rows.ticks) | {"packed byte": float(copy)},
     )
-
-
-def _is_compressed(scenario: Scenario) -> bool:
-    return scenario.output.compression == "gzip"
 
 
 def rows_at_most(model: Model, rows: Extent) -> Extent:
@@ -243,14 +232,6 @@ def _fewer_rows(scenario: Scenario) -> str:
     return "make sliding.distance shorter or interface.mean_junction_count smaller"
 
 
-def _less_memory(scenario: Scenario, budget: Budget, missing: int) -> str:
-    if scenario.run.engine == "events":
-        other = working_bytes(scenario.model(), "batch")
-        if budget.working_bytes - other >= missing:
-            return 'run.engine = "batch" needs less'
-    return "make interface.mean_junction_count smaller"
-
-
 def _megabytes(count: int) -> str:
     return f"{count / 1e6:,.0f} MB"
 
@@ -265,111 +246,55 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
     Raises OSError if the folder does not exist.
     """
     final = Path(path).absolute()
-    room = shutil.disk_usage(final.parent).free
+    room, most = shutil.disk_usage(final.parent).free, resource.getrlimit(resource.RLIMIT_FSIZE)[0]
     with suppress(FileNotFoundError):
-        about = part_of(final).lstat()
-        room += about.st_blocks * BLOCK_BYTES if hasattr(about, "st_blocks") else about.st_size
-    return int(min(room, _limit("RLIMIT_FSIZE")))
+        room += part_of(final).lstat().st_blocks * BLOCK_BYTES
+    return room if most == resource.RLIM_INFINITY else min(room, most)
 
 
-def _limit(name: str) -> float:
-    """Return a limit of this process; inf if there is none."""
-    try:
-        import resource
-    except ImportError:
-        return inf
-    limit = resource.getrlimit(getattr(resource, name))[0]
-    return inf if limit == resource.RLIM_INFINITY else limit
-
-
-def memory_in_use(root: Path = Path("/")) -> int:
+def memory_in_use() -> int:
     """Return the bytes of memory that this process holds, or 0 if the system does not say."""
-    return _pages(root)[1] * PAGESIZE
+    return _pages()[1] * PAGESIZE
 
 
-def free_memory_bytes(root: Path = Path("/")) -> int | None:
+def free_memory_bytes() -> int | None:
     """Return how many more bytes of memory this process may use, or None if that is unknown.
 
-    The least of what the machine has available, what the control groups of the process leave it (version 1 and 2,
-    and the groups around them), and what RLIMIT_AS leaves of its address space. ``root`` is where the system's own
-    files are looked for.
+    The least of what the machine has available, and what the limits of containers and of `ulimit -v` leave beside
+    what this process holds.
     """
-    return min([*_available(root), *_left_in_groups(root), *_left_of_address_space(root)], default=None)
+    address_space, held = (pages * PAGESIZE for pages in _pages())
+    left = [limit - held for limit in _group_limits()]
+    if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
+        left.append(limit - address_space)
+    _, _, available = _text("proc/meminfo").partition("MemAvailable:")
+    if available:
+        left.append(int(available.split(maxsplit=1)[0]) * 1024)
+    elif "SC_PHYS_PAGES" in os.sysconf_names:
+        left.append(os.sysconf("SC_PHYS_PAGES") * PAGESIZE)
+    return max(min(left), 0) if left else None
 
 
-def _available(root: Path) -> Iterator[int]:
-    _, name, after = _text(root / "proc/meminfo").partition("MemAvailable:")
-    if name:
-        yield int(after.split(maxsplit=1)[0]) * 1024
-    elif "SC_PHYS_PAGES" in getattr(os, "sysconf_names", ()):
-        yield os.sysconf("SC_PHYS_PAGES") * PAGESIZE
-
-
-def _left_of_address_space(root: Path) -> Iterator[int]:
-    limit = _limit("RLIMIT_AS")
-    if limit < inf:
-        yield max(int(limit) - _pages(root)[0] * PAGESIZE, 0)
-
-
-def _left_in_groups(root: Path) -> Iterator[int]:
-    """Yield the free memory of each control group with a limit; its file cache counts as free."""
-    for folder, version, most in _limits(root):
-        _, used, prefix = _NAMES[version]
-        now = _number_in_file(folder / used)
-        if now is not None:
-            counts = _numbers(folder / "memory.stat")
-            droppable = counts.get(f"{prefix}inactive_file", 0) + counts.get(f"{prefix}active_file", 0)
-            yield max(most - max(now - droppable, 0), 0)
-
-
-_NO_LIMIT = 1 << 60
-_NAMES = {
-    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_"),
-    2: ("memory.max", "memory.current", ""),
-}
-
-
-@cache
-def _limits(root: Path) -> tuple[tuple[Path, int, int], ...]:
-    """Return folder, version and limit of the groups that have a limit; kept, since a sweep asks for each run."""
-    found = ((folder, version, _number_in_file(folder / _NAMES[version][0])) for folder, version in _groups(root))
-    return tuple((folder, version, most) for folder, version, most in found if most is not None and most < _NO_LIMIT)
-
-
-def _groups(root: Path) -> Iterator[tuple[Path, int]]:
-    """Yield the folder and version of every memory group that the process is in, from the innermost outwards."""
-    for line in _text(root / "proc/self/cgroup").splitlines():
+def _group_limits() -> Iterator[int]:
+    """Yield the memory limits of the control groups around this process, which containers and batch queues set."""
+    for line in _text("proc/self/cgroup").splitlines():
         _, controllers, name = line.split(":", 2)
-        if "memory" in controllers.split(","):
-            top, version = root / "sys/fs/cgroup/memory", 1
-        elif not controllers:
-            top, version = root / "sys/fs/cgroup", 2
-        else:
+        if controllers and "memory" not in controllers.split(","):
             continue
-        # Inside a container the name may belong to the host's tree: missing folders are skipped.
+        top, limit = ("memory", "memory.limit_in_bytes") if controllers else ("", "memory.max")
+        # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
         inner = PurePosixPath(name.lstrip("/"))
-        for each in (inner, *inner.parents):
-            yield top / each, version
+        texts = (_text(PurePosixPath("sys/fs/cgroup", top, each, limit)).strip() for each in (inner, *inner.parents))
+        yield from (int(text) for text in texts if text.isdecimal())
 
 
-def _pages(root: Path) -> tuple[int, int]:
+def _pages() -> tuple[int, int]:
     """Return how many pages the address space of this process has, and how many of them are in memory."""
-    pages = _text(root / "proc/self/statm").split()
+    pages = _text("proc/self/statm").split()
     return (int(pages[0]), int(pages[1])) if pages else (0, 0)
 
 
-def _numbers(path: Path) -> dict[str, int]:
-    entries = (line.split() for line in _text(path).splitlines())
-    return {words[0]: int(words[1]) for words in entries if len(words) == 2}
-
-
-def _number_in_file(path: Path) -> int | None:
-    """Return the number in a file; None if the file is missing or says "max"."""
-    text = _text(path).strip()
-    return int(text) if text.isdecimal() else None
-
-
-def _text(path: Path) -> str:
+def _text(name: str | PurePosixPath) -> str:
     with suppress(OSError):
-        return path.read_text(encoding="utf-8", errors="replace")
+        return (ROOT / name).read_text(encoding="utf-8", errors="replace")
     return ""

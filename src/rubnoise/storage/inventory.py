@@ -3,23 +3,19 @@
 Objects are counted before they are listed; no row is read.
 """
 
-import json
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from tempfile import TemporaryFile
 from typing import Any, Final
 
 import h5py
 import numpy as np
-import xxhash
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.layout import Name, RunDescription, row_count, stored_groups
-from rubnoise.storage.objects import ATTRIBUTE_BYTES, ATTRIBUTES_LIMIT
-from rubnoise.storage.pages import PagedFile
-from rubnoise.storage.schema import Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, add_group, complete, compose, put_text
+from rubnoise.storage.format import add_group, compose, hdf5_on, text_bytes
+from rubnoise.storage.layout import RunDescription, row_count, stored_groups
+from rubnoise.storage.objects import ATTRIBUTE_BYTES, MOST_ATTRIBUTES
 
-OBJECTS_LIMIT: Final = 20_000
+MOST_OBJECTS: Final = 20_000
 """More groups and columns are in no file of ours, be it the index of the largest sweep."""
 
 DEEPEST: Final = 4
@@ -28,197 +24,112 @@ DEEPEST: Final = 4
 GROUP, DATASET = "group", "dataset"
 
 Inventory = Mapping[str, Mapping[str, Any]]
-"""What there is, by path: its kind, of a dataset also type, shape, storage and sources, and its attributes by name."""
-
+"""What there is, by path: its kind, of a dataset also type, shape and storage, and its attributes by name."""
 
 OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
 """Attributes that HDF5 writes itself, in types of its own choice."""
 
-Ended = tuple[Mapping[Name, str], Mapping[str, Scalar], str]
-"""What only the end of a run shows: the hashes of its columns, its summary, and the time."""
 
-
-def expected_inventory(
-    description: RunDescription, *, compressed: bool, ending: Ended | None = None
-) -> dict[str, dict[str, Any]]:
-    """Return what the file of a run must hold beside its rows, before the first one or at the end, made in memory."""
-    about = replace(description, compression="gzip" if compressed else "none")
-    with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
+def expected_inventory(about: RunDescription) -> Inventory:
+    """Return what the file of a run must hold beside its rows, made in a file without rows or name."""
+    with TemporaryFile(buffering=0) as room, hdf5_on(room.fileno(), "w") as file:
         compose(file, about)
         for group in stored_groups(about.features):
             if group.name not in file:
                 add_group(file, group, row_count(group, about.extent), about.compression)
-        if ending is not None:
-            complete(file, about, *ending)
         return inventory_of(file)
 
 
-def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:
-    """Return texts by name in the form that attributes of our files have."""
-    with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
-        for name, text in texts.items():
-            put_text(file, name, text)
-        return _attributes(file)
+def form_of_text(text: str) -> dict[str, Any]:
+    """Return type and shape of the attribute in which our files keep a text."""
+    return {"type": f"utf-8 text of {max(2, len(text_bytes(text)))} bytes", "shape": []}
 
 
-def inventory_of(file: h5py.File) -> dict[str, dict[str, Any]]:
+def inventory_of(file: h5py.File) -> Inventory:
     """Return everything that a file holds; of objects that are neither groups nor datasets of the file, only the names.
 
     Raises RunFileRefused for more objects than any of our files has.
     """
     found: dict[str, dict[str, Any]] = {}
-    waiting = [("/", file["/"])]
+    waiting = [("", file["/"])]
     while waiting:
         path, owner = waiting.pop()
-        found[path] = {"kind": GROUP, "attributes": _attributes(owner)}
-        for name, kind, entry in _links(owner):
-            place = f"{path.rstrip('/')}/{name}"
-            if len(found) + len(waiting) >= OBJECTS_LIMIT:
-                raise RunFileRefused(f"holds more than {OBJECTS_LIMIT} groups and columns")
-            if kind == GROUP and place.count("/") < DEEPEST:
+        found[path or "/"] = {"kind": GROUP, "attributes": _attributes(owner)}
+        if len(found) + len(waiting) + owner.id.get_num_objs() > MOST_OBJECTS:
+            raise RunFileRefused(f"holds more than {MOST_OBJECTS} groups and columns")
+        for name in owner:
+            place = f"{path}/{_readable(name)}"
+            entry = owner[name] if isinstance(owner.get(name, getlink=True), h5py.HardLink) else None
+            if isinstance(entry, h5py.Group) and place.count("/") < DEEPEST:
                 waiting.append((place, entry))
+            elif isinstance(entry, h5py.Dataset):
+                found[place] = _dataset(entry)
             else:
-                found[place] = _dataset(entry) if kind == DATASET else {"kind": kind, "attributes": {}}
+                kind = GROUP if isinstance(entry, h5py.Group) else "link" if entry is None else "type"
+                found[place] = {"kind": kind, "attributes": {}}
     return found
-
-
-def _links(owner: h5py.Group) -> Iterator[tuple[str, str, Any]]:
-    """Yield name, kind and object of everything in a group; the object only for hard links."""
-    if owner.id.get_num_objs() > OBJECTS_LIMIT:
-        raise RunFileRefused(f"holds more than {OBJECTS_LIMIT} groups and columns")
-    names: list[bytes] = []
-    owner.id.links.iterate(names.append)
-    for raw in names:
-        name = raw.decode("utf-8", "backslashreplace")
-        if owner.id.links.get_info(raw).type != h5py.h5l.TYPE_HARD:
-            yield name, "link", None
-            continue
-        entry = h5py.h5o.open(owner.id, raw)
-        if isinstance(entry, h5py.h5g.GroupID):
-            yield name, GROUP, h5py.Group(entry)
-        elif isinstance(entry, h5py.h5d.DatasetID):
-            yield name, DATASET, h5py.Dataset(entry)
-        else:
-            yield name, "type", None
 
 
 def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
     creation = dataset.id.get_create_plist()
-    layout = creation.get_layout()
-    # HDF5 would look into other files for the shape of a virtual dataset.
-    virtual = layout == h5py.h5d.VIRTUAL and creation.get_virtual_count()
-    space = creation.get_virtual_vspace(0) if virtual else dataset.id.get_space()
+    layout, storage = creation.get_layout(), "elsewhere"
+    if layout == h5py.h5d.CONTIGUOUS and not creation.get_external_count():
+        storage = "in one piece"
+    elif layout == h5py.h5d.CHUNKED:
+        filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
+        storage = f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
     return {
         "kind": DATASET,
-        "type": _type(dataset.id.get_type()),
-        "shape": list(space.shape),
-        "grows_to": list(space.get_simple_extent_dims(maxdims=True)),
-        "storage": _storage(creation, layout),
-        "sources": _sources(creation) if layout == h5py.h5d.VIRTUAL else "none",
+        "type": _type(dataset.dtype),
+        # HDF5 would look into other files for the shape of a virtual dataset.
+        "shape": [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ()),
+        "storage": storage,
         "attributes": _attributes(dataset),
     }
 
 
-def _storage(creation: h5py.h5p.PropDCID, layout: int) -> str:
-    """Return how the rows of a dataset are stored, in words."""
-    if layout == h5py.h5d.CONTIGUOUS:
-        return "in other files" if creation.get_external_count() else "in one piece"
-    if layout == h5py.h5d.VIRTUAL:
-        return "in the files of runs"
-    if layout != h5py.h5d.CHUNKED:
-        return "in its header"
-    filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
-    return f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
-
-
-def _sources(creation: h5py.h5p.PropDCID) -> str:
-    """Return the sources of a virtual dataset: the number of pieces, and a hash of their files, datasets and rows."""
-    digest, count = xxhash.xxh3_128(), creation.get_virtual_count()
-    for number in range(count):
-        place = (creation.get_virtual_filename(number), creation.get_virtual_dsetname(number))
-        digest.update(json.dumps([_selection(creation.get_virtual_vspace(number)), *place]).encode())
-    return f"{count} pieces with the hash {digest.hexdigest()}"
-
-
-def _selection(space: h5py.h5s.SpaceID) -> str:
-    """Return a selection of values as the corners of its bounding box and its number of values."""
-    if space.get_select_type() == h5py.h5s.SEL_ALL:
-        return "all"
-    first, last = (tuple(map(int, corner)) for corner in space.get_select_bounds())
-    return f"{space.get_select_npoints()} from {first} to {last}"
-
-
 def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
-    if (count := h5py.h5a.get_num_attrs(owner.id)) > ATTRIBUTES_LIMIT:
+    """Return type, shape and value of each attribute; the value is None if it is long, or of a type of no use here."""
+    if (count := h5py.h5a.get_num_attrs(owner.id)) > MOST_ATTRIBUTES:
         raise RunFileRefused(f"{owner.name} has {count} attributes")
     found: dict[str, Any] = {}
-    names: list[bytes] = []
-    h5py.h5a.iterate(owner.id, names.append)
-    for raw in names:
-        attribute = h5py.h5a.open(owner.id, raw)
-        name, kind = raw.decode("utf-8", "backslashreplace"), attribute.get_type()
-        shape = attribute.shape
-        found[name] = {
-            "type": _type(kind),
-            "shape": None if shape is None else list(shape),
-            "value": _value(owner, attribute, kind),
-        }
+    for name in owner.attrs:
+        attribute = owner.attrs.get_id(name)
+        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.shape is not None
+        of_texts = h5py.check_string_dtype(attribute.dtype)
+        value = owner.attrs[name] if plain and not (of_texts and of_texts.length is None) else None
+        shape = None if attribute.shape is None else list(attribute.shape)
+        found[_readable(name)] = {"type": _type(attribute.dtype), "shape": shape, "value": _listed(owner, value)}
     return found
 
 
-def _type(kind: h5py.h5t.TypeID) -> str:
+def _type(kind: np.dtype[Any]) -> str:
     """Return the type of values as text; the texts are equal if the types are."""
-    if isinstance(kind, h5py.h5t.TypeStringID):
-        characters = "UTF-8" if kind.get_cset() == h5py.h5t.CSET_UTF8 else "ASCII"
-        length = "any length" if kind.is_variable_str() else f"{kind.get_size()} bytes"
-        return f"{characters} text of {length}"
-    if isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID):
-        return str(kind.dtype.str)
-    if isinstance(kind, h5py.h5t.TypeReferenceID):
-        return "reference"
-    if isinstance(kind, h5py.h5t.TypeVlenID):
-        return f"list of {_type(kind.get_super())}"
-    if isinstance(kind, h5py.h5t.TypeCompoundID):
-        members = (_type(kind.get_member_type(number)) for number in range(kind.get_nmembers()))
-        return f"({', '.join(members)})"
-    return f"HDF5 class {kind.get_class()}"
+    text = h5py.check_string_dtype(kind)
+    if text is None:
+        return kind.str
+    return f"{text.encoding} text of {'any length' if text.length is None else f'{text.length} bytes'}"
 
 
-def _value(owner: h5py.HLObject, attribute: h5py.h5a.AttrID, kind: h5py.h5t.TypeID) -> Any:
-    """Return the value of an attribute, with references as paths; None if it cannot be read."""
-    if attribute.get_storage_size() > ATTRIBUTE_BYTES or attribute.shape is None:
-        return None
-    if isinstance(kind, h5py.h5t.TypeStringID):
-        if kind.is_variable_str():
-            return None
-        texts = np.empty(attribute.shape, dtype=kind.dtype)
-        attribute.read(texts)
-        return _decoded(texts.tolist())
-    if isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID):
-        numbers = np.empty(attribute.shape, dtype=kind.dtype)
-        attribute.read(numbers)
-        return numbers.tolist()
-    if isinstance(kind, h5py.h5t.TypeVlenID | h5py.h5t.TypeCompoundID | h5py.h5t.TypeReferenceID):
-        return _referred(owner, owner.attrs.get(attribute.name))
-    return None
-
-
-def _decoded(texts: Any) -> Any:
-    return [_decoded(each) for each in texts] if isinstance(texts, list) else texts.decode("utf-8", "backslashreplace")
-
-
-def _referred(owner: h5py.HLObject, value: Any) -> Any:
-    """Return lists and rows with references replaced by paths."""
+def _listed(owner: h5py.HLObject, value: Any) -> Any:
+    """Return a value as JSON has it: lists of numbers and texts, with references as the paths to which they lead."""
+    if isinstance(value, np.void):
+        value = np.array(value.item(), dtype=object) if value.dtype.names else None
+    if isinstance(value, np.ndarray):
+        return [_listed(owner, each) for each in value]
     if isinstance(value, h5py.Reference):
         try:
             name = h5py.h5r.get_name(value, owner.file.id) if value else None
         except (OSError, RuntimeError, KeyError, ValueError):
-            return None  # what it referred to is gone
-        return None if name is None else name.decode("utf-8", "backslashreplace")
-    if isinstance(value, np.void):
-        return [_referred(owner, each) for each in value.item()]
-    if isinstance(value, np.ndarray):
-        return [_referred(owner, each) for each in value]
+            name = None  # what it referred to is gone
+        value = name
     if isinstance(value, np.generic):
-        return value.item()
+        value = value.item()
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "backslashreplace")
     return value if isinstance(value, int | float | str) else None
+
+
+def _readable(name: str) -> str:
+    """Return a name with bytes that are no text as escapes."""
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")

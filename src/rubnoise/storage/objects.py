@@ -4,14 +4,18 @@ So a file leads to no other file, and nothing in it is counted or read that no f
 """
 
 import os
-from collections.abc import Iterator
+import zlib
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
-from typing import Final
+from types import UnionType
+from typing import Any, Final
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
@@ -19,12 +23,15 @@ from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
 REMEDY: Final = "copy it again, or run its scenario again"
 
 ATTRIBUTE_BYTES = 1 << 22
-ATTRIBUTES_LIMIT = 256
-LINKS_LIMIT = 256
+MOST_ATTRIBUTES = 256
+MOST_LINKS = 256
 """More of either is in no file of ours; some room is left for what others add to it."""
 
 DEFLATE_RATIO = 1032
 """The most that deflate can expand: more rows than that were never in the file."""
+
+Answer = Any
+"""What was read at one place, or the RunFileRefused that says why not: one damaged attribute must not hide the rows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,15 +66,27 @@ def naming_damage() -> Iterator[None]:
     except RunFileRefused:
         raise
     except Exception as problem:
-        raise RunFileRefused(reason_of(problem)) from problem
+        text = " ".join(str(problem).split())
+        reason = "cut short" if "truncated file" in text else f"damaged: {text}"
+        raise RunFileRefused(f"{reason}; {REMEDY}") from problem
 
 
-def reason_of(problem: Exception) -> str:
-    """Return why a file cannot be read, in a few words."""
-    if isinstance(problem, RunFileRefused):
-        return str(problem)
-    text = " ".join(str(problem).split())
-    return f"cut short; {REMEDY}" if "truncated file" in text else f"damaged: {text}; {REMEDY}"
+def or_refusal(read: Callable[..., Answer], *given: Any) -> Answer:
+    """Return what is read, or the refusal that says why not."""
+    try:
+        with naming_damage():
+            return read(*given)
+    except RunFileRefused as refusal:
+        return refusal
+
+
+def has_hard_link(owner: h5py.Group, path: str) -> bool:
+    """Whether a group leads to an object by hard links alone, and so within the file."""
+    first, _, rest = path.partition("/")
+    raw = first.encode()
+    if not owner.id.links.exists(raw) or owner.id.links.get_info(raw).type != h5py.h5l.TYPE_HARD:
+        return False
+    return not rest or (isinstance(owner[first], h5py.Group) and has_hard_link(owner[first], rest))
 
 
 def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
@@ -75,13 +94,13 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
     found = owner[name] if has_hard_link(owner, name) else None
     if not isinstance(found, h5py.Group):
         raise RunFileRefused(f"/{name} is missing")
-    if found.id.get_num_objs() > LINKS_LIMIT:
+    if found.id.get_num_objs() > MOST_LINKS:
         raise RunFileRefused(f"/{name} holds {found.id.get_num_objs()} objects")
     return found
 
 
-def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> h5py.Dataset:
-    """Return the dataset of a column if its type, shape and storage are those of the schema.
+def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h5py.Dataset, Place]:
+    """Return the dataset of a column and the place of its rows, if type, shape and storage are those of the schema.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
     shuffle and deflate, more rows than the file's bytes can hold.
@@ -96,66 +115,75 @@ def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> h5py.Da
         raise RunFileRefused(f"{path} is not stored as a run file stores it")
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
-    if not (_is_contiguous(dataset, file_size) or _is_gzip(dataset, file_size)):
+    if creation.get_layout() == h5py.h5d.CONTIGUOUS:
+        offset = dataset.id.get_offset() or 0
+        whole = not dataset.size or dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset
+    else:
+        offset, whole = 0, _is_packed_whole(dataset, creation, file_size)
+    if not whole:
         raise RunFileRefused(f"{path} is not stored as a run file stores it")
-    return dataset
+    return dataset, Place(offset=offset, rows=dataset.size, dtype=column.dtype)
 
 
-def read_attribute(owner: h5py.HLObject, name: str) -> Scalar:
+def _is_packed_whole(dataset: h5py.Dataset, creation: h5py.h5p.PropDCID, file_size: int) -> bool:
+    """Whether a chunked dataset has the chunks and filters of ours, and no chunk is missing."""
+    filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
+    (rows,), stored = creation.get_chunk(), dataset.id.get_storage_size()
+    return (
+        rows == min(dataset.size, CHUNK_ROWS)
+        and filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE]
+        and stored <= file_size
+        and dataset.nbytes <= DEFLATE_RATIO * stored
+        and bool(dataset.id.get_num_chunks() == ceil(dataset.size / rows))
+    )
+
+
+def rows_of_chunks(dataset: h5py.Dataset, first: int, last: int) -> NDArray[Any]:
+    """Return rows ``first`` to ``last`` of a dataset; raises RunFileRefused for damaged chunks.
+
+    HDF5 finds a chunk; it is unpacked here, to one byte more than it should have at most. HDF5 itself hands out memory
+    that belongs to others where a chunk unpacks to fewer bytes.
+    """
+    rows, width = dataset.chunks[0], dataset.dtype.itemsize
+    values: NDArray[Any] = np.empty(last - first, dataset.dtype)
+    for begin in range(first - first % rows, last, rows):
+        skipped, stored = dataset.id.read_direct_chunk((begin,))
+        inflating = zlib.decompressobj()
+        try:
+            content = inflating.decompress(stored, rows * width + 1)
+        except zlib.error as problem:
+            raise RunFileRefused(f"damaged: {problem}") from problem
+        if skipped or not inflating.eof or len(content) != rows * width:
+            raise RunFileRefused("damaged: a chunk is not packed as its rows are")
+        # The filter shuffle puts the first bytes of all values first, then the second ones.
+        chunk = np.ascontiguousarray(np.frombuffer(content, np.uint8).reshape(width, rows).T).view(dataset.dtype)[:, 0]
+        here = slice(max(first, begin), min(last, begin + rows))
+        values[here.start - first : here.stop - first] = chunk[here.start - begin : here.stop - begin]
+    return values
+
+
+def read_attributes(owner: h5py.HLObject, kinds: Mapping[str, type | UnionType]) -> dict[str, Scalar]:
+    """Return attributes by name, each of the kind that is given; raises as `read_attribute` does."""
+    return {name: read_attribute(owner, name, kind) for name, kind in kinds.items()}
+
+
+def read_attribute(owner: h5py.HLObject, name: str, wanted: type | UnionType = Scalar) -> Any:
     """Return a scalar attribute: text of fixed length, an integer or a double; raises RunFileRefused otherwise."""
-    raw = name.encode()
+    raw, place = name.encode(), f"{owner.name} attribute {name}"
     if not h5py.h5a.exists(owner.id, raw):
-        raise RunFileRefused(f"{owner.name} attribute {name} is missing")
+        raise RunFileRefused(f"{place} is missing")
     attribute = h5py.h5a.open(owner.id, raw)
     kind = attribute.get_type()
-    if attribute.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not _is_plain(kind):
-        raise RunFileRefused(f"{owner.name} attribute {name} is not a plain number or text")
+    plain = (
+        not kind.is_variable_str()
+        if isinstance(kind, h5py.h5t.TypeStringID)
+        else isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
+    )
+    if attribute.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not plain:
+        raise RunFileRefused(f"{place} is not a plain number or text")
     value = np.empty((), dtype=kind.dtype)
     attribute.read(value)  # by HDF5's own call: h5py's takes longer than all the rest of opening a file
-    return value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
-
-
-def read_text(owner: h5py.HLObject, name: str) -> str:
-    """Return a text attribute; raises RunFileRefused for a number."""
-    value = read_attribute(owner, name)
-    if not isinstance(value, str):
-        raise RunFileRefused(f"{owner.name} attribute {name} is not a text")
-    return value
-
-
-def read_integer(owner: h5py.HLObject, name: str) -> int:
-    """Return an integer attribute; raises RunFileRefused for anything else."""
-    value = read_attribute(owner, name)
-    if not isinstance(value, int):
-        raise RunFileRefused(f"{owner.name} attribute {name} is not an integer")
-    return value
-
-
-def has_hard_link(owner: h5py.Group, name: str) -> bool:
-    """Return whether a group itself holds an object of this name, not a link to elsewhere."""
-    raw = name.encode()
-    return bool(owner.id.links.exists(raw)) and bool(owner.id.links.get_info(raw).type == h5py.h5l.TYPE_HARD)
-
-
-def _is_plain(kind: h5py.h5t.TypeID) -> bool:
-    if isinstance(kind, h5py.h5t.TypeStringID):
-        return not kind.is_variable_str()
-    return isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
-
-
-def _is_contiguous(dataset: h5py.Dataset, file_size: int) -> bool:
-    if dataset.id.get_create_plist().get_layout() != h5py.h5d.CONTIGUOUS:
-        return False
-    offset = dataset.id.get_offset() or 0
-    return dataset.size == 0 or bool(dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset)
-
-
-def _is_gzip(dataset: h5py.Dataset, file_size: int) -> bool:
-    creation = dataset.id.get_create_plist()
-    if creation.get_layout() != h5py.h5d.CHUNKED or creation.get_chunk() != (min(dataset.size, CHUNK_ROWS),):
-        return False
-    filters = [creation.get_filter(i)[0] for i in range(creation.get_nfilters())]
-    stored = dataset.id.get_storage_size()
-    return filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE] and bool(
-        dataset.nbytes <= DEFLATE_RATIO * stored <= DEFLATE_RATIO * file_size
-    )
+    found = value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
+    if not isinstance(found, wanted):
+        raise RunFileRefused(f"{place} is not {'a text' if wanted is str else 'a number'}")
+    return found

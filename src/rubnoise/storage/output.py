@@ -11,19 +11,13 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Final
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage import disk
-
-SUFFIX: Final = ".part"
-
-NO_LOCKS = (
-    "a sweep is made on Linux and macOS only, where locks keep a second writer out; on Windows use its Subsystem for"
-    " Linux (WSL)"
-)
+from rubnoise.storage.disk import lock
 
 PATIENCE_SECONDS: Final = 0.3
 """Longer than a copy of a process that has ended keeps its lock."""
@@ -49,9 +43,11 @@ class OutputSwappedError(RubnoiseError):
 
 
 def part_of(path: str | os.PathLike[str]) -> Path:
-    """Return the path of the part of a result."""
+    """Return the path of the part of a result; raises OutputRefused for the name of a folder."""
+    if os.fspath(path).endswith("/"):
+        raise OutputRefused(f"{path}: names a folder; name a file")
     final = Path(path).absolute()
-    return final.with_name(f"{final.name}{SUFFIX}")
+    return final.with_name(f"{final.name}.part")
 
 
 def check_output(path: str | os.PathLike[str], *, force: bool, reads: Iterable[str | os.PathLike[str]] = ()) -> Path:
@@ -62,47 +58,39 @@ def check_output(path: str | os.PathLike[str], *, force: bool, reads: Iterable[s
     Also refused, even with ``force``, is a file that the caller ``reads``, by whatever name: it would be lost.
     """
     try:
-        if os.fspath(path).endswith(("/", os.sep)):
-            raise OutputRefused(f"{path}: names a folder; name a file")
         final, part = Path(path).absolute(), part_of(path)
         if not final.parent.is_dir():
             raise OutputRefused(f"{final.parent}: no such folder")
         # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
         for name in (final, part):
-            mode = _mode(name)
+            about = _status(name)
             # Nor may it be a link: renaming over it would leave its target unchanged.
-            if mode is not None and not stat.S_ISREG(mode):
+            if about and not stat.S_ISREG(about.st_mode):
                 raise OutputRefused(f"{name}: exists and is not a regular file")
         if not os.access(final.parent, os.W_OK | os.X_OK):
             raise OutputRefused(f"{final.parent}: the folder is not writable")
-        _check_not_read((final, part), reads)
+        for name, read in product((final, part), reads):
+            with suppress(OSError):  # one of the two is not there
+                if name.samefile(read):
+                    raise OutputRefused(f"{name}: is read here ({read}), so it can't be the output; take another name")
     except (OSError, ValueError) as problem:
         raise OutputRefused(f"{path}: cannot be written: {reason_of(problem)}") from problem
-    if not force and _mode(final) is not None:
+    if not force and _status(final):
         raise OutputRefused(f"{final}: exists already (force=True replaces it)")
     return final
 
 
-def _mode(path: Path) -> int | None:
-    """Return the type and permissions of what is at a path, or None if it does not exist."""
-    try:
-        return path.lstat().st_mode
-    except FileNotFoundError:
-        return None
+def _status(path: Path) -> os.stat_result | None:
+    """Return what the system says of what is at a path; None if nothing is there."""
+    with suppress(FileNotFoundError):
+        return path.lstat()
+    return None
 
 
-def _check_not_read(names: Iterable[Path], reads: Iterable[str | os.PathLike[str]]) -> None:
-    for name in names:
-        for read in map(Path, reads):
-            with suppress(OSError):  # one of the two is not there
-                if name.samefile(read):
-                    raise OutputRefused(f"{name}: is read here ({read}), so it can't be the output; take another name")
-
-
-def check_locks(path: str | os.PathLike[str]) -> None:
-    """Raise OutputRefused on a system without the locks that a sweep needs."""
-    if not disk.LOCKS:
-        raise OutputRefused(f"{path}: {NO_LOCKS}")
+def _is(path: Path, file: os.stat_result) -> bool:
+    """Whether a path leads to a certain file."""
+    about = _status(path)
+    return about is not None and os.path.samestat(about, file)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -114,7 +102,7 @@ class PartFile:
     descriptor: int
     force: bool
     about: os.stat_result = field(init=False)
-    """What the system says of the file; at the end, of the finished one."""
+    """What the system says of the file."""
 
     def __post_init__(self) -> None:
         """Ask which file it is."""
@@ -125,8 +113,10 @@ class PartFile:
 
         Raises OutputRefused if there is not enough; a file system that cannot reserve gets a note.
         """
+        if not size or not hasattr(os, "posix_fallocate"):  # which macOS lacks
+            return
         try:
-            disk.allocate(self.descriptor if descriptor is None else descriptor, size)
+            os.posix_fallocate(self.descriptor if descriptor is None else descriptor, 0, size)
         except OSError as problem:
             if problem.errno in NO_ROOM:
                 raise OutputRefused(
@@ -143,48 +133,50 @@ class PartFile:
         If another file has the name of the part by now, it stays and is not published (OutputSwappedError). Without
         ``force`` a file that appeared under the final name stays, too (OutputAppearedError), beside the part.
         """
-        (disk.sync if durable else disk.begin_sync)(self.descriptor)
-        about = os.fstat(self.descriptor)
-        if not disk.is_file(self.path, about):
+        if durable:
+            os.fsync(self.descriptor)
+        if not _is(self.path, self.about):
             raise OutputSwappedError(
                 f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
                 " is not written"
             )
-        if not disk.LOCKS:
-            self._let_go()  # Windows renames no open file
         self._rename()
-        self.about = about
         self._let_go()
         if durable:
-            disk.sync_folder(self.final.parent)
+            folder = os.open(self.final.parent, os.O_RDONLY)
+            try:
+                os.fsync(folder)
+            finally:
+                os.close(folder)
 
     def close(self) -> None:
         """Close the file, and remove it if it still has the name of the part."""
         with suppress(OSError):  # of a folder that is gone, say: the file is no result either way
-            if self.descriptor >= 0 and disk.is_file(self.path, self.about):
-                disk.remove(self.path)
+            if self.descriptor >= 0 and _is(self.path, self.about):
+                self.path.unlink(missing_ok=True)
         self._let_go()
 
     def _rename(self) -> None:
         if self.force:
-            return disk.rename(self.path, self.final)
+            self.path.replace(self.final)
+            return
         try:
-            disk.link(self.path, self.final)
+            os.link(self.path, self.final)
         except OSError as problem:
-            if _mode(self.final) is not None:
+            if _status(self.final):
                 self._let_go()
                 raise OutputAppearedError(
                     f"{self.final} appeared during the run and is left as it is; the whole result is {self.path}"
                 ) from problem
             # File systems without hard links have no rename that keeps an existing file, either.
-            disk.rename(self.path, self.final)
+            self.path.replace(self.final)
         else:
             with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
-                disk.remove(self.path)
+                self.path.unlink(missing_ok=True)
 
     def _let_go(self) -> None:
         if self.descriptor >= 0:
-            disk.close(self.descriptor)
+            os.close(self.descriptor)
             self.descriptor = -1
 
 
@@ -204,7 +196,7 @@ def part_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[PartFile
         raise OutputRefused(f"{final}: cannot be written: {reason_of(problem)}") from problem
     try:
         check_output(path, force=force)  # another process may have just written it
-        disk.resize(part.descriptor, 0)
+        os.ftruncate(part.descriptor, 0)
         yield part
     except OutputAppearedError:
         raise
@@ -221,34 +213,32 @@ def _locked(part: Path) -> int:
     A kill while a result gets its name may leave it with both names; then only the name of the part goes.
     """
     while True:
-        descriptor = disk.open_or_create(part)
+        descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
-            _lock(descriptor)
+            _wait_for_lock(descriptor)
             about = os.fstat(descriptor)
-            if disk.is_file(part, about):
+            if _is(part, about):
                 if about.st_nlink == 1:
                     return descriptor
-                disk.remove(part)
+                part.unlink(missing_ok=True)
         except BaseException:
-            disk.close(descriptor)
+            os.close(descriptor)
             raise
-        disk.close(descriptor)
+        os.close(descriptor)
 
 
-def _lock(descriptor: int) -> None:
+def _wait_for_lock(descriptor: int) -> None:
     """Lock a file if the system has locks; raises BlockingIOError if another process holds it longer than a moment."""
-    deadline, waiting = monotonic() + PATIENCE_SECONDS, disk.LOCKS
-    while waiting:
+    deadline = monotonic() + PATIENCE_SECONDS
+    while True:
         try:
-            disk.lock(descriptor)
-            waiting = False
+            return lock(descriptor)
         except BlockingIOError:
             if monotonic() > deadline:
                 raise
             sleep(PATIENCE_SECONDS / 100)
         except OSError:
-            _note("this file system has no locks: never write one result by two processes at once")
-            waiting = False
+            return _note("this file system has no locks: never write one result by two processes at once")
 
 
 def _note(text: str) -> None:
@@ -268,21 +258,21 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     fails. If the block raises, the file is removed.
     """
     with whole_files([path], force=force) as (part,), naming_file(path):
-        yield part
+        yield part.path
 
 
 @contextmanager
-def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iterator[list[Path]]:
-    """Yield paths as `whole_file` does; when all files are on disk they are renamed, all or none of them.
+def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iterator[list[PartFile]]:
+    """Yield parts as `part_file` does; when all are on disk they get their names, all or none of them.
 
     The caller names the file in an error of the disk (see `naming_file`).
     """
     with ExitStack() as held:
         parts = [held.enter_context(part_file(path, force=force)) for path in paths]
-        yield [part.path for part in parts]
+        yield parts
         for part in parts:
             with naming_file(part.final):
-                disk.sync(part.descriptor)
+                os.fsync(part.descriptor)
         for part in parts:
             with naming_file(part.final):
                 part.finish()
@@ -293,5 +283,5 @@ def naming_file(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn an error of the disk into a RubnoiseError that names the file."""
     try:
         yield
-    except (OSError, disk.NotAsWritten) as problem:
+    except OSError as problem:
         raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {reason_of(problem)}") from problem

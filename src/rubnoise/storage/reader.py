@@ -6,13 +6,12 @@ another file takes the name meanwhile, an open run shows the rows of the old one
 """
 
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from mmap import ACCESS_COPY, ALLOCATIONGRANULARITY, mmap
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Self
 from weakref import finalize
 
 import h5py
@@ -20,16 +19,39 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import UNFINISHED, RunFileRefused
 from rubnoise.record.reader import column_chunks
-from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
-from rubnoise.storage import disk
-from rubnoise.storage.chunks import rows_of_chunks
-from rubnoise.storage.layout import row_count, stored_extent
-from rubnoise.storage.objects import REMEDY, Place, naming_damage, opened_by_hdf5
-from rubnoise.storage.run_structure import Answer, RunStructure, structure_of
-from rubnoise.storage.schema import GROUPS, Feature, Scalar
+from rubnoise.storage.disk import lock, read_into
+from rubnoise.storage.layout import Name, row_count, stored_extent, stored_groups
+from rubnoise.storage.objects import (
+    MOST_ATTRIBUTES,
+    REMEDY,
+    Answer,
+    Place,
+    has_hard_link,
+    naming_damage,
+    opened_by_hdf5,
+    or_refusal,
+    read_attribute,
+    read_attributes,
+    rows_of_chunks,
+    sound_dataset,
+    sound_group,
+)
+from rubnoise.storage.schema import (
+    FORMAT,
+    FORMAT_VERSION,
+    GROUPS,
+    HASH,
+    INDEX_FORMAT,
+    INTERVENTION,
+    PROVENANCE,
+    ROOT,
+    TELLTALES,
+    Feature,
+    Scalar,
+)
 
 if TYPE_CHECKING:
     from rubnoise.storage.inventory import Inventory
@@ -51,19 +73,44 @@ class InUse(RunFileRefused):
     """A file that another program is writing."""
 
 
-class OpenFile(ABC):
-    """An open file of ours, whose structure has been read. Use it as a context manager, or close it.
+class RunFile:
+    """An open run file. Opening reads its structure only; each column is read when it is needed.
 
-    Copies, also in other processes, open the file again.
+    Use it as a context manager, or close it. ``watch``, if it is set, is called at each read. Copies, also in other
+    processes, open the file again.
     """
 
-    called: ClassVar = "file"
+    def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
+        """Take over the descriptor of a file, and read its structure, which HDF5 has opened.
 
-    def __init__(self, path: str | os.PathLike[str], descriptor: int) -> None:
-        """Take over the descriptor of a file."""
-        self.path = Path(path)
+        Raises RunFileRefused, and any error of HDF5.
+        """
+        self.path, self.descriptor = Path(path), descriptor
+        self.watch: Watch | None = None
         self._place = self.path.absolute()
-        self.descriptor = descriptor
+        self._unpacking: h5py.File | None = None
+        self._datasets: dict[Name, h5py.Dataset] = {}
+        _check_version(file)
+        self._provenance: Answer = or_refusal(read_provenance, file)
+        if isinstance(self._provenance, dict) and not self._provenance["finished"]:
+            raise RunFileRefused(UNFINISHED)
+        self.features = _features(file)
+        self._columns: dict[str, dict[str, Place]] = {}
+        self._digests: dict[Name, Answer] = {}
+        size = os.fstat(descriptor).st_size
+        for group in stored_groups(self.features):
+            owner, self._columns[group.name] = sound_group(file, group.name), {}
+            for column in group.columns:
+                dataset, self._columns[group.name][column.name] = sound_dataset(owner, column, size)
+                self._digests[group.name, column.name] = or_refusal(read_attribute, dataset, HASH, str)
+        self._attributes: Answer = or_refusal(read_attributes, file, ROOT)
+        self._summary: Answer = or_refusal(read_summary, file)
+        self._seal: Answer = or_refusal(_read_seal, file)
+        self.extent = stored_extent({group: self.rows(group) for group in self._columns}, self.features)
+        for group in GROUPS:
+            for name, place in self._columns.get(group.name, {}).items():
+                if place.rows != row_count(group, self.extent):
+                    raise RunFileRefused(f"/{group.name}/{name} has another number of rows than its group")
         self._close = finalize(self, os.close, descriptor)
 
     def __enter__(self) -> Self:
@@ -74,8 +121,14 @@ class OpenFile(ABC):
     ) -> None:
         self.close()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        with self._reading():
+            return _reopened, (self._place, self.seal)
+
     def close(self) -> None:
         """Close the file; nothing can be read any more."""
+        if self._unpacking is not None:
+            self._unpacking.close()
         self._close()
 
     @property
@@ -84,13 +137,75 @@ class OpenFile(ABC):
         return not self._close.alive
 
     @property
-    @abstractmethod
+    def columns(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the columns in each group, the dimension scale first."""
+        return {group: tuple(columns) for group, columns in self._columns.items()}
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        return next(iter(self._columns[group].values())).rows
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Read rows ``start`` to ``stop`` (to the end when None) of a column, in the units of the schema.
+
+        More than 64 MB of them are mapped. The caller may change them; the file stays as it is. Raises KeyError for a
+        name that the file does not have, RunFileRefused if its bytes cannot be read.
+        """
+        place = self._columns[group][name]
+        first, last, _ = slice(start, stop).indices(place.rows)
+        if self.watch is not None:
+            self.watch(f"/{group}/{name}", last, place.rows)
+        with self._reading():
+            if place.offset or not place.rows:
+                return self._stored_rows(place, first, max(first, last))
+            return self._unpacked((group, name), first, max(first, last))
+
+    def _stored_rows(self, place: Place, first: int, last: int) -> NDArray[Any]:
+        """Return rows that lie in one piece; raises RunFileRefused if the file does not have them any more."""
+        dtype = np.dtype(place.dtype)
+        start, size = place.offset + first * dtype.itemsize, (last - first) * dtype.itemsize
+        if os.fstat(self.descriptor).st_size >= start + size:
+            if size > READ_BYTES:
+                page = start - start % ALLOCATIONGRANULARITY
+                mapped = mmap(self.descriptor, start + size - page, access=ACCESS_COPY, offset=page)
+                return np.frombuffer(mapped, dtype, last - first, start - page)
+            values: NDArray[Any] = np.empty(last - first, dtype)
+            if read_into(self.descriptor, values.view(np.uint8).data, start) == size:
+                return values
+        raise RunFileRefused(f"cut short; {REMEDY}")
+
+    def _unpacked(self, name: Name, first: int, last: int) -> NDArray[Any]:
+        """Return rows of a compressed column, whose chunks HDF5 finds; it keeps the file open from the first one on."""
+        with naming_damage():
+            if self._unpacking is None:
+                self._unpacking = opened_by_hdf5(self._place, self.descriptor)
+            if name not in self._datasets:
+                self._datasets[name] = self._unpacking["/".join(name)]
+            return rows_of_chunks(self._datasets[name], first, last)
+
+    @property
+    def attributes(self) -> dict[str, Scalar]:
+        """Format, title, source and the formula of a junction's area."""
+        return dict(self._value(self._attributes))
+
+    @property
+    def summary(self) -> dict[str, Scalar]:
+        """Measured and exact figures by name."""
+        return dict(self._value(self._summary))
+
+    @property
+    def provenance(self) -> dict[str, Scalar]:
+        """Scenario, software, seed, command and times."""
+        return dict(self._value(self._provenance))
+
+    @property
     def seal(self) -> str | None:
         """The stored hash of the file's attributes; None if it has none."""
+        return self._value(self._seal)
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        with self._reading():
-            return reopened, (type(self), self._place, self.seal)
+    def damaged(self) -> tuple[str, ...]:
+        """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
+        return tuple("/" + "/".join(name) for name in self._digests if not self._is_intact(name))
 
     def inventory(self) -> "Inventory":
         """Return everything in the file, also objects of others; raises RunFileRefused if it cannot be read."""
@@ -99,136 +214,14 @@ class OpenFile(ABC):
         with self._reading(), naming_damage(), opened_by_hdf5(self._place, self.descriptor) as file:
             return inventory_of(file)
 
-    def stored_rows(self, place: Place, first: int, last: int) -> NDArray[Any]:
-        """Return rows that lie in one piece of the file, as an array that the caller may change.
-
-        Raises RunFileRefused if the file does not have them any more.
-        """
-        dtype = np.dtype(place.dtype)
-        start, size = place.offset + first * dtype.itemsize, max(last - first, 0) * dtype.itemsize
-        if os.fstat(self.descriptor).st_size < start + size:
-            raise RunFileRefused(f"cut short; {REMEDY}")
-        if size > READ_BYTES:
-            page = start - start % ALLOCATIONGRANULARITY
-            mapped = mmap(self.descriptor, start + size - page, access=ACCESS_COPY, offset=page)
-            return np.frombuffer(mapped, dtype, last - first, start - page)
-        values: NDArray[Any] = np.empty(size // dtype.itemsize, dtype)
-        if disk.read_into(self.descriptor, values.view(np.uint8).data, start) < size:
-            raise RunFileRefused(f"cut short; {REMEDY}")
-        return values
-
-    @contextmanager
-    def _reading(self) -> Iterator[None]:
-        """Put the path in front of the message of a refusal; raises ValueError if the file is closed."""
-        if self.closed:
-            raise ValueError(f"{self.path}: the {self.called} is closed")
-        with refusing(self.path):
-            yield
-
-
-Opened = TypeVar("Opened", bound=OpenFile)
-
-
-class RunFile(OpenFile):
-    """An open run file. Opening reads its structure only; each column is read when it is needed.
-
-    ``watch``, if it is set, is called at each read.
-    """
-
-    called = "run file"
-
-    def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
-        """Take over the descriptor of a file, and read its structure, which HDF5 has opened."""
-        self._found: RunStructure = structure_of(file, os.fstat(descriptor).st_size)
-        if self._found.later:
-            raise TooNew(self._found.later)
-        self.features: frozenset[Feature] = self._found.features
-        self.extent = stored_extent({group: self.rows(group) for group in self.columns}, self.features)
-        _check_lengths(self._found, self.extent)
-        self.watch: Watch | None = None
-        self._unpacking: h5py.File | None = None
-        self._datasets: dict[tuple[str, str], h5py.Dataset] = {}
-        super().__init__(path, descriptor)
-
-    @property
-    def columns(self) -> Mapping[str, tuple[str, ...]]:
-        """Names of the columns in each group, the dimension scale first."""
-        return {group: tuple(columns) for group, columns in self._found.columns.items()}
-
-    @property
-    @property
-    def is_compressed(self) -> bool:
-        """Whether the columns are stored in compressed chunks."""
-        return any(
-            place.rows and not place.offset for group in self._found.columns.values() for place in group.values()
-        )
-
-    def rows(self, group: str) -> int:
-        """Return the number of rows of a group."""
-        return next(iter(self._found.columns[group].values())).rows
-
-    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Read rows ``start`` to ``stop`` (to the end when None) of a column, in the units of the schema.
-
-        More than 64 MB of them are mapped. The caller may change them; the file stays as it is. Raises KeyError for a
-        name that the file does not have, RunFileRefused if its bytes cannot be read.
-        """
-        place = self._found.columns[group][name]
-        first, last, _ = slice(start, stop).indices(place.rows)
-        if self.watch is not None:
-            self.watch(f"/{group}/{name}", last, place.rows)
-        with self._reading():
-            if place.offset or not place.rows:
-                return self.stored_rows(place, first, max(first, last))
-            return self._unpacked(group, name, first, max(first, last))
-
-    def _unpacked(self, group: str, name: str, first: int, last: int) -> NDArray[Any]:
-        """Return rows of a compressed column, whose chunks HDF5 finds; it keeps the file open from the first one on."""
-        with naming_damage():
-            if self._unpacking is None:
-                self._unpacking = opened_by_hdf5(self._place, self.descriptor)
-            if (group, name) not in self._datasets:
-                self._datasets[group, name] = self._unpacking[group][name]
-            return rows_of_chunks(self._datasets[group, name], first, last)
-
-    def close(self) -> None:
-        """Close the file; nothing can be read any more."""
-        if self._unpacking is not None:
-            self._unpacking.close()
-        super().close()
-
-    @property
-    def attributes(self) -> dict[str, Scalar]:
-        """Format, title, source and the formula of a junction's area."""
-        return dict(self._value(self._found.attributes))
-
-    @property
-    def summary(self) -> dict[str, Scalar]:
-        """Measured and exact figures by name."""
-        return dict(self._value(self._found.summary))
-
-    @property
-    def provenance(self) -> dict[str, Scalar]:
-        """Scenario, software, seed, command and times."""
-        return dict(self._value(self._found.provenance))
-
-    @property
-    def seal(self) -> str | None:
-        """The stored hash of the file's attributes; None if it has none."""
-        return self._value(self._found.seal)
-
-    def damaged(self) -> tuple[str, ...]:
-        """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
-        return tuple(
-            f"/{group}/{name}"
-            for group, columns in self.columns.items()
-            for name in columns
-            if not self._is_intact(group, name)
-        )
-
-    def digest(self, group: str, name: str) -> str:
-        """Return the stored hash of a column; raises RunFileRefused if it cannot be read."""
-        return self._value(self._found.digests[group, name])
+    def _is_intact(self, name: Name) -> bool:
+        digest = xxhash.xxh3_128()
+        try:
+            for values in column_chunks(self, *name):
+                digest.update(values.data)
+            return bool(digest.hexdigest() == self._value(self._digests[name]))
+        except RunFileRefused:
+            return False
 
     def _value(self, answer: Answer) -> Any:
         """Return what was read at one place; raises RunFileRefused if it could not be read."""
@@ -237,14 +230,13 @@ class RunFile(OpenFile):
                 raise RunFileRefused(str(answer))
             return answer
 
-    def _is_intact(self, group: str, name: str) -> bool:
-        digest = xxhash.xxh3_128()
-        try:
-            for values in column_chunks(self, group, name):
-                digest.update(values.data)
-            return bool(digest.hexdigest() == self.digest(group, name))
-        except RunFileRefused:
-            return False
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """Put the path in front of the message of a refusal; raises ValueError if the file is closed."""
+        if self.closed:
+            raise ValueError(f"{self.path}: the run file is closed")
+        with refusing(self.path):
+            yield
 
 
 def open_run(path: str | os.PathLike[str]) -> RunFile:
@@ -253,26 +245,21 @@ def open_run(path: str | os.PathLike[str]) -> RunFile:
     Raises RunFileRefused, with the reason in one sentence, for a path that is missing or not a regular file, a file
     that is not HDF5, not a run, unfinished, cut short or damaged; TooNew for a later format.
     """
-    return opened(RunFile, path)
-
-
-def opened(kind: type[Opened], path: str | os.PathLike[str]) -> Opened:
-    """Open a file of ours of one kind; raises as `open_run` does."""
     with refusing(path):
         descriptor = open_regular(path)
         try:
             _check_signature(descriptor, path)
             _share(descriptor)
             with naming_damage(), opened_by_hdf5(path, descriptor) as file:
-                return kind(path, descriptor, file)  # type: ignore[call-arg]
+                return RunFile(path, descriptor, file)
         except BaseException:
             os.close(descriptor)
             raise
 
 
-def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
+def _reopened(path: Path, seal: str | None) -> RunFile:
     """Open again a file that was open elsewhere; raises RunFileRefused if its seal shows that it was replaced."""
-    file = opened(kind, path)
+    file = open_run(path)
     if file.seal == seal:
         return file
     file.close()
@@ -292,8 +279,9 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     """Check the first bytes, which show most wrong files, before HDF5 is asked."""
+    found = bytearray(len(SIGNATURE))
     try:
-        found = disk.read(descriptor, len(SIGNATURE), 0)
+        read_into(descriptor, memoryview(found), 0)
     except BlockingIOError as problem:
         raise NotRegular(path) from problem
     if found == SIGNATURE:
@@ -308,13 +296,67 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
 
 
 def _share(descriptor: int) -> None:
-    """Take the lock that HDF5 takes for reading, as long as the file is open."""
-    if not disk.share(descriptor):
-        raise InUse("is being written by another program")
+    """Take the lock that HDF5 takes for reading; if a file system has no locks, no other process has one either."""
+    try:
+        lock(descriptor, shared=True)
+    except BlockingIOError as problem:
+        raise InUse("is being written by another program") from problem
+    except OSError:
+        return
 
 
-def _check_lengths(found: RunStructure, extent: Extent) -> None:
-    for group in GROUPS:
-        for name, column in found.columns.get(group.name, {}).items():
-            if column.rows != row_count(group, extent):
-                raise RunFileRefused(f"/{group.name}/{name} has another number of rows than its group")
+def _check_version(file: h5py.File) -> None:
+    found = read_attribute(file, "format") if "format" in file.attrs else None
+    if found == INDEX_FORMAT:
+        raise RunFileRefused("is the index of a sweep, not the result of a run")
+    if found != FORMAT:
+        raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
+    version = read_attribute(file, "format_version", int)
+    if version > FORMAT_VERSION:
+        source = read_attribute(file, "source", str)
+        raise TooNew(
+            f"has format version {version}, written by {source}; this one reads versions up to {FORMAT_VERSION}."
+            f" {source} or later is needed"
+        )
+    if version < FORMAT_VERSION:
+        raise RunFileRefused(
+            f"has format version {version}, and this rubnoise reads version {FORMAT_VERSION}: run its scenario again"
+        )
+
+
+def _features(file: h5py.File) -> frozenset[Feature]:
+    """Return the features of the run, found by the objects that exist only with them."""
+    sound_group(file, "junctions")
+    there = frozenset(feature for feature, place in TELLTALES.items() if has_hard_link(file, place))
+    needed: list[tuple[Feature, str]] = [("speed", "birth_time")]
+    needed += [] if "base" in there else [("strength", "shear_strength")]
+    for feature, column in needed:
+        if "slider" in there and feature not in there:
+            raise RunFileRefused(f"has a slider without a {feature}: /junctions/{column} is missing")
+    if "two-way" in there and "slider" not in there:
+        raise RunFileRefused("has /balance without /slider")
+    if "free" in there and not {"load", "speed"} <= there:
+        raise RunFileRefused("has summits that are touched without /load and times")
+    if has_hard_link(file, "landmarks") and there.isdisjoint(("two-way", "free")):
+        raise RunFileRefused("has /landmarks without /balance")
+    return there
+
+
+def read_summary(file: h5py.File) -> dict[str, Scalar]:
+    """Return the figures of /summary by name; raises RunFileRefused if one is not a plain value."""
+    group = sound_group(file, "summary")
+    if (count := h5py.h5a.get_num_attrs(group.id)) > MOST_ATTRIBUTES:
+        raise RunFileRefused(f"/summary has {count} attributes")
+    return {name: read_attribute(group, name) for name in group.attrs if name != "NX_class"}
+
+
+def read_provenance(file: h5py.File) -> dict[str, Scalar]:
+    """Return the attributes of /provenance by name; raises RunFileRefused if one is missing or not as it should be."""
+    group = sound_group(file, "provenance")
+    more = {INTERVENTION: str} if INTERVENTION in group.attrs else {}
+    return read_attributes(group, {**PROVENANCE, **more})
+
+
+def _read_seal(file: h5py.File) -> str | None:
+    group = sound_group(file, "provenance")
+    return str(read_attribute(group, HASH, str)) if HASH in group.attrs else None

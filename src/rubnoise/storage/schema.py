@@ -1,9 +1,12 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
-from collections.abc import Collection, Container
+from collections.abc import Collection, Container, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from enum import IntEnum
-from typing import Final, Literal
+from types import UnionType
+from typing import Any, Final, Literal
+
+import numpy as np
 
 from rubnoise.record.rows import ContactKind, LandmarkKind, Phase
 
@@ -21,6 +24,47 @@ CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
 HASH: Final = "xxh3_128"
 HASH_DIGITS: Final = 32
+
+_NUMBER: Final = float | int
+ROOT: Final[Mapping[str, type | UnionType]] = {
+    "Conventions": str,
+    "format": str,
+    "format_version": int,
+    "title": str,
+    "source": str,
+    "junction_area_formula": str,
+}
+"""The attributes of the root, and what each holds; NX_class and default are for viewers."""
+
+INTERVENTION: Final = "intervention"
+"""What /provenance has only of a run whose lives were ended from outside: the name of the function."""
+
+PROVENANCE: Final[Mapping[str, type | UnionType]] = {
+    "scenario_toml": str,
+    "scenario_resolved": str,
+    "software": str,
+    "environment": str,
+    "propagator_constants": str,
+    "command": str,
+    "started": str,
+    "finished": str,
+    "seed": int,
+    "stream_version": int,
+    "calibrated_diameter": _NUMBER,
+}
+"""The attributes of /provenance, and what each holds."""
+
+TELLTALES: Final[Mapping[Feature, str]] = {
+    "strength": "junctions/shear_strength",
+    "speed": "junctions/birth_time",
+    "slider": "slider",
+    "two-way": "balance",
+    "offset": "junctions/lateral_offset",
+    "load": "load",
+    "free": "junctions/encounter",
+    "base": "slider/base_displacement",
+}
+"""What a file has with each feature alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +97,16 @@ class Dataset:
     def coded(self) -> tuple[str, tuple[tuple[int, str], ...]]:
         """The attributes of the CF conventions that list its flags or values, and their meanings."""
         return ("flag_values", self.values) if self.values else ("flag_masks", self.flags)
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Unit, meaning and symbol by name, and what the CF conventions say of its flags or values."""
+        said: dict[str, Any] = {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
+        attribute, codes = self.coded
+        if codes:
+            said[attribute] = np.array([number for number, _ in codes], dtype=self.dtype)
+            said["flag_meanings"] = " ".join(meaning for _, meaning in codes)
+        return said
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,11 +6,11 @@ is run again: its seed gives the same bits.
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
+from tempfile import TemporaryFile
 from types import TracebackType
 from typing import Final, Self
 
-import h5py
 import numpy as np
 import xxhash
 from numpy.typing import NDArray
@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from rubnoise.arrays import CHUNK_ROWS, slices
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Columns
-from rubnoise.storage import disk
+from rubnoise.storage.disk import read_into, write_all
+from rubnoise.storage.format import add_group, complete, compose, hdf5_on
 from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
 from rubnoise.storage.life_curve import life_tables, pulse_of
 from rubnoise.storage.output import naming_file, part_file, reason_of
-from rubnoise.storage.pages import Unfailing
 from rubnoise.storage.provenance import now
 from rubnoise.storage.schema import Group, Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, add_group, complete, compose
 
 SLACK_BYTES: Final = 1 << 16
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
@@ -87,15 +86,20 @@ class RunWriter:
             for group in self._groups:
                 self._check_rows(group)
             digests = {name: column.digest() for name, column in self._columns.items()}
-            with self._structure("r+") as file:
+            with hdf5_on(self._part.descriptor, "r+") as file:
                 for group in self._later:
-                    self._add(file, group, between)
+                    columns = {about.name: self._columns[group.name, about.name] for about in group.columns}
+                    add_group(file, group, columns[group.columns[0].name].rows, self._about.compression)
+                    for name, column in columns.items():
+                        for first, values in column.pieces():
+                            file[group.name][name][first : first + values.size] = values
+                            between()
                 complete(file, self._about, digests, summary, now())
             self._part.finish(durable=self._durable)
 
     def _begin(self, opening: ExitStack) -> None:
         """Make the file with its final structure and size, and the files for rows whose place is not known yet."""
-        with self._structure("w") as file:
+        with hdf5_on(self._part.descriptor, "w") as file:
             places = compose(file, self._about)
         self._part.reserve(os.fstat(self._part.descriptor).st_size + SLACK_BYTES)
         self._later = [group for group in self._groups if (group.name, group.columns[0].name) not in places]
@@ -105,24 +109,14 @@ class RunWriter:
                 name, dtype = (group.name, column.name), np.dtype(column.dtype)
                 descriptor, place = self._part.descriptor, places.get(name, 0)
                 if group in self._later:
-                    descriptor = disk.create_unnamed(self._part.final.parent)
-                    opening.callback(disk.close, descriptor)
+                    spool = opening.enter_context(TemporaryFile(buffering=0, dir=self._part.final.parent))  # noqa: SIM115  (it ends with the writer)
+                    descriptor = spool.fileno()
                     self._part.reserve((rows or 0) * dtype.itemsize, descriptor)
                 self._columns[name] = _Column(dtype, descriptor, place, rows)
         for table, columns in life_tables(pulse_of(self._about.scenario_resolved)).items():
             for each, values in columns.items():
                 if (table, each) in self._columns:
                     self._columns[table, each].write(0, values)
-
-    @contextmanager
-    def _structure(self, mode: str) -> Iterator[h5py.File]:
-        """Open the part with HDF5; raises OSError afterwards if the disk failed."""
-        target = Unfailing(self._part.descriptor)
-        try:
-            with h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
-                yield file
-        finally:
-            target.raise_first_error()
 
     def _check_rows(self, group: Group) -> None:
         """Raise RubnoiseError unless all columns of a group have all of their rows."""
@@ -133,16 +127,6 @@ class RunWriter:
                 raise RubnoiseError(
                     f"{self._part.final}: /{group.name}/{about.name} has {column.rows} of its {whole} rows"
                 )
-
-    def _add(self, file: h5py.File, group: Group, between: Callable[[], None]) -> None:
-        """Add a group whose size is known now, and copy its rows into it."""
-        columns = {about.name: self._columns[group.name, about.name] for about in group.columns}
-        add_group(file, group, columns[group.columns[0].name].rows, self._about.compression)
-        for name, column in columns.items():
-            dataset = file[group.name][name]
-            for first, values in column.pieces():
-                dataset[first : first + values.size] = values
-                between()
 
 
 class _Column:
@@ -172,7 +156,7 @@ class _Column:
             self._hash = None  # that of the rows before does not count any more
         elif self._hash is not None:
             self._hash.update(data)
-        disk.write_all(self._descriptor, data, self._place + first_row * self._dtype.itemsize)
+        write_all(self._descriptor, data, self._place + first_row * self._dtype.itemsize)
         self.rows = max(self.rows, end)
 
     def digest(self) -> str:
@@ -188,6 +172,6 @@ class _Column:
         for part in slices(0, self.rows, CHUNK_ROWS):
             values = np.empty(part.stop - part.start, dtype=self._dtype)
             place = self._place + part.start * self._dtype.itemsize
-            if disk.read_into(self._descriptor, values.view(np.uint8).data, place) != values.nbytes:
+            if read_into(self._descriptor, values.view(np.uint8).data, place) != values.nbytes:
                 raise RubnoiseError("a file of the run was cut short meanwhile")
             yield part.start, values

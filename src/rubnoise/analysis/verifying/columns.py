@@ -20,8 +20,8 @@ from rubnoise.record.rows import JunctionState, junction_columns, junction_state
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.simulation.free.scales import Scales
 from rubnoise.simulation.kernels import peak_areas
+from rubnoise.storage.format import seal_of
 from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.run_structure import seal_of
 from rubnoise.storage.schema import HASH
 
 SEAL: Final = f"/provenance {HASH}"

@@ -20,7 +20,7 @@ from rubnoise.scenario import Scenario
 from rubnoise.simulation.batch import Ended
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.forecast import counted_rows
-from rubnoise.storage.run_structure import INTERVENTION
+from rubnoise.storage.schema import INTERVENTION
 
 NOT_PLAYED: Final = frozenset(("life_curve", "life_table"))
 """Groups of which no row comes from the play."""

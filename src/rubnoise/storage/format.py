@@ -1,22 +1,27 @@
-"""Write the structure of a result file with HDF5: groups, columns of their final size, scales and attributes; no rows.
+"""The structure of a result file, written with HDF5: groups, columns of their final size, scales, attributes; no rows.
 
 `compose` makes a whole file as far as it is known before the first row; `add_group` adds a group whose number of rows,
-or of bytes, only the end of the run shows; `complete` writes what else is known then.
+or of bytes, only the end of the run shows; `complete` writes what else is known then. HDF5 ends the process instead of
+raising if a disk is full, so it writes through `hdf5_on`, and hears of no error.
 """
 
+import io
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache, lru_cache
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import h5py
 import numpy as np
+import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.storage.disk import read_into, write_all
 from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
 from rubnoise.storage.provenance import package_version
-from rubnoise.storage.run_structure import INTERVENTION, seal_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -24,15 +29,83 @@ from rubnoise.storage.schema import (
     FORMAT_VERSION,
     HASH,
     HASH_DIGITS,
-    Dataset,
+    INTERVENTION,
     Group,
     Scalar,
 )
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer, WriteableBuffer
 
 LIBRARY_VERSIONS: Final = ("v110", "v110")
 GZIP_LEVEL: Final = 4
 ATTRIBUTES_IN_HEADER: Final = 1 << 15
 """More than any group has."""
+
+
+class Unfailing(io.RawIOBase):
+    """A file on disk that hides errors from HDF5: the first error is kept, to be raised later."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._position, self._size = 0, os.fstat(descriptor).st_size
+        self._failure: OSError | None = None
+
+    def tell(self) -> int:
+        """Return the position."""
+        return self._position
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
+        """Move to a position, and return it."""
+        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
+        self._position = base + offset
+        return self._position
+
+    def truncate(self, size: int | None = None, /) -> int:
+        """Set the size that the file gets at the end, and return it."""
+        self._size = self._position if size is None else size
+        return self._size
+
+    def readinto(self, buffer: "WriteableBuffer", /) -> int:
+        """Fill the buffer from the disk, with zeros beyond its end and if the disk fails."""
+        target, found = memoryview(buffer).cast("B"), 0
+        if self._failure is None:
+            try:
+                found = read_into(self._descriptor, target, self._position)
+            except OSError as failure:
+                self._failure = failure
+        target[found:] = bytes(len(target) - found)
+        self._position += len(target)
+        return len(target)
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Write to the disk, or drop the bytes after an error."""
+        source = memoryview(data).cast("B")
+        if self._failure is None:
+            try:
+                write_all(self._descriptor, source, self._position)
+            except OSError as failure:
+                self._failure = failure
+        self._position += len(source)
+        self._size = max(self._size, self._position)
+        return len(source)
+
+    def raise_first_error(self) -> None:
+        """Raise the first error, or give the file its final size."""
+        if self._failure is not None:
+            raise self._failure
+        os.ftruncate(self._descriptor, self._size)
+
+
+@contextmanager
+def hdf5_on(descriptor: int, mode: str) -> Iterator[h5py.File]:
+    """Open a file with HDF5 to write into it; raises OSError afterwards if the disk failed."""
+    target = Unfailing(descriptor)
+    try:
+        with h5py.File(target, mode, libver=LIBRARY_VERSIONS) as file:
+            yield file
+    finally:
+        target.raise_first_error()
 
 
 def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
@@ -46,8 +119,8 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
     for group in stored_groups(about.features):
         if about.compression == "none" and not grows(group, about.extent):
             places |= add_group(file, group, row_count(group, about.extent), "none")
-    _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
-    provenance = _create_notes(file, "provenance")
+    _put(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
+    provenance = _create_group(file, "provenance", notes=True)
     begun = {**provenance_attributes(about), "finished": "", HASH: "0" * HASH_DIGITS}
     for name, value in ({"NX_class": "NXcollection"} | begun).items():
         _put(provenance, name, value)
@@ -58,7 +131,7 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     """Write a group with space for its rows, and return the places of its columns; 0 without rows, or in chunks."""
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
-    creation = _chunked(min(rows, CHUNK_ROWS)) if compression == "gzip" and rows else _contiguous()
+    creation = _storage(min(rows, CHUNK_ROWS) if compression == "gzip" else 0)
     columns = [
         (column, h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation))
         for column in group.columns
@@ -67,9 +140,20 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
     h5py.h5ds.set_scale(scale, first.name.encode())
     for _, dataset in rest:
         h5py.h5ds.attach_scale(dataset, scale, 0)
-    _describe_group(owner, group, first.name)
+    # NeXus tells viewers what to plot, one column: they draw further ones on the axis of the first, where a force of
+    # 5e4 uN hides an area of 200 um^2.
+    about: dict[str, str | tuple[str, ...]] = {
+        "long_name": group.long_name,
+        "NX_class": "NXdata",
+        "signal": group.plotted,
+        "axes": (first.name,),
+    }
+    for name, value in about.items():
+        _put(owner, name, value)
     for column, dataset in columns:
-        _describe_column(dataset, column)
+        said = {**column.attributes, HASH: "0" * HASH_DIGITS}
+        for name, value in sorted(said.items(), key=lambda about: about[0].startswith("flag")):  # codes come last
+            _put(dataset, name, value)
     return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns}
 
 
@@ -90,9 +174,13 @@ def complete(
         _put(provenance, name, value)
 
 
-def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
-    """Write a new text attribute of fixed length, in UTF-8."""
-    _put(owner.id, name, text)
+def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
+    """Return the seal of a file in hexadecimal: the xxh3_128 of a JSON text of its attributes, summary and provenance.
+
+    Names are sorted, characters beyond ASCII are escaped, and numbers have the digits that bring back their bits.
+    """
+    text = json.dumps([root, summary, provenance], sort_keys=True, separators=(",", ":"))
+    return xxhash.xxh3_128_hexdigest(text.encode())
 
 
 def text_bytes(text: str) -> bytes:
@@ -131,85 +219,46 @@ def provenance_attributes(about: RunDescription) -> dict[str, Scalar]:
     }
 
 
-def _create_group(file: h5py.File, name: str) -> h5py.h5g.GroupID:
-    """Create a group that keeps the order of its columns, so that viewers list them as the schema does."""
-    creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
-    creation.set_obj_track_times(False)
-    creation.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
-    return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
+def _create_group(file: h5py.File, name: str, *, notes: bool = False) -> h5py.h5g.GroupID:
+    """Create a group that keeps the order of its columns, or, if it is for ``notes``, of its attributes.
 
-
-def _create_notes(file: h5py.File, name: str) -> h5py.h5g.GroupID:
-    """Create a group for attributes that keeps their order, and stores all of them in its header.
-
-    HDF5 has checksums for headers, and none for long texts stored elsewhere, which is its default. Only attributes that
-    would make a header longer than 64 kB are still stored elsewhere.
+    All attributes of notes lie in the header: HDF5 has checksums for headers, and none for long texts stored elsewhere,
+    which is its default. Only attributes that would make a header longer than 64 kB are still stored elsewhere.
     """
-    creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    creation, in_order = h5py.h5p.create(h5py.h5p.GROUP_CREATE), h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED
     creation.set_obj_track_times(False)
-    creation.set_attr_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
-    creation.set_attr_phase_change(ATTRIBUTES_IN_HEADER, 0)
+    if notes:
+        creation.set_attr_creation_order(in_order)
+        creation.set_attr_phase_change(ATTRIBUTES_IN_HEADER, 0)
+    else:
+        creation.set_link_creation_order(in_order)
     return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
 
 
 @cache
-def _contiguous() -> h5py.h5p.PropDCID:
+def _storage(chunk_rows: int) -> h5py.h5p.PropDCID:
+    """Return how a column is stored: in compressed chunks of so many rows, or in one piece if there are none."""
     creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     creation.set_obj_track_times(False)
-    creation.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    creation.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    if chunk_rows:
+        creation.set_chunk((chunk_rows,))
+        creation.set_shuffle()
+        creation.set_deflate(GZIP_LEVEL)
+    else:
+        creation.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        creation.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     return creation
 
 
-def _chunked(rows: int) -> h5py.h5p.PropDCID:
-    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    creation.set_obj_track_times(False)
-    creation.set_chunk((rows,))
-    creation.set_shuffle()
-    creation.set_deflate(GZIP_LEVEL)
-    return creation
-
-
-def _describe_group(owner: h5py.h5g.GroupID, about: Group, scale: str) -> None:
-    """Write the group's description, and the NeXus attributes that tell viewers which columns to plot.
-
-    They name one column only: viewers draw further signals on the axis of the first, where a force of 5e4 uN hides an
-    area of 200 um^2.
-    """
-    _put(owner, "long_name", about.long_name)
-    _put(owner, "NX_class", "NXdata")
-    _put(owner, "signal", about.plotted)
-    _put(owner, "axes", (scale,))
-
-
-def _describe_column(dataset: h5py.h5d.DatasetID, column: Dataset) -> None:
-    _put(dataset, "units", column.units)
-    _put(dataset, "long_name", column.long_name)
-    _put(dataset, "symbol", column.symbol)
-    _put(dataset, HASH, "0" * HASH_DIGITS)
-    attribute, codes = column.coded
-    if codes:
-        numbers = np.array([number for number, _ in codes], dtype=column.dtype)
-        _create(dataset, attribute.encode(), numbers, _number_kind(column.dtype))
-        _put(dataset, "flag_meanings", " ".join(meaning for _, meaning in codes))
-
-
-def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...]) -> None:
+def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...] | NDArray[Any]) -> None:
     """Write a new attribute by HDF5's own calls, since h5py's take longer than a short run."""
-    _create(owner, name.encode(), *_stored(value))
-
-
-def _create(owner: h5py.h5g.GroupID, key: bytes, value: NDArray[Any], kind: h5py.h5t.TypeID) -> None:
-    space = h5py.h5s.create_simple(value.shape) if value.ndim else _scalar_space()
-    h5py.h5a.create(owner, key, kind, space).write(value, kind)
-
-
-def _stored(value: Scalar | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
-    """Return a value as it is stored in an attribute, and its type there."""
     if isinstance(value, str | tuple):
-        return _text(value)
-    dtype = "<i8" if isinstance(value, int) else "<f8"
-    return np.array(value, dtype=dtype), _number_kind(dtype)
+        stored, kind = _text(value)
+    else:
+        stored = value if isinstance(value, np.ndarray) else np.array(value, "<i8" if isinstance(value, int) else "<f8")
+        kind = _number_kind(stored.dtype.str)
+    space = h5py.h5s.create_simple(stored.shape) if stored.ndim else _scalar_space()
+    h5py.h5a.create(owner, name.encode(), kind, space).write(stored, kind)
 
 
 @lru_cache(maxsize=256)
