@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rubnoise.api.junction import Junction
     from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
-    from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.run import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.running import exact, run, simulate
     from rubnoise.api.scenarios import build, example, examples, load, load_sweep
     from rubnoise.api.surface import Surface
@@ -83,9 +83,9 @@ HOMES: Final = {
     "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.pictures": ("draw_figures",),
-    "rubnoise.api.record": ("Record",),
     "rubnoise.api.junction": ("Junction",),
-    "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.record": ("Record",),
+    "rubnoise.api.run": ("Run", "open"),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),
