@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from rubnoise.api.junction import Junction as Junction
     from rubnoise.api.pictures import draw_figures as draw_figures
     from rubnoise.api.record import Record as Record
-    from rubnoise.api.result import Run as Run
-    from rubnoise.api.result import open as open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.run import Run as Run
+    from rubnoise.api.run import open as open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.running import exact as exact
     from rubnoise.api.running import run as run
     from rubnoise.api.running import simulate as simulate
@@ -63,9 +63,9 @@ HOMES: Final = {
     "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.pictures": ("draw_figures",),
-    "rubnoise.api.record": ("Record",),
     "rubnoise.api.junction": ("Junction",),
-    "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.record": ("Record",),
+    "rubnoise.api.run": ("Run", "open"),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),

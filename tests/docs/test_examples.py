@@ -170,7 +170,7 @@ def test_there_are_examples() -> None:
     assert {*FIRST[:1], *FIRST[2:], "docs/json.md", "docs/api.md", "docs/command-line.md"} <= {
         name for name, found in PAGES.items() if found
     }
-    assert "rubnoise.api.result.Run" in {test.name for test in DOCTESTS}
+    assert "rubnoise.api.run.Run" in {test.name for test in DOCTESTS}
 
 
 def test_examples_are_found_on_a_page() -> None:

@@ -19,7 +19,7 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.runs import executors
-from rubnoise.runs.attempts import LONGEST, SECONDS, Attempt, Attempts, MessageSize, Outcome
+from rubnoise.runs.attempts import Attempts, Outcome
 from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
 from rubnoise.runs.measuring import Measurement, measured, run_points
 from rubnoise.scenario.points import Point
@@ -47,8 +47,7 @@ def _outcomes(
     watch: Callable[[], None] = lambda: None,
 ) -> list[Outcome[Any]]:
     """Return all outcomes; no point may come twice."""
-    with workers or local(1) as by:
-        found = list(Attempts(points, work, by, watch).outcomes())
+    found = list(Attempts(points, work, workers or local(1), watch).outcomes())
     assert sorted(outcome.point.run_id for outcome in found) == sorted(point.run_id for point in points)
     return found
 
@@ -145,30 +144,23 @@ OTHER = {"rubnoise": "0.0.1", "stream": 99}
 
 
 class Elsewhere(Here):
-    """A worker with another version, which does as it says, or an older one that does not know versions."""
+    """A worker with another version, which does as it says."""
 
-    def __init__(self, *, knows: bool) -> None:
-        self.knows = knows
+    def __init__(self) -> None:
         self.worked: list[str] = []
 
-    def submit(self, function: Any, /, work: Any, points: Any, asked: Any) -> "Future[Any]":
+    def submit(self, function: Any, /, work: Any, point: Any, asked: Any) -> "Future[Any]":
         done: Future[Any] = Future()
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("rubnoise.runs.attempts.versions", lambda: OTHER)
-            if self.knows:
-                done.set_result(function(lambda point: self.worked.append(point.run_id), points, asked))
-            else:
-                done.set_result(Attempt([None] * len(points), 0.1))
+            done.set_result(function(lambda point: self.worked.append(point.run_id), point, asked))
         return done
 
 
-@pytest.mark.parametrize("knows", [True, False])
-def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(
-    points: tuple[Point, ...], *, knows: bool
-) -> None:
-    worker = Elsewhere(knows=knows)
-    said = "rubnoise 0.0.1, stream 99" if knows else "no version that it says"
-    with pytest.raises(WorkLost, match=f"a worker has {said}, and this process rubnoise .*, stream 1, format 2"):
+def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(points: tuple[Point, ...]) -> None:
+    worker = Elsewhere()
+    said = "a worker has rubnoise 0.0.1, stream 99, and this process rubnoise .*, stream 1, format 2"
+    with pytest.raises(WorkLost, match=said):
         _outcomes(points, errands.fail_some, Workers(lambda: worker, lambda: 1))
     assert worker.worked == []
 
@@ -215,8 +207,8 @@ def test_who_watches_may_stop_it_and_no_process_stays(tmp_path: Path) -> None:
             raise RunStopped(2)
 
     points = _points(tmp_path, 500)
-    with pytest.raises(RunStopped), local(2) as workers:  # noqa: PT012  (leaving is what is tested)
-        for outcome in Attempts(points, errands.name_and_process, workers, stop_once_begun).outcomes():
+    with pytest.raises(RunStopped):  # noqa: PT012  (leaving is what is tested)
+        for outcome in Attempts(points, errands.name_and_process, local(2), stop_once_begun).outcomes():
             processes.append(outcome.result[1])  # noqa: PERF401  (the watch looks at it meanwhile)
     for process in processes:
         for _ in range(500):
@@ -239,20 +231,6 @@ class Deserted(Here):
 def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...]) -> None:
     with pytest.raises(WorkLost, match="the same command resumes the sweep"):
         _outcomes(points, errands.fail_some, Workers(Deserted, lambda: 1))
-
-
-def test_messages_bring_a_second_of_work_and_shares_get_smaller_towards_the_end() -> None:
-    pace = MessageSize()
-    assert pace.size(1000, 2) == 1
-    pace.took(1, 0.02)
-    assert pace.size(1000, 2) == int(SECONDS / 0.02)
-    assert [pace.size(left, 2) for left in (100, 20, 3, 1)] == [25, 5, 1, 1]
-    for _ in range(6):
-        pace.took(4, 4.0)
-    assert pace.size(1000, 2) == 1
-    pace = MessageSize()
-    pace.took(1, 0.0)
-    assert pace.size(100_000, 2) == LONGEST
 
 
 # Points run in memory are the runs that their scenarios say.

@@ -17,7 +17,7 @@ from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.runs import point_file, sweep
 from rubnoise.runs.folder import Shard, check_folder
 from rubnoise.runs.making import describe
-from rubnoise.runs.point_file import file_of, found, read_summary
+from rubnoise.runs.point_file import file_of, found, read
 from rubnoise.runs.verify import verify_sweep
 from rubnoise.scenario.points import run_id
 from rubnoise.scenario.sweep import Sweep, expand
@@ -289,7 +289,7 @@ def test_the_index_is_written_on_the_way_and_after_a_stop(
                 seen.append(swept.runs["state"][:].tolist())
 
     with pytest.raises(sweep.SweepStopped, match="finished runs are kept"):
-        rubnoise.api.sweeps.carry_out(small(tmp_path), folder, jobs=1, watch=watch)
+        sweep.carry_out(small(tmp_path), folder, jobs=1, watch=watch)
     assert ["done", "planned", "planned", "planned"] in seen
     with rubnoise.open_sweep(folder) as swept:
         assert swept.runs["state"][:].tolist() == ["done", "done", "done", "planned"]
@@ -305,8 +305,9 @@ def test_a_summary_lies_in_a_file_and_is_verified_by_being_made_again(tmp_path: 
     assert [path.suffix for path in paths] == [".npz"] * 4
     assert verify_sweep(tmp_path / "d").passed
     point = expand(summed)[1]
-    _, kept = read_summary(file_of(tmp_path / "d", point.run_id, "summary"))
-    assert np.array_equal(kept.curves["spectrum"], spectrum[1], equal_nan=True)
+    _, kept = read(file_of(tmp_path / "d", point.run_id, "summary"))
+    assert kept is not None
+    assert np.array_equal(kept["spectrum"], spectrum[1], equal_nan=True)
     (tmp_path / "d" / "index.h5").unlink()
     with rubnoise.sweep(summed, tmp_path / "d", jobs=1) as again:
         assert np.array_equal(again.summary("spectrum"), spectrum, equal_nan=True)

@@ -16,10 +16,9 @@ from rubnoise.arrays import slices
 from rubnoise.errors import Refused
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
-from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 
 class Read(Protocol):
@@ -62,7 +61,7 @@ class Columns(Table):
         self.long_name = about.long_name
         self._about = about
         self._columns = dict(columns)
-        self._rows, self._read = rows, read
+        self._length, self._read = rows, read
 
     def __getitem__(self, name: str) -> Column:
         """Read one column; raises KeyError, which lists the names."""
@@ -99,7 +98,7 @@ class Columns(Table):
         return list(self.names)
 
     def __len__(self) -> int:
-        return self._rows
+        return self._length
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -159,21 +158,13 @@ class Columns(Table):
         chosen = np.concatenate(rows)
         return Columns(self._about, self._columns, chosen.size, ChosenRows(self._read, chosen))
 
-    def plot(self, name: str) -> "Figure":
-        """Draw a column over the first one, and return the figure."""
-        from rubnoise.api.pictures import drawn_columns
+    @property
+    def _heading(self) -> str:
+        return f"/{self.name}: {self.long_name}, {len(self):,} rows"
 
-        first, column = self[self.names[0]], self[name]
-        return drawn_columns((first.values, first.label), [(column.values, column.label)])
-
-    def __repr__(self) -> str:
-        width = max(map(len, self.names))
-        lines = [f"  {name:<{width}}  {each.units:<5}  {each.long_name}" for name, each in self._columns.items()]
-        return shortened([f"/{self.name}: {self.long_name}, {len(self):,} rows", *lines])
-
-    def _repr_html_(self) -> str:
-        rows = [(name, each.units, each.long_name) for name, each in self._columns.items()]
-        return as_html(f"/{self.name}: {self.long_name}, {len(self):,} rows", ("column", "unit", "meaning"), rows)
+    def _rows(self) -> list[tuple[str, str, str]]:
+        """Return name, unit and meaning of each column, without reading it."""
+        return [(name, each.units, each.long_name) for name, each in self._columns.items()]
 
 
 def columns_by_group(rows: Rows) -> dict[str, Columns]:

@@ -105,7 +105,7 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
     @property
     def label(self) -> str:
         """Meaning and unit, for an axis."""
-        return f"{self.long_name} ({self.units})"
+        return f"{self.long_name or self.name} ({self.units})"
 
     @property
     def beside(self) -> "Column | None":

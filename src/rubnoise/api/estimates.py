@@ -23,7 +23,7 @@ from rubnoise.units import LENGTH, TIME
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from rubnoise.api.contents import Contents
+    from rubnoise.api.run import Run
 
 SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
     {"um": ("m", 1e-6), "um/s": ("m/s", 1e-6), "uN": ("N", 1e-6), "um^2": ("m^2", 1e-12), "MPa": ("Pa", 1e6)}
@@ -31,7 +31,7 @@ SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
 """The units of spectra over frequency, and how many of them a working unit is."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PowerSpectrum(Table):
     """Welch's estimate of a power spectral density, with Hann windows that overlap by half.
 
@@ -87,7 +87,7 @@ class PowerSpectrum(Table):
     def _title(self) -> str:
         return self.name
 
-    def plot(self) -> "Figure":
+    def plot(self, _name: str | None = None) -> "Figure":
         """Draw the density with the exact one, if theory knows it, on logarithmic axes, and return the figure."""
         from rubnoise.api.pictures import drawn_estimate
 
@@ -95,15 +95,13 @@ class PowerSpectrum(Table):
         labels = f"{self.names[0]} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
         return drawn_estimate(self.place[1:], curves, labels, logarithmic=True)
 
-    def __repr__(self) -> str:
+    @property
+    def _heading(self) -> str:
         sides = "one-sided" if self.place_units == "Hz" else "two-sided"
-        return (
-            f"<{sides} spectrum of {self.name} in {self.units} at {self.place.size:,} points up to"
-            f" {self.place[-1]:.6g} {self.place_units}, {self.segments:,} segments>"
-        )
+        return f"{sides} spectrum of {self.name} at {self.place.size:,} points, of {self.segments:,} segments"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Autocovariance(Table):
     """The autocovariance of a record at lags from 0 on: ``covariance`` in ``units``, ``lag`` in ``lag_units``.
 
@@ -137,18 +135,9 @@ class Autocovariance(Table):
     def _title(self) -> str:
         return self.name
 
-    def plot(self) -> "Figure":
-        """Draw the covariance over the lag, and return the figure."""
-        from rubnoise.api.pictures import drawn_estimate
-
-        labels = f"lag ({self.lag_units})", f"autocovariance of {self.name}\n({self.units})"
-        return drawn_estimate(self.lag, {"estimated": self.covariance}, labels, logarithmic=False)
-
-    def __repr__(self) -> str:
-        return (
-            f"<autocovariance of {self.name} in {self.units} at {self.lag.size:,} lags up to"
-            f" {self.lag[-1]:.6g} {self.lag_units}>"
-        )
+    @property
+    def _heading(self) -> str:
+        return f"autocovariance of {self.name} at {self.lag.size:,} lags"
 
 
 def power_spectrum(
@@ -201,8 +190,8 @@ def _length(segment: Any, place_units: str) -> float:
     return length
 
 
-def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpectrum:
-    """Return the spectrum of a column of a run, with the exact one if theory knows it (see Contents.psd)."""
+def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum:
+    """Return the spectrum of a column of a run, with the exact one if theory knows it (see Run.psd)."""
     groups, model = run.groups_by_name(), run.model()
     quantity = SHORT.get(quantity, quantity)
     slider = "slider" in groups and quantity in groups["slider"] and quantity not in ("time", "distance")

@@ -159,7 +159,7 @@ def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured |
     path = os.fspath(trace)
     if not os.path.exists(path) or not is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
         return None
-    from rubnoise.api.result import open as open_result
+    from rubnoise.api.run import open as open_result
 
     try:
         opened = open_result(path)

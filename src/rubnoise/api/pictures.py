@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.analysis.sound import Heard
-    from rubnoise.api.contents import Contents
+    from rubnoise.api.run import Run
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.figures.catalogue import Appearance
 
@@ -44,19 +44,19 @@ SMALLEST, LARGEST = 1.0, 40.0
 
 
 def drawn(
-    run: "Contents",
+    run: "Run",
     what: Any,
     ax: "Axes | None" = None,
     *,
     start: Any = None,
     stop: Any = None,
     of: str = AREA,
-    beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
+    beside: "Run | Trace | str | os.PathLike[str] | None" = None,
     size: str | None = None,
     title: bool = True,
     style: str = "screen",
 ) -> "Figure":
-    """Draw a picture of a run and return its figure (see Contents.plot)."""
+    """Draw a picture of a run and return its figure (see Run.plot)."""
     from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, drawing
     from rubnoise.figures.stretch import Stretch
 

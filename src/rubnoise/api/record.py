@@ -1,36 +1,29 @@
 """A run in memory, with the same groups and methods as a run in a file, which it can be saved into."""
 
-import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column_group import Columns, columns_by_group
-from rubnoise.api.contents import Contents
-from rubnoise.api.result import Run
-from rubnoise.contact.pulses import Pulse
-from rubnoise.errors import Refused
-from rubnoise.record.memory import MemoryRecord
-from rubnoise.record.reader import Attributes, Reader
+from numpy.typing import NDArray
+
+from rubnoise.api.column_group import Columns
+from rubnoise.api.run import Run
+from rubnoise.record.sink import Extent
 from rubnoise.storage.reader import open_run
 
 if TYPE_CHECKING:
     from rubnoise.analysis.verification import ResultFile
-    from rubnoise.scenario import Scenario
+    from rubnoise.runs.making import KeptRun
 
 
-@dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Record(MemoryRecord, Contents):
+class Record(Run):
     """A run kept in memory: ``record.trace["real_contact_area"]``, ``record.junction(17)``, ``record.plot("slider")``.
 
     ``record["trace"]["real_contact_area"]`` is the numpy array itself, which cannot be changed; groups and columns are
     named as in a file.
-    ``scenario`` is what was run, ``intervention`` names the function that may have ended lives.
 
     >>> import rubnoise
     >>> record = rubnoise.simulate("paper/fig5", seed=7)
@@ -38,14 +31,35 @@ class Record(MemoryRecord, Contents):
     (7, 200001, True)
     """
 
-    scenario: "Scenario | None" = None
-    intervention: str = ""
+    _reader: "KeptRun"
 
-    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> "Run":
+    def __init__(self, kept: "KeptRun") -> None:
+        """Take over a run in memory."""
+        super().__init__(kept)
+        self.scenario = kept.scenario
+
+    @property
+    def groups(self) -> dict[str, dict[str, NDArray[Any]]]:  # type: ignore[override]
+        """The columns of each group as they lie in memory."""
+        return self._reader.groups
+
+    def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
+        """Return the columns of one group as they lie in memory."""
+        return self._reader.groups[group]
+
+    def reader(self) -> "KeptRun":
+        """Return the rows and what their file would say."""
+        return self._reader
+
+    @property
+    def extent(self) -> Extent:
+        """The number of rows of each group."""
+        return self._reader.extent
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Run:
         """Write the run into a result file and open it: the bits are those of `rubnoise.run`.
 
-        ``force`` allows an existing file to be replaced. Raises OutputRefused if the file may not be written, and
-        Refused for a record without its scenario.
+        ``force`` allows an existing file to be replaced. Raises OutputRefused if the file may not be written.
 
         >>> import rubnoise
         >>> with rubnoise.simulate("paper/fig4", seed=7).save("kept.h5", force=True) as run:
@@ -54,68 +68,18 @@ class Record(MemoryRecord, Contents):
         """
         from rubnoise.runs.making import save
 
-        save(self, path, force=force)
+        save(self._reader, path, force=force)
         return Run(open_run(path))
-
-    @property
-    def provenance(self) -> Mapping[str, float | int | str]:
-        """Scenario and seed of the run, by the names that they have in a file; raises Refused without a scenario."""
-        return self.reader().provenance
-
-    @property
-    def summary(self) -> list[Agreement]:
-        """What was measured beside what is exact, as a file keeps it; raises Refused without a scenario."""
-        from rubnoise.runs.making import figures_of
-
-        return from_attributes(figures_of(self, self.model()))
-
-    def known_scenario(self) -> "Scenario":
-        """Return what was run; raises Refused if the record does not say."""
-        if self.scenario is None:
-            raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
-        return self.scenario
-
-    def groups_by_name(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name."""
-        return columns_by_group(self)
-
-    @property
-    def _pulse(self) -> Pulse:
-        return self.pulse
-
-    def _attributes(self) -> Mapping[str, float | int | str]:
-        return {"title": self.scenario.title if self.scenario is not None else ""}
-
-    def reader(self) -> Reader:
-        """Return the rows with the attributes of their file; raises Refused without a scenario."""
-        scenario = self.known_scenario()
-        origin: Attributes = {"scenario_resolved": json.dumps(scenario.resolved()), "seed": scenario.run.seed}
-        return MemoryReader(
-            self.extent, self.groups, self.pulse, attributes={"title": scenario.title}, provenance=origin
-        )
 
     @contextmanager
     def _file_of(self) -> "Iterator[ResultFile]":
-        with TemporaryDirectory(prefix="rubnoise-") as folder:
-            path = Path(folder) / "record.h5"
-            self.save(path).close()
-            with open_run(path) as file:
-                yield file
+        with TemporaryDirectory(prefix="rubnoise-") as folder, self.save(Path(folder) / "record.h5") as run:
+            yield run.reader()  # type: ignore[misc]
 
     @property
     def _called(self) -> str:
         return "the run in memory"
 
     def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
-        title = self.scenario.title if self.scenario is not None else ""
-        return f"a run in memory: {title}" if title else "a run in memory", self.groups_by_name()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MemoryReader(MemoryRecord):
-    """A run in memory with the attributes of its file."""
-
-    attributes: Attributes
-    provenance: Attributes
-    summary: Attributes = field(default_factory=dict)
-    path: Path = Path("memory")
+        title = self.scenario.title
+        return f"a run in memory: {title}" if title else "a run in memory", self._groups

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, cast
 
 from rubnoise.api.record import Record
-from rubnoise.api.result import Run
+from rubnoise.api.run import Run
 from rubnoise.api.scenarios import load
 from rubnoise.errors import Refused, ScenarioRefused
-from rubnoise.runs.making import describe, play
+from rubnoise.runs.making import KeptRun, describe, play
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, extent
@@ -62,10 +62,10 @@ def simulate(
     check_memory(scenario, budget, kept_bytes=budget.result_bytes)
     model, seed = scenario.model(), scenario.run.seed
     intervention = "" if intervene is None else name_of(intervene)
-    record = Record(extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
-    run_model(model, seed, record, engine=_engine(scenario), observe=observe, intervene=intervene)
-    record.protect()
-    return record
+    kept = KeptRun(extent=extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
+    run_model(model, seed, kept, engine=_engine(scenario), observe=observe, intervene=intervene)
+    kept.protect()
+    return Record(kept)
 
 
 def run(

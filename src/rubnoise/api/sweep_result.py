@@ -3,26 +3,23 @@
 import json
 import os
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
-from copy import deepcopy
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.api.column_group import Columns
-from rubnoise.api.result import Run
-from rubnoise.api.result import open as open_result
+from rubnoise.api.run import Run
+from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.real_numbers import number_in
-from rubnoise.runs.folder import INDEX
-from rubnoise.runs.point_file import check_run
-from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, IndexFile, open_index
-from rubnoise.storage.index_checks import check_index
+from rubnoise.runs.index import ABOUT, INDEX, keys_in, scenario_at
+from rubnoise.runs.point_file import name_in, scenario_in
+from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import KINDS, RATIO
@@ -53,7 +50,8 @@ class SweepResult:
     """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when they are needed.
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
-    `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done.
+    `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done. ``points`` has one row
+    a point, ``path`` is the folder, as it was opened.
 
     >>> import rubnoise
     >>> with rubnoise.sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
@@ -61,61 +59,47 @@ class SweepResult:
     (('interface.mean_junction_count',), 5)
     """
 
-    def __init__(self, file: IndexFile) -> None:
-        """Take over an open index."""
-        self._file: IndexFile = file
-        self.temporary: object = None
-        """The owner of a temporary folder, which lasts as long as the result and its copies; else None."""
-        self.runs = self._columns(RUNS)
-        self.points = self._columns(POINTS)
+    def __init__(self, path: Path, index: Index, temporary: object = None) -> None:
+        """Take over what was read; ``temporary`` owns a folder that lasts as long as the result and its copies."""
+        self.path, self.temporary = path, temporary
+        self._index: Final = index
+        self.runs = _columns("runs", index.runs)
+        self.points = _columns("points", index.points)
 
     def __enter__(self) -> Self:
         """Return it."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the index."""
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def __copy__(self) -> Self:
-        """Return a copy that is open of its own: closing one leaves the other open."""
-        return deepcopy(self)
-
     def close(self) -> None:
-        """Close the index; nothing can be read from it any more."""
-        self._file.close()
-
-    @property
-    def path(self) -> Path:
-        """Path of the folder, as it was opened."""
-        return self._file.path.parent
+        """Do nothing, since everything has been read; here so that a result of a sweep is used as one of a run is."""
 
     @property
     def title(self) -> str:
         """Title of the sweep."""
-        return self._file.attributes["title"]
+        return self._index.texts["title"]
 
     @property
     def attributes(self) -> Mapping[str, str]:
         """The attributes of the index: the sweep's file as read, the command, and when and by what it was written."""
-        return self._file.attributes
+        return self._index.texts
 
     @property
     def grid(self) -> tuple[str, ...]:
         """The swept keys whose values are combined with all values of the others."""
-        return tuple(json.loads(self._file.attributes["grid"]))
+        return tuple(json.loads(self._index.texts["grid"]))
 
     @property
     def side_by_side(self) -> tuple[str, ...]:
         """The swept keys whose values go side by side."""
-        return tuple(json.loads(self._file.attributes["side_by_side"]))
+        return tuple(json.loads(self._index.texts["side_by_side"]))
 
     @property
     def keys(self) -> tuple[str, ...]:
         """All swept keys."""
-        return (*self.grid, *self.side_by_side)
+        return keys_in(self._index)
 
     @cached_property
     def values(self) -> tuple[dict[str, Any], ...]:
@@ -125,22 +109,17 @@ class SweepResult:
     @property
     def figures(self) -> tuple[str, ...]:
         """The names of the measured figures, without their exact values and standard errors."""
-        known = {"run", "run_id", "point", "replicate", "seed", "file", "state", "reason", *self.keys}
-        ends = ("_exact", "_standard_error")
+        known, ends = {*ABOUT, *self.keys}, ("_exact", "_standard_error")
         return tuple(name for name in self.runs.names if name not in known and not name.endswith(ends))
 
     @property
     def failures(self) -> list[Failure]:
         """The runs that failed."""
-        columns = {name: self.runs[name][:] for name in ("run_id", "point", "replicate", "reason")}
+        columns = [self.runs[name].tolist() for name in ("state", "run_id", "point", "replicate", "reason")]
         return [
-            Failure(
-                run_id=str(columns["run_id"][row]),
-                values=self.values[columns["point"][row]],
-                replicate=int(columns["replicate"][row]),
-                reason=str(columns["reason"][row]),
-            )
-            for row in np.flatnonzero(self.runs["state"][:] == "failed")
+            Failure(run_id=run_id, values=self.values[point], replicate=replicate, reason=reason)
+            for state, run_id, point, replicate, reason in zip(*columns, strict=True)
+            if state == "failed"
         ]
 
     def count(self, state: str) -> int:
@@ -201,31 +180,23 @@ class SweepResult:
         if self.runs["file"][int(rows[0])] != (file := f"runs/{run_id}.h5"):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
         run = open_result(self.path / file)
-        try:
-            check_run(run.provenance, run.path, run_id)
-        except BaseException:
+        if (name := name_in(scenario_in(run.reader()), run.path)) != run_id:
             run.close()
-            raise
+            raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
         return run
 
     def scenario(self, point: int) -> "Scenario":
-        """Return the scenario of a point by its number, with the seed of the file; raises RunFileRefused."""
-        from rubnoise.scenario.reading import stored
-
-        resolved = json.loads(self._file.attributes["scenario_resolved"])
-        for key, value in self.values[point].items():
-            section, name = key.split(".")
-            resolved.setdefault(section, {})[name] = value
-        return stored(resolved, f"{self._file.path}: the scenario of point {point}")
+        """Return the scenario of a point by its number, with a seed of the first point; raises RunFileRefused."""
+        return scenario_at(self._index, point, self.path / INDEX)
 
     @property
     def summaries(self) -> tuple[str, ...]:
         """The names of arrays of runs and points, beyond single figures."""
-        return tuple(about.name for about in self._file.columns(SUMMARIES))
+        return tuple(self._index.summaries)
 
     def summary(self, name: str) -> NDArray[Any]:
         """Read one of ``summaries``: one row a run, or a point; raises KeyError for an unknown name."""
-        return self._file.read(SUMMARIES, name)
+        return self._index.summaries[name].copy()
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
@@ -240,19 +211,19 @@ class SweepResult:
         """Return one row for each run as a DataFrame: see `runs`; raises ExtraMissing without pandas."""
         return self.runs.to_pandas()
 
-    def __repr__(self) -> str:
-        if self._file.closed:
-            return f"{self.path}: a sweep, closed"
+    def _listed(self) -> tuple[str, list[tuple[str, str]]]:
+        """Return the numbers of points and runs, and the values of each key, as texts."""
         states = ", ".join(f"{self.count(state):,} {state}" for state in ("done", "failed", "planned"))
-        values = [f"  {key}: {', '.join(dict.fromkeys(str(point[key]) for point in self.values))}" for key in self.keys]
-        return shortened([f"{self.path}: {self.title}", f"  {len(self.points):,} points, {states}", *values])
+        values = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
+        return f"{len(self.points):,} points, {states}", values
+
+    def __repr__(self) -> str:
+        counts, values = self._listed()
+        return shortened([f"{self.path}: {self.title}", f"  {counts}", *(f"  {key}: {text}" for key, text in values)])
 
     def _repr_html_(self) -> str:
-        if self._file.closed:
-            return as_html(f"{self.path}: a sweep, closed", (), ())
-        states = ", ".join(f"{self.count(state):,} {state}" for state in ("done", "failed", "planned"))
-        rows = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
-        return as_html(f"{self.path}: {self.title}", ("key", "values"), rows, f"{len(self.points):,} points, {states}")
+        counts, values = self._listed()
+        return as_html(f"{self.path}: {self.title}", ("key", "values"), values, counts)
 
     def plot(
         self,
@@ -281,11 +252,15 @@ class SweepResult:
         number = number_in(value, key, next((kind for kind in KINDS if kind.unit == column.units), RATIO))
         return np.flatnonzero(np.isclose(column[:], number, rtol=_ROUNDING, atol=0.0)).tolist()
 
-    def _columns(self, group: str) -> Columns:
-        rows = self._file.rows(group)
-        found = {about.name: about for about in self._file.columns(group)}
-        about = Group(name=group, long_name=f"the {group} of a sweep", length="curve", columns=(), plotted="")
-        return Columns(about, found, rows, partial(self._file.read, group))
+
+def _columns(group: str, columns: Mapping[str, Filled]) -> Columns:
+    about = Group(name=group, long_name=f"the {group} of a sweep", length="curve", columns=(), plotted="")
+    rows = len(next(iter(columns.values())).values)
+    return Columns(about, {name: column.about for name, column in columns.items()}, rows, partial(_rows, columns))
+
+
+def _rows(columns: Mapping[str, Filled], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+    return columns[name].values[start:stop].copy()
 
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
@@ -304,89 +279,58 @@ def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
         raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}") from problem
     except OSError as problem:
         raise RunFileRefused(f"{index}: {str(problem.strerror).lower()}") from problem
-    file = open_index(index)
-    try:
-        check_index(file)
-    except BaseException:
-        file.close()
-        raise
-    return SweepResult(file)
+    return SweepResult(Path(folder), read_index(index))
 
 
 REPLICATE: Final = "replicate"
 SIDE_BY_SIDE: Final = "side_by_side"
-TEXTS: Final = ("run_id", "file", "state")
-NUMBERS: Final = ("seed",)
 
 
-def labelled(sweep: "SweepResult") -> Any:
+def labelled(sweep: "SweepResult") -> "xr.Dataset":
     """Return the runs of a sweep as an xarray Dataset on the grid of its keys and replicates."""
     import xarray as xr
 
-    axes = {key: _axis(sweep.points[key][:]) for key in sweep.grid}
+    coordinates, places = {}, {}
+    for key in sweep.grid:
+        values, places[key] = _axis(sweep.points[key].tolist())
+        coordinates[key] = xr.Variable((key,), values, sweep.points[key].attributes)
     if sweep.side_by_side:
-        axes[SIDE_BY_SIDE] = _rows_of(sweep)
-    point = sweep.runs["point"][:]
-    places = {name: places[point] for name, (_, places) in axes.items()}
-    places[REPLICATE] = sweep.runs[REPLICATE][:]
-    shape = {name: len(values) for name, (values, _) in axes.items()} | {
-        REPLICATE: int(places[REPLICATE].max(initial=0)) + 1
-    }
-    variables = {
-        name: xr.Variable(tuple(shape), _spread(sweep.runs[name][:], shape, places), sweep.runs[name].attributes)
-        for name in (*TEXTS, *NUMBERS, *_figures(sweep))
-    }
-    found = xr.Dataset(variables, coords=_coordinates(sweep, axes), attrs={"title": sweep.title})
-    # Without an index .sel would not find values by the short names.
-    for word in short_names(sweep.keys, sweep.runs.names).values():
-        if word in found.coords:
-            found = found.set_xindex(word)
+        rows, places[SIDE_BY_SIDE] = _axis(
+            zip(*(sweep.points[key].tolist() for key in sweep.side_by_side), strict=True)
+        )
+        coordinates[SIDE_BY_SIDE] = xr.Variable((SIDE_BY_SIDE,), np.arange(len(rows)))
+        for key, of_rows in zip(sweep.side_by_side, zip(*rows, strict=True), strict=True):
+            coordinates[key] = xr.Variable((SIDE_BY_SIDE,), np.array(of_rows), sweep.points[key].attributes)
+    of_runs = {name: numbers[sweep.runs["point"].values] for name, numbers in places.items()}
+    of_runs[REPLICATE] = sweep.runs[REPLICATE].values
+    shape = tuple(int(numbers.max(initial=0)) + 1 for numbers in of_runs.values())
+    figures = [name for name in sweep.runs.names if sweep.figures and name.startswith(sweep.figures)]
+    variables = {}
+    for name in ("run_id", "file", "state", "seed", *figures):
+        column = sweep.runs[name]
+        grid = _spread(column.values, shape, tuple(of_runs.values()))
+        variables[name] = xr.Variable(tuple(of_runs), grid, column.attributes)
+    words = short_names(sweep.keys, {*coordinates, *sweep.runs.names})
+    coordinates |= {word: coordinates[key].copy() for key, word in words.items()}
+    found = xr.Dataset(variables, coords=coordinates, attrs={"title": sweep.title})
+    for word in words.values():  # without an index .sel would not find values by the short names
+        found = found.set_xindex(word)
     return found
 
 
-def _figures(sweep: "SweepResult") -> list[str]:
-    return [name for name in sweep.runs.names if name.startswith(sweep.figures)] if sweep.figures else []
+def _axis(values: Iterable[Any]) -> tuple[list[Any], NDArray[np.int64]]:
+    """Return different values in order of appearance, and the number of each value."""
+    numbers: dict[Any, int] = {}
+    places = [numbers.setdefault(value, len(numbers)) for value in values]
+    return list(numbers), np.array(places, dtype=np.int64)
 
 
-def _axis(values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the values of a key in order of appearance, and the number of each point's value."""
-    _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    return values[first[order]], np.argsort(order)[inverse]
-
-
-def _rows_of(sweep: "SweepResult") -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the rows of the keys that go side by side, numbered in order of appearance."""
-    numbers: dict[tuple[Any, ...], int] = {}
-    columns = (sweep.points[key][:] for key in sweep.side_by_side)
-    places = [numbers.setdefault(row, len(numbers)) for row in zip(*columns, strict=True)]
-    return np.arange(len(numbers)), np.array(places, dtype=np.int64)
-
-
-def _spread(values: NDArray[Any], shape: Mapping[str, int], places: Mapping[str, NDArray[np.int64]]) -> NDArray[Any]:
+def _spread(values: NDArray[Any], shape: tuple[int, ...], places: tuple[NDArray[np.int64], ...]) -> NDArray[Any]:
     """Return values on the grid; places without a run have nan, an empty text, or -1."""
     missing: Any = np.nan if values.dtype.kind == "f" else "" if values.dtype.kind == "U" else -1
-    grid: NDArray[Any] = np.full(tuple(shape.values()), missing, dtype=values.dtype)
-    grid[tuple(places[name] for name in shape)] = values
+    grid: NDArray[Any] = np.full(shape, missing, dtype=values.dtype)
+    grid[places] = values
     return grid
-
-
-def _coordinates(sweep: "SweepResult", axes: Mapping[str, tuple[NDArray[Any], NDArray[np.int64]]]) -> dict[str, Any]:
-    import xarray as xr
-
-    coordinates: dict[str, Any] = {
-        name: xr.Variable((name,), values, sweep.points[name].attributes if name in sweep.keys else {})
-        for name, (values, _) in axes.items()
-    }
-    if sweep.side_by_side:
-        _, places = axes[SIDE_BY_SIDE]
-        _, first = np.unique(places, return_index=True)
-        for key in sweep.side_by_side:
-            column = sweep.points[key]
-            coordinates[key] = xr.Variable((SIDE_BY_SIDE,), column[:][first], column.attributes)
-    for key, word in short_names(sweep.keys, {*coordinates, *sweep.runs.names}).items():
-        coordinates[word] = coordinates[key].copy()
-    return coordinates
 
 
 def short_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:

@@ -1,11 +1,8 @@
 """Sweeps: all runs of a file with a table [sweep], or of a scenario with a grid, into one folder."""
 
 import os
-import sys
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from shlex import join
 from shutil import rmtree
 from tempfile import mkdtemp
 from typing import Any, ClassVar, Self
@@ -15,17 +12,13 @@ from rubnoise.api import keywords
 from rubnoise.api.scenarios import load, load_sweep, sizes_of
 from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import Refused
-from rubnoise.runs import executors
-from rubnoise.runs.folder import Shard, check_folder, check_room
-from rubnoise.runs.sweep import Means, SweepOutcome, SweepProgress
-from rubnoise.runs.sweep import carry_out as carry_out_in
+from rubnoise.runs.sweep import carry_out
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.layers import plain
 from rubnoise.scenario.reading import place_of
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.text import text_of
 
-ProgressWatch = Callable[[SweepProgress], None]
 Source = str | os.PathLike[str] | Sweep | Scenario
 
 
@@ -80,15 +73,10 @@ def run_sweep(
 
 def _into(sweep: Sweep, folder: str | os.PathLike[str] | None, **options: Any) -> SweepResult:
     place = Path(mkdtemp(prefix="rubnoise-sweep-")) if folder is None else Path(folder)
-    try:
-        carry_out(sweep, place, **options)
-        result = open_sweep(place)
-    except BaseException:
-        if folder is None:
-            rmtree(place, ignore_errors=True)
-        raise
-    if folder is None:
-        result.temporary = TemporaryFolder(place)
+    owner = TemporaryFolder(place) if folder is None else None
+    carry_out(sweep, place, **options)
+    result = open_sweep(place)
+    result.temporary = owner
     return result
 
 
@@ -167,47 +155,3 @@ def _values(key: str, values: Any) -> list[Any]:
         one = keywords.shown(values)
         raise Refused(f'grid=: {key}: {one}: a list of values is needed; right form: grid={{"{key}": [{one}]}}')
     return [keywords.unit_text(plain(each)) for each in several]
-
-
-def carry_out(
-    sweep: Sweep,
-    folder: str | os.PathLike[str],
-    *,
-    jobs: int | None = None,
-    cluster: str | None = None,
-    executor: Any = None,
-    shard: str | None = None,
-    force: bool = False,
-    command: Sequence[str] | None = None,
-    watch: ProgressWatch = lambda _standing: None,
-) -> SweepOutcome:
-    """Carry out a sweep, and return its outcome; see `sweep`.
-
-    ``command`` is the command line in its results, ``watch`` is called with the progress, and may raise RunStopped.
-    """
-    root = Path(folder).absolute()
-    part = None if shard is None else Shard.of(shard)
-    workers = _workers(jobs, cluster, executor)
-    check_folder(root)
-    here = 0 if cluster is not None or executor is not None else jobs or executors.processors()
-    command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
-    means = Means(
-        workers=workers,
-        affordable=partial(check_room, sweep, root, here),
-        watch=watch,
-        command=command,
-        shown_command=join(command),
-        force=force,
-    )
-    return carry_out_in(sweep, root, means, part)
-
-
-def _workers(jobs: int | None, cluster: str | None, executor: Any) -> Callable[[int | None], Any]:
-    """Return a function that gives workers for a number of runs; raises Refused before anything is begun."""
-    if cluster is not None and (jobs is not None or executor is not None):
-        raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")
-
-    executors.local(jobs)
-    if cluster is not None:
-        return lambda _runs: executors.cluster(cluster)
-    return lambda runs: executors.local(jobs, runs) if executor is None else executors.given(executor, jobs)

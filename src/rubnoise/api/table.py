@@ -1,4 +1,4 @@
-"""Columns with units over the first one of them, as pandas and xarray have them: of groups, traces and spectra."""
+"""Columns with units over the first one of them: of groups, traces and spectra, as pandas and xarray have them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 from rubnoise.api.columns import Column
 from rubnoise.errors import needing
+from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 class Table(ABC):
@@ -27,9 +29,34 @@ class Table(ABC):
         """Return a column with its unit; raises KeyError for an unknown name."""
 
     @property
+    @abstractmethod
+    def _heading(self) -> str:
+        """The first line of the table as it is shown."""
+
+    @property
     def _title(self) -> str:
         """What xarray has as the title of all of it; empty for none."""
         return ""
+
+    def _rows(self) -> list[tuple[str, str, str]]:
+        """Return name, unit and range of each column, as texts."""
+        columns = {name: self._described(name) for name in self.names}
+        return [(name, each.units, f"{each.min():.6g} to {each.max():.6g}") for name, each in columns.items()]
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        width = max(len(name) for name, _, _ in rows)
+        return shortened([self._heading, *(f"  {name:<{width}}  {unit:<5}  {text}" for name, unit, text in rows)])
+
+    def _repr_html_(self) -> str:
+        return as_html(self._heading, ("column", "unit", ""), self._rows())
+
+    def plot(self, name: str | None = None) -> "Figure":
+        """Draw a column over the first one, all of them without a name, and return the figure."""
+        from rubnoise.api.pictures import drawn_columns
+
+        place, *columns = (self._described(each) for each in (self.names if name is None else (self.names[0], name)))
+        return drawn_columns((place.values, place.label), [(each.values, each.label) for each in columns])
 
     def to_pandas(self, names: Sequence[str] | None = None) -> "pd.DataFrame":
         """Return all columns, or those (or the one) named, as a pandas DataFrame whose index is the first column.

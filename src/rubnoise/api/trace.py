@@ -28,17 +28,16 @@ from rubnoise.storage.measured import refusing_files
 from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
-from rubnoise.tables import as_html, shortened
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
 
 
-@dataclass(frozen=True, slots=True, init=False, eq=False)
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class Trace(Table):
     """Columns over a uniform ``place``, such as a time in s or a sliding distance in um.
 
@@ -270,16 +269,6 @@ class Trace(Table):
     def _title(self) -> str:
         return self.name
 
-    def plot(self, name: str | None = None) -> "Figure":
-        """Draw a column over the place, all of them without a name, and return the figure."""
-        from rubnoise.api.pictures import drawn_columns
-
-        shown = [each for each in self.columns if each != self.place] if name is None else [self._column(name)]
-        return drawn_columns(
-            (self.columns[self.place], f"{self.place} ({self.units[self.place]})"),
-            [(self.columns[each], f"{each} ({self.units[each]})") for each in shown],
-        )
-
     def _length(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number if the place has no known unit."""
         kind = next((each for each in KINDS if each.unit == self.units[self.place]), None)
@@ -297,16 +286,9 @@ class Trace(Table):
             return name
         raise Refused(f"{self.name}: say which column: {', '.join(others)}" + (f", not {name}" if name else ""))
 
-    def __repr__(self) -> str:
-        units = self.units[self.place]
-        head = f"{self.name}: {len(self):,} rows, every {self.step:.6g} {units}"
-        rows = [f"  {name}  {self.units[name]}  {_range(values)}" for name, values in self.columns.items()]
-        return shortened([head, *rows])
-
-    def _repr_html_(self) -> str:
-        head = f"{self.name}: {len(self):,} rows, every {self.step:.6g} {self.units[self.place]}"
-        rows = [(name, self.units[name], _range(values)) for name, values in self.columns.items()]
-        return as_html(head, ("column", "unit", "range"), rows)
+    @property
+    def _heading(self) -> str:
+        return f"{self.name}: {len(self):,} rows, every {self.step:.6g} {self.units[self.place]}"
 
 
 def _refuse(source: str, **keys: Any) -> None:
@@ -314,10 +296,6 @@ def _refuse(source: str, **keys: Any) -> None:
     for name, value in keys.items():
         if value is not None:
             raise Refused(f"{name}=: {keywords.shown(value)}: has no effect on a trace {source}")
-
-
-def _range(values: Doubles) -> str:
-    return f"{values.min():.6g} to {values.max():.6g}"
 
 
 def _in_working_units(unit: str, what: str) -> tuple[str, float]:

@@ -17,7 +17,7 @@ from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.analysis.replicates import PooledEstimate
-    from rubnoise.api.result import Run
+    from rubnoise.api.run import Run
     from rubnoise.api.sweep_result import SweepResult
 
 

@@ -25,7 +25,7 @@ from rubnoise.cli.progress import Watcher, announce_compilation, interrupted_at_
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
-    from rubnoise.api.result import Run
+    from rubnoise.api.run import Run
     from rubnoise.scenario import Scenario
 
 

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,8 @@ from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
 
 if TYPE_CHECKING:
-    from rubnoise.runs.sweep import SweepOutcome
+    from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.runs.stopping_rule import Unmet
     from rubnoise.scenario.sweep import Sweep
 
 
@@ -55,8 +57,9 @@ def command(
 
     Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
     """
-    from rubnoise.api.sweeps import carry_out
+    from rubnoise.api.sweep_result import open_sweep
     from rubnoise.cli.loading import overrides, sweep_of
+    from rubnoise.runs.sweep import carry_out
 
     sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
@@ -64,7 +67,7 @@ def command(
     if not quiet and not as_json:
         announce_compilation_by_workers()
     with watching_sweep(shown=shown) as watch:
-        ending = carry_out(
+        imprecise = carry_out(
             sweep,
             place,
             jobs=jobs,
@@ -74,38 +77,27 @@ def command(
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
-    _print_outcome(sweep, place, ending, as_json=as_json, quiet=quiet)
-    if ending.failures:
-        raise typer.Exit(1)
-
-
-def _print_outcome(sweep: "Sweep", folder: Path, ending: "SweepOutcome", *, as_json: bool, quiet: bool) -> None:
-    answer = outcome_as_json(sweep, folder, ending)
+    answer = outcome_as_json(sweep, open_sweep(place), imprecise)
     if as_json:
         print(json_text(answer))
     elif not quiet:
         print("\n".join(format_outcome(answer)))
     if answer["failures"] and not as_json:
         print("\n".join(format_failures(answer["failures"])), file=sys.stderr)
+    if answer["failures"]:
+        raise typer.Exit(1)
 
 
-def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome") -> dict[str, Any]:
+def outcome_as_json(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> dict[str, Any]:
     """Return the outcome of a sweep, by name."""
-    failed = [
-        {"run_id": point.run_id, "values": dict(point.values), "replicate": point.replicate, "reason": reason}
-        for point, reason in ending.failures
-    ]
     return {
-        "folder": str(folder),
-        "index": str(folder / "index.h5"),
+        "folder": str(result.path),
+        "index": str(result.path / "index.h5"),
         "points": len(sweep.cases),
-        "runs": len(ending.points),
-        **{state: ending.states.count(state) for state in ("done", "failed", "planned")},
-        "failures": failed,
-        "imprecise": [
-            {"values": dict(unmet.values), "replicates": unmet.replicates, "reached": unmet.reached}
-            for unmet in ending.imprecise
-        ],
+        "runs": len(result.runs),
+        **{state: result.count(state) for state in ("done", "failed", "planned")},
+        "failures": [asdict(failure) for failure in result.failures],
+        "imprecise": [asdict(unmet) for unmet in imprecise],
         "warnings": list(sweep.warnings),
     }
 

@@ -73,7 +73,7 @@ def draw_fig8(sources: Sources) -> "Figure":
     """Draw Welch's estimate and S(k), the mean of its tail, and near the end the ratio of both, with the aliases."""
     scenario = sources.scenario("fig8.toml")
     model = scenario.model()
-    seen = spectrum_of(model, simulate(scenario))
+    seen = spectrum_of(model, simulate(scenario).reader())
     wavenumber, density = merged_bins(seen)
     figure = new_figure(7.2, 4.6)
     panes: Any = figure.subplot_mosaic([["linear", "tail"], ["linear", "ratio"]], height_ratios=[2.2, 1.0])

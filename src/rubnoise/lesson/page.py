@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.result import Run
+from rubnoise.api.run import Run
 from rubnoise.api.running import simulate
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal

@@ -1,32 +1,22 @@
 """The loop over an executor: every run of a sweep is tried, and tried again if its worker dies.
 
-A worker that dies may cost its executor all that it has. Runs that were lost once are sent again one by one, those that
+A worker that dies may cost its executor all that it has. Runs that were lost once are sent again at the end, those that
 were lost twice alone: so a run that always kills its worker fails alone.
 """
 
 import pickle
-import time
-from collections import Counter, deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 from rubnoise.errors import Refused, RubnoiseError, RunStopped
-from rubnoise.runs.executors import SCHEDULER_GONE, Versions, Workers, WorkLost, in_words, versions
+from rubnoise.runs.executors import SCHEDULER_GONE, Workers, WorkLost, in_words, versions
 from rubnoise.scenario.points import Point
 
-SECONDS: Final = 1.0
-"""Seconds of work in a message: the cost of the message itself is then small, and so is the loss if a worker dies."""
-
-SHARES: Final = 2
-"""Messages for each lane into which the remaining work is divided, so that all lanes end at about the same time."""
-
-LONGEST: Final = 256
-"""Most points of a message, however short they are."""
-
 AHEAD: Final = 2
-"""Messages for each lane, one of which waits."""
+"""Runs that are sent for each lane, one of which waits."""
 
 BETWEEN: Final = 0.1
 """Seconds after which a waiting sweep looks for signals and calls its watch."""
@@ -47,53 +37,22 @@ class Outcome(Generic[Result]):
     problem: Exception | None = None
 
 
-@dataclass(slots=True)
-class MessageSize:
-    """The time that points have taken, from which follows how many make a message.
+def attempted(work: Work[Result], point: Point, asked: object) -> Result | Exception:
+    """Carry out a point and return its result or its error, since an error that is raised is that of a worker.
 
-    The first messages have one point each, since the time of a point is not known yet.
+    Returns WorkLost, and begins nothing, if ``asked`` has other versions than those of this process.
     """
-
-    points: int = 0
-    seconds: float = 0.0
-
-    def took(self, points: int, seconds: float) -> None:
-        """Add the time of a message's points; later ones count more, since points of a sweep differ."""
-        self.points = self.points // 2 + points
-        self.seconds = 0.5 * self.seconds + seconds
-
-    def size(self, left: int, lanes: int) -> int:
-        """Return how many of the remaining points make the next message; at least one."""
-        if not self.points:
-            return 1
-        fitting = SECONDS * self.points / max(self.seconds, 1e-6)
-        return max(1, min(int(fitting), -(-left // (SHARES * lanes)), LONGEST))
-
-
-@dataclass(frozen=True)
-class Attempt(Generic[Result]):
-    """The outcomes of the points of a message, in order, the time that it took, and the versions that made it."""
-
-    results: list[Result | Exception]
-    seconds: float
-    made_by: Versions | None = None
-
-
-def attempted(work: Work[Result], points: Sequence[Point], asked: Versions) -> Attempt[Result]:
-    """Carry out points one after another; after a failed one the others are still tried.
-
-    None is started if ``asked`` has other versions than those of this process.
-    """
-    began, made_by = time.monotonic(), versions()
-    results: list[Result | Exception] = []
-    for point in points if made_by == asked else ():
-        try:
-            results.append(work(point))
-        except RunStopped:
-            raise
-        except Exception as problem:  # noqa: BLE001  (whatever it is, it is said of this point)
-            results.append(_portable(problem))
-    return Attempt(results, time.monotonic() - began, made_by)
+    if (ours := versions()) != asked:
+        return WorkLost(
+            f"a worker has {in_words(ours)}, and this process {in_words(asked)}; give it the same versions, and the"
+            " same command resumes the sweep"
+        )
+    try:
+        return work(point)
+    except RunStopped:
+        raise
+    except Exception as problem:  # noqa: BLE001  (whatever it is, it is said of this point)
+        return _portable(problem)
 
 
 def _portable(problem: Exception) -> Exception:
@@ -109,17 +68,20 @@ class Attempts(Generic[Result]):
     """The attempts at the points of a sweep, which can end early."""
 
     def __init__(
-        self, points: Iterable[Point], work: Work[Result], workers: Workers, watch: Callable[[], None] = lambda: None
+        self,
+        points: Iterable[Point],
+        work: Work[Result],
+        workers: Workers,
+        watch: Callable[[], None] = lambda: None,
+        more: Callable[[], Iterable[Point]] = tuple,
     ) -> None:
-        """Start before the first point; ``watch`` is called at least every BETWEEN seconds, and may raise."""
-        self._fresh = deque(points)
-        self._again: deque[Point] = deque()
-        self._alone: deque[Point] = deque()
-        self._lost: Counter[str] = Counter()
-        self._work, self._workers, self._watch = work, workers, watch
-        self._versions = versions()
-        self._size = MessageSize()
-        self._out: dict[Future[Attempt[Result]], Sequence[Point]] = {}
+        """Start before the first point; ``watch`` is called at least every BETWEEN seconds, and may raise.
+
+        ``more`` returns further points when all have ended.
+        """
+        self._waiting = [deque(points), *(deque[Point]() for _ in range(TRIES - 1))]
+        self._work, self._workers, self._watch, self._more = work, workers, watch, more
+        self._out: dict[Future[Any], tuple[Point, int]] = {}
         self._broken = False
 
     def outcomes(self) -> Generator[Outcome[Result], None, None]:
@@ -127,82 +89,70 @@ class Attempts(Generic[Result]):
 
         Raises WorkLost if no worker can take work any more, or one has other versions than this process.
         """
-        try:
-            while self._out or self._left():
-                yield from self._handed_out()
-                done, _ = wait(self._out, BETWEEN, FIRST_COMPLETED)
-                self._watch()
-                for future in done:
-                    yield from self._returned(self._out.pop(future), future)
-                if self._broken and not self._out:
-                    self._workers.renew()
-                    self._broken = False
-        finally:
-            for future in self._out:
-                future.cancel()
+        while any(self._waiting):
+            self._broken = False
+            with self._workers.start() as executor:
+                try:
+                    yield from self._until_it_breaks(executor)
+                finally:
+                    for future in self._out:
+                        future.cancel()
 
-    def _left(self) -> int:
-        return len(self._fresh) + len(self._again) + len(self._alone)
+    def _until_it_breaks(self, executor: Any) -> Iterator[Outcome[Result]]:
+        while self._out or (any(self._waiting) and not self._broken):
+            yield from self._handed_out(executor)
+            done, _ = wait(self._out, BETWEEN, FIRST_COMPLETED)
+            self._watch()
+            for future in done:
+                yield from self._returned(*self._out.pop(future), future)
+            if not self._out and not any(self._waiting):
+                self._waiting[0].extend(self._more())
 
-    def _handed_out(self) -> Iterator[Outcome[Result]]:
-        """Send messages as long as lanes are free; an executor that takes none has lost them."""
-        lanes = self._workers.lanes()
-        while not self._broken and (points := self._next(lanes)):
+    def _handed_out(self, executor: Any) -> Iterator[Outcome[Result]]:
+        """Send points as long as lanes are free; an executor that takes none has lost them."""
+        most = 1 if self._workers.here else AHEAD * self._workers.lanes()
+        while not self._broken and len(self._out) < most and (taken := self._next()):
+            point, lost = taken
             try:
-                future = self._workers.executor.submit(attempted, self._work, points, self._versions)
+                future = executor.submit(attempted, self._work, point, versions())
             except (RunStopped, Refused):
                 raise
             except Exception as problem:  # noqa: BLE001  (whatever it says, it does not take them)
                 self._broken = True
-                yield from self._lose(points, problem)
+                yield from self._lose(point, lost, problem)
             else:
-                self._out[future] = points
+                self._out[future] = taken
 
-    def _next(self, lanes: int) -> Sequence[Point]:
-        """Return the points of the next message; none if all lanes are full or nothing is left for now."""
-        if len(self._out) >= (1 if self._workers.here else AHEAD * lanes):
-            return ()
-        if self._fresh:
-            size = 1 if self._workers.here else self._size.size(len(self._fresh), lanes)
-            return [self._fresh.popleft() for _ in range(min(size, len(self._fresh)))]
-        if self._again:
-            return (self._again.popleft(),)
-        return (self._alone.popleft(),) if self._alone and not self._out else ()
+    def _next(self) -> tuple[Point, int] | None:
+        """Return a point and how many workers it has cost; none that cost too many while others are out."""
+        for lost, points in enumerate(self._waiting):
+            if points and (lost < TRIES - 1 or not self._out):
+                return points.popleft(), lost
+        return None
 
-    def _returned(self, points: Sequence[Point], future: "Future[Attempt[Result]]") -> Iterator[Outcome[Result]]:
+    def _returned(self, point: Point, lost: int, future: "Future[Any]") -> Iterator[Outcome[Result]]:
         try:
             problem = future.exception()
         except CancelledError as cancelled:
             problem = cancelled
         if isinstance(problem, CancelledError):
             raise WorkLost(SCHEDULER_GONE) from problem
-        if problem is None:
-            yield from self._outcomes_of(points, future.result())
-        elif isinstance(problem, Exception):
+        if isinstance(problem, Exception):
             self._broken = self._broken or isinstance(problem, BrokenExecutor)
-            yield from self._lose(points, problem)
-        else:
+            yield from self._lose(point, lost, problem)
+        elif problem is not None:
             raise problem
+        elif isinstance(found := future.result(), WorkLost):
+            raise found
+        elif isinstance(found, Exception):
+            yield Outcome(point=point, problem=found)
+        else:
+            yield Outcome(point=point, result=found)
 
-    def _outcomes_of(self, points: Sequence[Point], attempt: Attempt[Result]) -> Iterator[Outcome[Result]]:
-        if attempt.made_by != self._versions:
-            raise WorkLost(
-                f"a worker has {in_words(attempt.made_by)}, and this process {in_words(self._versions)}; give it the"
-                " same versions, and the same command resumes the sweep"
-            )
-        self._size.took(len(points), attempt.seconds)
-        for point, result in zip(points, attempt.results, strict=True):
-            if isinstance(result, Exception):
-                yield Outcome(point=point, problem=result)
-            else:
-                yield Outcome(point=point, result=result)
-
-    def _lose(self, points: Sequence[Point], problem: Exception) -> Iterator[Outcome[Result]]:
-        """Put points that were lost with their worker back into a queue, or yield those that cost too many."""
-        for point in points:
-            self._lost[point.run_id] += 1
-            if self._lost[point.run_id] >= TRIES:
-                reason = " ".join(str(problem).split())
-                yield Outcome(point=point, problem=RubnoiseError(f"{TRIES} workers died of it: {reason}"))
-            else:
-                (self._again if self._lost[point.run_id] < TRIES - 1 else self._alone).append(point)
+    def _lose(self, point: Point, lost: int, problem: Exception) -> Iterator[Outcome[Result]]:
+        """Let a point that was lost with its worker wait again, or yield it if it has cost too many."""
+        if lost + 1 < TRIES:
+            self._waiting[lost + 1].append(point)
+        else:
+            reason = " ".join(str(problem).split())
+            yield Outcome(point=point, problem=RubnoiseError(f"{TRIES} workers died of it: {reason}"))

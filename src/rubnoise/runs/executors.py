@@ -10,14 +10,14 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
-from functools import partial
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import KW_ONLY, dataclass
+from functools import cache, partial
 from importlib import import_module
 from operator import index
 from pathlib import Path
 from threading import Thread
-from types import TracebackType
-from typing import Any, Final, Protocol, Self
+from typing import Any, Final
 
 from rubnoise.errors import Refused, RubnoiseError, needing
 from rubnoise.storage.provenance import package_version
@@ -25,66 +25,30 @@ from rubnoise.storage.schema import FORMAT_VERSION
 from rubnoise.streams import STREAM_VERSION
 
 
-class Submits(Protocol):
-    """What runs are given to."""
-
-    def submit(self, function: Callable[..., Any], /, *given: Any) -> "Future[Any]":
-        """Call a function of a module, here or elsewhere; an error means that its worker is lost."""
-        ...
-
-
+@dataclass(frozen=True, slots=True)
 class Workers:
-    """An executor, opened when it is first needed and again after it broke, and how many calls it makes at a time.
+    """What opens an executor, and how many calls it makes at a time.
 
-    A context manager, which closes it. ``here``: calls are made in this process when they are submitted.
-    ``elsewhere``: files may be on other machines' disks when a call returns.
+    ``here``: calls are made in this process when they are submitted. ``elsewhere``: files may be on other machines'
+    disks when a call returns.
     """
 
-    def __init__(
-        self,
-        start: Callable[[], AbstractContextManager[Submits]],
-        lanes: Callable[[], int],
-        *,
-        here: bool = False,
-        elsewhere: bool = False,
-    ) -> None:
-        """Start nothing yet."""
-        self.lanes, self.here, self.elsewhere = lanes, here, elsewhere
-        self._start = start
-        self._opened = ExitStack()
-        self._executor: Submits | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._opened.__exit__(kind, problem, trace)
-
-    @property
-    def executor(self) -> Submits:
-        """The executor that takes calls now."""
-        if self._executor is None:
-            self._executor = self._opened.enter_context(self._start())
-        return self._executor
-
-    def renew(self) -> None:
-        """Take another executor from now on, since this one is broken."""
-        self._opened.close()
-        self._executor = None
+    start: Callable[[], AbstractContextManager[Any]]
+    lanes: Callable[[], int]
+    _: KW_ONLY
+    here: bool = False
+    elsewhere: bool = False
 
 
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
     """The scheduler of the work has ended, or its workers cannot be used."""
 
 
-# Versions, which are the same in all processes that make runs of one sweep.
-Versions = Mapping[str, object]
 LIBRARIES: Final = ("rubnoise", "numpy", "scipy", "numba")
 
 
-def versions() -> Versions:
+@cache
+def versions() -> Mapping[str, object]:
     """Return the versions that must be equal in all processes that make runs of one sweep."""
     return {name: package_version(name) for name in LIBRARIES} | {"stream": STREAM_VERSION, "format": FORMAT_VERSION}
 
@@ -114,8 +78,7 @@ def local(jobs: int | None, runs: int | None = None) -> Workers:
     """Return workers of this machine: by default one for each processor, no more than runs, and one is this process."""
     if jobs is not None and not 1 <= index(jobs) <= MOST_JOBS:
         raise Refused(f"jobs=: {jobs} is no number of processes from 1 to {MOST_JOBS}")
-    count = processors() if jobs is None else index(jobs)
-    count = count if runs is None else min(count, max(runs, 1))
+    count = min(processors() if jobs is None else index(jobs), MOST_JOBS if runs is None else max(runs, 1))
     if count == 1:
         return Workers(Here, lambda: 1, here=True)
     return Workers(partial(_processes, count), lambda: count)
@@ -132,7 +95,7 @@ class Here(Executor):
 
 
 @contextmanager
-def _processes(count: int) -> Iterator[Submits]:
+def _processes(count: int) -> Iterator[Any]:
     """Start processes of loky, which are fresh interpreters and import no main program; after an error kill them."""
     from loky import ProcessPoolExecutor
 
@@ -161,6 +124,8 @@ def _end_with(parent: int) -> None:
 # Executors of others.
 PATIENCE: Final = 30.0
 """Seconds for a scheduler to answer."""
+
+SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
 
 _ASKED: Final = 5
 _BETWEEN: Final = 0.5
@@ -197,11 +162,8 @@ def cluster(scheduler: str) -> Iterator[Workers]:
         client = dask.Client(where, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError, RuntimeError) as problem:
         raise Refused(f"{scheduler}: no scheduler answers there: {problem}") from problem
-    try:
-        with of_client(client) as workers:
-            yield workers
-    finally:
-        client.close()
+    with client:
+        yield of_client(client)
 
 
 def of_client(client: Any) -> Workers:
@@ -224,11 +186,8 @@ def of_client(client: Any) -> Workers:
     return Workers(partial(_of_client, client), count, elsewhere=True)
 
 
-SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
-
-
 @contextmanager
-def _of_client(client: Any) -> Iterator[Submits]:
+def _of_client(client: Any) -> Iterator[Any]:
     executor = client.get_executor(pure=False)
     try:
         yield executor
@@ -238,7 +197,6 @@ def _of_client(client: Any) -> Iterator[Submits]:
 
 def _check_versions(client: Any) -> None:
     """Raise Refused if a worker has other versions than this process; one that dies meanwhile is asked again."""
-    ours = versions()
     for _ in range(_ASKED):
         try:
             answers = client.run(versions, on_error="return")
@@ -248,10 +206,10 @@ def _check_versions(client: Any) -> None:
             break
         time.sleep(_BETWEEN)
     for worker, theirs in answers.items():
-        if theirs != ours:
+        if theirs != versions():
             raise Refused(
-                f"{worker}: this worker has {in_words(theirs)}, and this process {in_words(ours)}; all runs of a sweep"
-                " are made by one version"
+                f"{worker}: this worker has {in_words(theirs)}, and this process {in_words(versions())}; all runs of a"
+                " sweep are made by one version"
             )
 
 
@@ -260,17 +218,12 @@ def _address(scheduler: str) -> str:
 
     Raises Refused for an address of another form, with which Dask's client would never end.
     """
-    address = scheduler
-    if Path(scheduler).is_file():
-        try:
-            address = str(json.loads(Path(scheduler).read_bytes())["address"])
-        except (OSError, ValueError, KeyError, TypeError) as problem:
-            raise Refused(f"{scheduler}: is no file of a scheduler") from problem
     known = import_module("distributed.comm.addressing")
     try:
+        address = json.loads(Path(scheduler).read_bytes())["address"] if Path(scheduler).is_file() else scheduler
         _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
-    except ValueError:
-        port = 0
-    if not 1 <= port <= _LAST_PORT:
-        raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")
-    return address
+        if 1 <= port <= _LAST_PORT:
+            return str(address)
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")

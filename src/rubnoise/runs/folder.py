@@ -11,19 +11,16 @@ from pathlib import Path
 from typing import Any, Final, Self
 
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
-from rubnoise.runs.point_file import SUFFIXES, read_summary, resolved_in, run_in
-from rubnoise.scenario.points import Case, Point, points_of, run_id
+from rubnoise.runs.point_file import name_in, scenario_of
+from rubnoise.scenario.points import Point, points_of, run_id
 from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep, in_words
 from rubnoise.storage.forecast import check_sweep_space, expected, together
-from rubnoise.storage.reader import open_run
 
-INDEX: Final = "index.h5"
 RUNS: Final = "runs"
 
 _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 _RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
-_AT_ONCE: Final = 64
 _FREE: Final = ("title", "run.engine", "run.seed")
 """Keys that the names of points do not depend on."""
 
@@ -58,64 +55,43 @@ def check_strangers(root: Path, sweep: Sweep, known: Collection[str]) -> None:
     """
     cases = {run_id(case.scenario): case for case in sweep.cases}
     seed = sweep.cases[0].scenario.run.seed
-    more: dict[str, set[str]] = {}
+    replicates: dict[str, set[str]] = {}
     others = [path for path in run_files(root) if path.stem not in known]
     for path in others:
         with suppress(RunFileRefused):  # a damaged one is of no sweep
-            resolved = _scenario_in(path)
-            if (name := run_in(resolved, path, seed)) not in cases:
-                raise _Stranger.of(path, _difference(resolved, sweep))
-            more.setdefault(name, set()).add(path.stem)
-    for name, strangers in more.items():
-        if left := _not_of(cases[name], strangers, len(others) + len(known)):
-            raise _Stranger.of(root / RUNS / min(left), "its seed is of another run.seed")
+            resolved = scenario_of(path)
+            if (name := name_in(resolved, path, seed)) not in cases:
+                raise _stranger(path, _difference(resolved, sweep))
+            if name not in replicates:
+                more = points_of([cases[name]], len(others) + len(known))
+                replicates[name] = {point.run_id for point in more}
+            if path.stem not in replicates[name]:
+                raise _stranger(path, "its seed is of another run.seed")
 
 
-class _Stranger(OutputRefused):
-    """The run of another scenario is in the folder of a sweep."""
-
-    @classmethod
-    def of(cls, path: Path, reason: str) -> Self:
-        where = f"{path.parent.parent}: holds the runs of another scenario"
-        return cls(f"{where}; {path.stem}: {reason}; force=True leaves them beside the runs of this one")
-
-
-def _not_of(case: Case, names: set[str], most: int) -> set[str]:
-    """Return the names that none of so many replicates of a point has."""
-    for first in range(0, most, _AT_ONCE):
-        names = names - {point.run_id for point in points_of([case], first + _AT_ONCE, first)}
-        if not names:
-            break
-    return names
-
-
-def _scenario_in(path: Path) -> Mapping[str, Any]:
-    if path.suffix == SUFFIXES["summary"]:
-        return read_summary(path)[0]
-    with open_run(path) as file:
-        return resolved_in(file.provenance, path)
+def _stranger(path: Path, reason: str) -> OutputRefused:
+    where = f"{path.parent.parent}: holds the runs of another scenario"
+    return OutputRefused(f"{where}; {path.stem}: {reason}; force=True leaves them beside the runs of this one")
 
 
 def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
     """Return in what a run differs from the most similar point of a sweep."""
+    if not resolved:
+        return "this version makes other bits of its scenario"
     there = flattened(resolved)
     found: dict[str, str] = {}
     for number, case in enumerate(sweep.cases):
         here = flattened(json.loads(json.dumps(case.scenario.resolved())))
         # The tick comes last, since without one in the file it follows from the others.
         keys = sorted((here.keys() | there.keys()) - {*_FREE}, key=lambda key: (key == "output.tick", key))
-        differs = {key: _pair(there.get(key), here.get(key)) for key in keys if there.get(key) != here.get(key)}
+        pairs = {key: (there.get(key, "not given"), here.get(key, "not given")) for key in keys}
+        differs = {key: f"{one} there, and {other} here" for key, (one, other) in pairs.items() if one != other}
         if not number or len(differs) < len(found):
             found = differs
     if found.keys() <= {*sweep.keys, "output.tick"}:
         values = {key: there.get(key) for key in sweep.keys}
         return f"it is of a point that this sweep lacks: {in_words(values)}"
     return next(f"{key} is {pair}" for key, pair in found.items() if key not in sweep.keys)
-
-
-def _pair(there: Any, here: Any) -> str:
-    one, other = ("not given" if each is None else str(each) for each in (there, here))
-    return f"{one} there, and {other} here"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,15 +1,19 @@
 """Make one run: describe it, and write it into its file."""
 
+import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, cast
+from typing import cast
 
 from rubnoise.analysis.summary import summarise
 from rubnoise.arrays import slices
 from rubnoise.model import Model
-from rubnoise.record.sink import Columns, Sink, Tee
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.reader import Attributes
+from rubnoise.record.sink import Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
@@ -24,26 +28,37 @@ from rubnoise.storage.provenance import gather
 from rubnoise.storage.writer import RunWriter
 
 
-class Kept(Protocol):
-    """A run in memory that says what was run."""
+@dataclass(frozen=True, slots=True, repr=False, eq=False, kw_only=True)
+class KeptRun(MemoryRecord):
+    """A run in memory that says what was run; ``intervention`` names the function that may have ended lives."""
+
+    scenario: Scenario
+    intervention: str = ""
+    path: Path = Path("memory")
 
     @property
-    def groups(self) -> Mapping[str, Columns]:
-        """The columns of each group."""
-        ...
+    def attributes(self) -> Attributes:
+        """The title."""
+        return {"title": self.scenario.title}
 
     @property
-    def intervention(self) -> str:
-        """The function that may have ended lives."""
-        ...
+    def provenance(self) -> Attributes:
+        """Scenario and seed, by the names that they have in a file."""
+        return {"scenario_resolved": json.dumps(self.scenario.resolved()), "seed": self.scenario.run.seed}
 
-    def known_scenario(self) -> Scenario:
-        """Return the scenario; raises Refused if it is not known."""
-        ...
+    @property
+    def summary(self) -> Attributes:
+        """What was measured beside what is exact, as a file keeps it."""
+        model = self.scenario.model()
+        tally = Tally.of(model)
+        self.play_into(tally)
+        return _figures(model, tally)
 
-    def rows(self, group: str) -> int:
-        """Return the number of rows of a group."""
-        ...
+    def play_into(self, sink: Sink) -> None:
+        """Write all rows to a sink, some at a time."""
+        for group, columns in self.groups.items():
+            for part in slices(0, self.rows(group)):
+                sink.write(group, part.start, {name: values[part] for name, values in columns.items()})
 
 
 def describe(
@@ -115,29 +130,14 @@ def play(
     return figures
 
 
-def save(record: Kept, path: str | os.PathLike[str], *, force: bool = False) -> None:
+def save(run: KeptRun, path: str | os.PathLike[str], *, force: bool = False) -> None:
     """Write a run from memory into a result file (see Record.save)."""
-    scenario = record.known_scenario()
     check_output(path, force=force)
-    check_disk_space(scenario, expected(scenario), path)
+    check_disk_space(run.scenario, expected(run.scenario), path)
     command = [Path(sys.argv[0]).name, *sys.argv[1:]]
-    with RunWriter(path, describe(scenario, path, command, record.intervention), force=force) as writer:
-        _play_again(record, writer)
-        writer.publish(figures_of(record, scenario.model()))
-
-
-def figures_of(record: Kept, model: Model) -> dict[str, float | int | str]:
-    """Return the figures for /summary of a run in memory."""
-    tally = Tally.of(model)
-    _play_again(record, tally)
-    return _figures(model, tally)
-
-
-def _play_again(record: Kept, sink: Sink) -> None:
-    """Write all rows of a run in memory to a sink, some at a time."""
-    for group, columns in record.groups.items():
-        for part in slices(0, record.rows(group)):
-            sink.write(group, part.start, {name: values[part] for name, values in columns.items()})
+    with RunWriter(path, describe(run.scenario, path, command, run.intervention), force=force) as writer:
+        run.play_into(writer)
+        writer.publish(run.summary)
 
 
 def _figures(model: Model, tally: Tally) -> dict[str, float | int | str]:

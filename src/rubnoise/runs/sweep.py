@@ -4,25 +4,29 @@ A run that another process is making is left to it. Who makes runs is an executo
 """
 
 import os
+import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, closing, suppress
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, closing, nullcontext, suppress
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from pathlib import Path
-from typing import Final
+from shlex import join
+from typing import Any, Final
 
-from rubnoise.errors import OutputRefused, RubnoiseError, RunStopped
+from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunStopped
+from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
 from rubnoise.runs.executors import Workers
-from rubnoise.runs.folder import INDEX, RUNS, Shard, check_strangers
-from rubnoise.runs.index import FAILED, index_of, known_runs, state_of
-from rubnoise.runs.point_file import RunFigures, file_of, found, made
+from rubnoise.runs.folder import RUNS, Shard, check_folder, check_room, check_strangers
+from rubnoise.runs.index import INDEX, index_of, known_runs
+from rubnoise.runs.point_file import Figures, file_of, found, made
 from rubnoise.runs.stopping_rule import AdaptiveReplicates, Unmet
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import index_bytes
-from rubnoise.storage.output import OutputInUse, reason_of, whole_file
+from rubnoise.storage.output import OutputInUse, check_locks, reason_of, whole_file
 from rubnoise.storage.reader import InUse
 
 EVERY: Final = 5.0
@@ -54,196 +58,167 @@ class SweepProgress:
     before: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Means:
-    """How the runs of a sweep are made.
+def carry_out(
+    sweep: Sweep,
+    folder: str | os.PathLike[str],
+    *,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    executor: Any = None,
+    shard: str | None = None,
+    force: bool = False,
+    command: Sequence[str] | None = None,
+    watch: Callable[[SweepProgress], None] = lambda _progress: None,
+) -> list[Unmet]:
+    """Make the missing runs of a sweep in its folder, write its index, and return the points without their precision.
 
-    ``workers`` gives those for a number of runs if it is known, ``affordable`` raises if the missing runs need more
-    space than there is, ``watch`` is called with the progress several times a second, and may raise RunStopped.
-    ``command`` is the command line in the results; ``force`` leaves the runs of other scenarios where they are.
+    ``jobs``, ``executor``, ``shard`` and ``force`` are those of `rubnoise.sweep`, ``cluster`` is the address of a Dask
+    scheduler, ``command`` the command line in the results. ``watch`` is called with the progress several times a
+    second, and may raise RunStopped. Raises Refused, OutputRefused, SweepStopped after a signal, WorkLost if a cluster
+    is gone.
     """
+    check_locks(folder)
+    root, part = Path(folder).absolute(), None if shard is None else Shard.of(shard)
+    if cluster is not None and (jobs is not None or executor is not None):
+        raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")
+    executors.local(jobs)  # which refuses what is no number
+    check_folder(root)
+    making = _Making(sweep, root, part, tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]]), watch)
+    if not force:
+        making.check_strangers()
 
-    workers: Callable[[int | None], AbstractContextManager[Workers]]
-    affordable: Callable[[Sequence[Point]], None]
-    watch: Callable[[SweepProgress], None]
-    command: Sequence[str]
-    shown_command: str
-    force: bool
+    def workers(runs: int | None) -> AbstractContextManager[Workers]:
+        if cluster is not None:
+            return executors.cluster(cluster)
+        return nullcontext(executors.local(jobs, runs) if executor is None else executors.given(executor, jobs))
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SweepOutcome:
-    """The outcome of a sweep: its runs, what became of each, and the points that did not reach their precision."""
-
-    points: Sequence[Point]
-    states: Sequence[str]
-    reasons: Mapping[str, str]
-    imprecise: Sequence[Unmet]
-
-    @property
-    def failures(self) -> list[tuple[Point, str]]:
-        """The runs that failed, with the reasons."""
-        pairs = zip(self.points, self.states, strict=True)
-        return [(point, self.reasons[point.run_id]) for point, state in pairs if state == FAILED]
-
-
-def carry_out(sweep: Sweep, root: Path, means: Means, shard: Shard | None = None) -> SweepOutcome:
-    """Make the missing runs of a sweep in its folder, write its index, and return what became of all runs.
-
-    A run that failed is tried again. A shard makes only its own runs. Raises OutputRefused for a folder with runs of
-    other scenarios, SweepStopped after a signal, WorkLost if a cluster is gone.
-    """
-    conductor = _Conductor(sweep, root, means, shard)
+    here = 0 if cluster is not None or executor is not None else jobs or executors.processors()
     try:
-        conductor.carry_out()
+        making.make_all(workers, here)
     except RunStopped as stopped:
-        conductor.end()
+        making.end()
         raise SweepStopped(stopped.exit_code - 128) from stopped
-    return conductor.end()
+    return making.end()
 
 
-class _Conductor:
+class _Making:
     """Makes runs, round by round, until no more runs are needed."""
 
-    def __init__(self, sweep: Sweep, root: Path, means: Means, shard: Shard | None) -> None:
-        self.sweep, self.root, self._means, self._shard = sweep, root, means, shard
-        self.found, before, replicates = known_runs(root, sweep)
-        self._before = before
+    def __init__(
+        self,
+        sweep: Sweep,
+        root: Path,
+        shard: Shard | None,
+        command: tuple[str, ...],
+        watch: Callable[[SweepProgress], None],
+    ) -> None:
+        self.sweep, self.root, self._command, self._watch = sweep, root, command, watch
+        self.found, self._before, self._replicates = known_runs(root, sweep)
         self._failed: dict[str, str] = {}
         self._held: set[str] = set()
-        self._already = 0
         self._unsynced: list[Path] = []
-        own = shard.of_sweep(sweep) if shard is not None and sweep.precision else sweep
-        self.adaptive = AdaptiveReplicates(own)
-        self._due = time.monotonic() + EVERY
-        if not means.force:
-            planned = points_of(sweep.cases, max(sweep.replicates, replicates))
-            check_strangers(root, sweep, {point.run_id for point in planned})
+        self._runs = self._beside = self._already = 0
+        self.adaptive = AdaptiveReplicates(shard.of_sweep(sweep) if shard is not None and sweep.precision else sweep)
+        names = [point.run_id for point in self.adaptive.points]
+        self._others = set(names) - shard.names(names) if shard is not None and not sweep.precision else set()
+        self._due = time.monotonic() + EVERY if shard is None else inf  # a shard writes the index only at its end
 
-    def carry_out(self) -> None:
-        """Take up the runs that are there, then make the missing ones until none is left."""
+    def check_strangers(self) -> None:
+        """Raise OutputRefused for a folder with runs of other scenarios."""
+        planned = points_of(self.sweep.cases, max(self.sweep.replicates, self._replicates))
+        check_strangers(self.root, self.sweep, {point.run_id for point in planned})
+
+    def make_all(self, workers: Callable[[int | None], AbstractContextManager[Workers]], here: int) -> None:
+        """Take up the runs that are there, then make the missing ones until none is left, ``here`` at a time."""
         if not (missing := self._missing()):
             return
-        self._means.affordable(missing)
-        self._already = len(self._own(self.adaptive.points)) - len(missing)
-        with self._means.workers(len(missing) if self.sweep.precision is None else None) as workers:
-            (self.root / RUNS).mkdir(parents=True, exist_ok=True)
-            while missing:
-                self._make(missing, workers)
-                missing = self._missing()
+        check_room(self.sweep, self.root, here, missing)
+        (self.root / RUNS).mkdir(parents=True, exist_ok=True)
+        self._already = self._runs - len(missing)
+        with workers(len(missing) if self.sweep.precision is None else None) as opened:
+            work = partial(
+                made,
+                folder=self.root,
+                keep=self.sweep.keep,
+                command=self._command,
+                durable=opened.elsewhere,
+                watch=self._tell if opened.here else _unwatched,
+            )
+            self._tell()
+            with closing(Attempts(missing, work, opened, self._tell, self._missing).outcomes()) as outcomes:
+                for outcome in outcomes:
+                    self._record(outcome)
+                    self._refresh_if_due()
+            self._tell()
 
     def _missing(self) -> list[Point]:
-        """Return the wanted runs whose files are not there; none if the sweep needs no more."""
-        while points := self._wanted():
-            if missing := [point for point in points if not self._take_up(point)]:
-                return missing
-        return []
+        """Return the wanted runs that nobody makes and whose files are not there; none if the sweep needs no more."""
+        left, missing = self._others | self._held, list[Point]()
+        while not missing and (points := [p for p in self.adaptive(self._ended()) if p.run_id not in left]):
+            missing = [point for point in points if not self._take_up(point)]
+        own = [point for point in self.adaptive.points if point.run_id not in self._others]
+        self._runs, self._beside = len(own), len(self.found) - sum(point.run_id in self.found for point in own)
+        return missing
 
-    def _wanted(self) -> list[Point]:
-        """Return the runs of this shard that have not ended, and that no other process is making."""
-        points = self.adaptive(self._figures())
-        mine = {point.run_id for point in self._own(self.adaptive.points)}
-        return [point for point in points if point.run_id in mine - self._held]
+    def _tell(self, *_: object) -> None:
+        done = len(self.found) - self._beside
+        self._watch(SweepProgress(runs=self._runs, done=done, failed=len(self._failed), before=self._already))
 
-    def _own(self, points: Sequence[Point]) -> Sequence[Point]:
-        if self._shard is None or self.sweep.precision:
-            return points
-        mine = self._shard.names(point.run_id for point in points)
-        return [point for point in points if point.run_id in mine]
-
-    def _figures(self) -> dict[str, dict[str, float]]:
-        """Return the figure that a precision needs of every run that has ended; a failed run has none."""
-        name = "" if self.sweep.precision is None else self.sweep.precision.quantity
-        ended: dict[str, dict[str, float]] = {run_id: {} for run_id in self._failed}
-        for run_id, figures in self.found.items():
-            value = figures.get(name)
-            ended[run_id] = {} if value is None else {name: value}
-        return ended
+    def _ended(self) -> dict[str, Figures]:
+        """Return the figures of every run that has ended; a failed run has none."""
+        failed: dict[str, Figures] = {run_id: {} for run_id in self._failed}
+        return failed | self.found
 
     def _take_up(self, point: Point) -> bool:
         """Take the figures of a run from its file, if it is there; whether it is known now."""
-        if point.run_id in self.found:
-            return True
-        with suppress(OutputRefused, InUse):  # which is said of the run when it is to be made
-            there = found(point, file_of(self.root, point.run_id, self.sweep.keep))
-            if there is not None:
-                self.found[point.run_id] = there
-                self._unsynced.append(file_of(self.root, point.run_id, self.sweep.keep))
+        path = file_of(self.root, point.run_id, self.sweep.keep)
+        if point.run_id not in self.found:
+            with suppress(OutputRefused, InUse):  # which is said of the run when it is to be made
+                if (there := found(point, path)) is not None:
+                    self.found[point.run_id] = there
+                    self._unsynced.append(path)
         return point.run_id in self.found
 
-    def _make(self, points: Sequence[Point], workers: Workers) -> None:
-        """Make the runs of a round."""
-        own = self._own(self.adaptive.points)
-        failed = sum(point.run_id in self._failed for point in own)
-        others = len(self.found) - (len(own) - len(points) - failed)
-
-        def watch() -> None:
-            done = len(self.found) - others
-            self._means.watch(SweepProgress(runs=len(own), done=done, failed=len(self._failed), before=self._already))
-
-        work = partial(
-            made,
-            folder=self.root,
-            keep=self.sweep.keep,
-            command=tuple(self._means.command),
-            durable=workers.elsewhere,
-            watch=(lambda _distance, _junctions, _live: watch()) if workers.here else _unwatched,
-        )
-        watch()
-        with closing(Attempts(points, work, workers, watch).outcomes()) as outcomes:
-            for outcome in outcomes:
-                self._record(outcome)
-                self._refresh_if_due()
-        watch()
-
-    def _record(self, outcome: Outcome[RunFigures]) -> None:
-        run_id = outcome.point.run_id
+    def _record(self, outcome: Outcome[Figures]) -> None:
+        run_id, problem = outcome.point.run_id, outcome.problem
         self._before.pop(run_id, None)
         if outcome.result is not None:
             self.found[run_id] = outcome.result
             self._unsynced.append(file_of(self.root, run_id, self.sweep.keep))
-        elif isinstance(outcome.problem, OutputInUse | InUse):
+        elif isinstance(problem, OutputInUse | InUse):
             self._held.add(run_id)
         else:
-            self._failed[run_id] = _reason(outcome.problem)
+            kind = "" if isinstance(problem, RubnoiseError) else f"{type(problem).__name__}: "
+            self._failed[run_id] = f"{kind}{problem}"
 
     def _refresh_if_due(self) -> None:
-        """Write the index if the last one is old enough; a shard writes it only at its end."""
-        if self._shard is not None or time.monotonic() < self._due:
+        """Write the index if the last one is old enough."""
+        if (began := time.monotonic()) < self._due:
             return
-        began = time.monotonic()
         with suppress(OutputInUse):
             self._write_index(self.adaptive.points)
         self._due = time.monotonic() + max(EVERY, (time.monotonic() - began) / SHARE)
 
-    def end(self) -> SweepOutcome:
-        """Write the index of everything that is there, also of what others have made, and return the outcome."""
+    def end(self) -> list[Unmet]:
+        """Write the index of everything that is there, also of what others have made."""
         (self.root / RUNS).mkdir(parents=True, exist_ok=True)
         last = time.monotonic() + PATIENCE
         while True:
             try:
-                points = self._write_index()
-                break
+                self._write_index()
+                return self.adaptive.unmet(self._ended())
             except OutputInUse:
                 if time.monotonic() >= last:
                     raise
                 time.sleep(BETWEEN)
-        failed = self._before | self._failed
-        return SweepOutcome(
-            points=points,
-            states=[state_of(point.run_id, self.found, failed) for point in points],
-            reasons=failed,
-            imprecise=self.adaptive.unmet(self._figures()),
-        )
 
-    def _write_index(self, points: Sequence[Point] = ()) -> Sequence[Point]:
-        """Write the index over an older one, by default with all runs that are there now, and return its runs."""
+    def _write_index(self, points: Sequence[Point] = ()) -> None:
+        """Write the index over an older one, by default with all runs that are there now."""
         with whole_file(self.root / INDEX, force=True) as part:
             points = points or self._all_points()
             self._sync()
-            index = index_of(self.sweep, points, self.found, self._before | self._failed, self._means.shown_command)
+            index = index_of(self.sweep, points, self.found, self._before | self._failed, join(self._command))
             part.write_bytes(index_bytes(index))
-        return points
 
     def _all_points(self) -> Sequence[Point]:
         """Look for the runs of others, and return all runs that the sweep needs as far as is known."""
@@ -251,7 +226,7 @@ class _Conductor:
         self.found, self._before = known | self.found, before | self._before
         whole = AdaptiveReplicates(self.sweep)
         looked_for: set[str] = set()
-        while more := [point for point in whole(self._figures()) if point.run_id not in looked_for]:
+        while more := [point for point in whole(self._ended()) if point.run_id not in looked_for]:
             looked_for |= {point.run_id for point in more if not self._take_up(point)}
         return whole.points
 
@@ -280,12 +255,5 @@ def _flush(path: Path) -> None:
         os.close(descriptor)
 
 
-def _unwatched(_distance: float, _junctions: int, _live: int) -> None:
+def _unwatched(*_: object) -> None:
     """Watch nothing: a worker is stopped by who started it."""
-
-
-def _reason(problem: Exception | None) -> str:
-    """Return the message of a problem, with its kind if it is not an error of rubnoise."""
-    if problem is None or isinstance(problem, RubnoiseError):
-        return str(problem or "nothing came back")
-    return f"{type(problem).__name__}: {problem}"

@@ -1,24 +1,36 @@
-"""The groups of a run, in a file or in memory, and the methods on them."""
+"""A run, in a file or in memory: its groups of columns, its answers and its pictures."""
 
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from copy import deepcopy
 from dataclasses import replace
+from functools import cached_property
 from math import inf
 from numbers import Integral, Real
 from operator import index
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Self
 
-from rubnoise.api.column_group import GROUP_HEADS, SHORT, Columns, group_rows, homes_of, listed, names_alone
-from rubnoise.api.columns import Column
+from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.api.column_group import (
+    GROUP_HEADS,
+    SHORT,
+    Columns,
+    columns_by_group,
+    group_rows,
+    homes_of,
+    listed,
+    names_alone,
+)
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import shown
-from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused, needing
-from rubnoise.record.reader import Reader
+from rubnoise.record.reader import Attributes, Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
 from rubnoise.storage import schema
+from rubnoise.storage.life_curve import stored_pulse
+from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
@@ -34,14 +46,11 @@ if TYPE_CHECKING:
     from rubnoise.api.kinds import Kind, Style
     from rubnoise.api.trace import Trace
     from rubnoise.model import Model
+    from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
 
-
-INSIDE: Final = frozenset(
-    {"reader", "write", "groups_by_name", "extent", "pulse", "columns", "rows", "column", "known_scenario", "protect"}
-)
+INSIDE: Final = frozenset({"reader", "groups_by_name", "extent"})
 """Names of a run that no user needs."""
-
 
 GROUP_NAMES: Final = frozenset(group.name for group in schema.GROUPS)
 
@@ -54,45 +63,113 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
         return Exception.__str__(self)
 
 
-@contextmanager
-def _calculating(source: str) -> Iterator[None]:
-    """Say of values that no run has which result holds them, and what says more."""
-    try:
-        yield
-    except (ArithmeticError, ValueError, IndexError) as problem:
-        reason = " ".join(str(problem).split())
-        raise RunFileRefused(f"{source}: {reason}; run.verify() says which values are wrong") from problem
+class Run:
+    """A run: an open result file, which is a context manager, or a `Record` in memory.
 
+    Opening reads its structure, asking for rows reads those rows. A column whose name stands in one group alone is an
+    attribute: ``run.diameter``, ``run.area``, ``run.force``.
 
-class Contents(ABC):
-    """The groups of a result and the methods on them."""
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     print(run.trace["distance"][:3], run.trace["distance"].units)
+    [0.  0.1 0.2] um
+    """
 
-    __slots__ = ()
+    junctions: Columns
+    """One row a junction, in order of birth."""
 
-    @abstractmethod
-    def groups_by_name(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name, for a run in a file and in memory alike."""
+    trace: Columns
+    """Real contact area, junction count and friction force at every tick."""
+
+    slider: Columns
+    """The slider's motion at every tick; to ask raises NoGroup, as of the groups below, for a run that has none."""
+
+    load: Columns
+    """The normal motion on a load that weighs, at every tick."""
+
+    landmarks: Columns
+    """Sticks, slips and reversals, flights and impacts."""
+
+    balance: Columns
+    """The energy of a slider that pushes back, summed up so far."""
+
+    life_curve: Columns
+    """The curve of every life over its size, for programs without our code; only in files."""
+
+    def __init__(self, reader: Reader) -> None:
+        """Take over an open file, or a run in memory."""
+        self._reader = reader
+        self._groups = columns_by_group(reader)
+
+    def __enter__(self) -> Self:
+        """Return it."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the file."""
+        self.close()
+
+    def __copy__(self) -> Self:
+        """Return a copy that is opened again: closing one leaves the other open."""
+        return deepcopy(self)
+
+    def close(self) -> None:
+        """Close the file; nothing can be read from it any more."""
+        if isinstance(self._reader, RunFile):
+            self._reader.close()
 
     @property
-    @abstractmethod
-    def _pulse(self) -> Pulse:
-        """Return the shape of the junctions' lives."""
+    def path(self) -> Path:
+        """Path of the file, as it was opened."""
+        return self._reader.path
 
-    def _attributes(self) -> Mapping[str, float | int | str]:
-        return {}
+    def groups(self) -> dict[str, Columns]:
+        """Return every group of columns by name."""
+        return dict(self._groups)
+
+    def groups_by_name(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name, for a run in a file and in memory alike."""
+        return self._groups
+
+    def reader(self) -> Reader:
+        """Return the rows and attributes of the run."""
+        return self._reader
+
+    @cached_property
+    def scenario(self) -> "Scenario":
+        """The scenario of the run, with every default and change made explicit."""
+        from rubnoise.scenario.reading import stored
+
+        return stored(self.provenance["scenario_resolved"], f"{self._called}: the scenario in the file")
+
+    @cached_property
+    def summary(self) -> list[Agreement]:
+        """The measured figures beside the exact ones."""
+        return from_attributes(self._reader.summary)
+
+    @property
+    def attributes(self) -> Attributes:
+        """Format, title, source and formula: the attributes of the file's root."""
+        return self._reader.attributes
+
+    @property
+    def provenance(self) -> Attributes:
+        """Scenario, software, seed, command and times of the run."""
+        return self._reader.provenance
 
     def __dir__(self) -> list[str]:
-        """Return the names that an editor completes, without groups that the run lacks and methods for internal use."""
-        groups = self.groups_by_name()
-        return sorted((set(super().__dir__()) - INSIDE - (GROUP_NAMES - set(groups))) | names_alone(groups))
+        """Return the names that an editor completes, also of groups and columns, without methods for internal use."""
+        return sorted((set(super().__dir__()) - INSIDE) | set(self._groups) | names_alone(self._groups))
 
-    def __getattr__(self, name: str) -> Column:
-        """Return a column whose name stands in one group alone: ``run.diameter``, ``run.area``, ``run.force``."""
+    def __getattr__(self, name: str) -> Any:
+        """Return a group, or a column whose name stands in one group alone."""
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        groups = self._groups
+        if name in groups:
+            return groups[name]
         if name in GROUP_NAMES:
-            self._group(name)  # which says what the run has
-        groups = self.groups_by_name()
+            raise NoGroup(f"the run has no {name}; it has {', '.join(groups)}", name=name, obj=self)
         homes = homes_of(groups, name)
         if len(homes) == 1:
             return groups[homes[0]][SHORT.get(name, name)]
@@ -100,54 +177,13 @@ class Contents(ABC):
         hint = f"run.{homes[0]}.{name} is one of them" if homes else f"its groups are {', '.join(groups)}"
         raise AttributeError(f"{where}; {hint}", name=name, obj=self)
 
-    @property
-    def junctions(self) -> Columns:
-        """One row a junction, in order of birth."""
-        return self._group("junctions")
-
-    @property
-    def trace(self) -> Columns:
-        """Real contact area, junction count and friction force at every tick."""
-        return self._group("trace")
-
-    @property
-    def slider(self) -> Columns:
-        """The slider's motion at every tick; raises NoGroup, as the groups below, for a run that has none."""
-        return self._group("slider")
-
-    @property
-    def load(self) -> Columns:
-        """The normal motion on a load that weighs, at every tick."""
-        return self._group("load")
-
-    @property
-    def landmarks(self) -> Columns:
-        """Sticks, slips and reversals, flights and impacts."""
-        return self._group("landmarks")
-
-    @property
-    def balance(self) -> Columns:
-        """The energy of a slider that pushes back, summed up so far."""
-        return self._group("balance")
-
-    @property
-    def life_curve(self) -> Columns:
-        """The curve of every life over its size, for programs without our code; only in files."""
-        return self._group("life_curve")
-
-    def _group(self, name: str) -> Columns:
-        groups = self.groups_by_name()
-        if name not in groups:
-            raise NoGroup(f"the run has no {name}; it has {', '.join(groups)}", name=name, obj=self)
-        return groups[name]
-
     def __contains__(self, group: object) -> bool:
         """Whether the run has a group of this name."""
-        return group in self.groups_by_name()
+        return group in self._groups
 
     def __iter__(self) -> Iterator[str]:
         """Yield the names of the groups."""
-        return iter(self.groups_by_name())
+        return iter(self._groups)
 
     def junction(self, number: int) -> Junction:
         """Read and return one junction by its row number; raises IndexError without such a row, Refused for a touch."""
@@ -158,7 +194,8 @@ class Contents(ABC):
             raise IndexError(f"junction {number}: the run has {there}")
         values = columns.row(number)
         del values["junction"]
-        return Junction(number=number, pulse=self._pulse, **values | {"state": JunctionState(values["state"])})
+        pulse = stored_pulse(self.provenance["scenario_resolved"])
+        return Junction(number=number, pulse=pulse, **values | {"state": JunctionState(values["state"])})
 
     def compare(self, bound: float | None = None) -> "Comparison":
         """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
@@ -167,11 +204,10 @@ class Contents(ABC):
         """
         from rubnoise.analysis.comparison import compare
 
-        reader = self.reader()
         if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
             raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
         with _calculating(self._called):
-            return replace(compare(self.model(), reader, bound), heading=f"{self._called}: compared with theory")
+            return replace(compare(self.model(), self._reader, bound), heading=f"{self._called}: compared with theory")
 
     def verify(self, regenerate: int = 0) -> "Verification":
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
@@ -207,7 +243,7 @@ class Contents(ABC):
         start: Any = None,
         stop: Any = None,
         of: str = "area",
-        beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
+        beside: "Run | Trace | str | os.PathLike[str] | None" = None,
         size: str | None = None,
         title: bool = True,
         style: "Style" = "screen",
@@ -249,24 +285,22 @@ class Contents(ABC):
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
         from rubnoise.scenario.reading import stored
 
-        return stored(self.reader().provenance["scenario_resolved"]).model()
+        return stored(self.provenance["scenario_resolved"]).model()
 
-    @abstractmethod
-    def reader(self) -> Reader:
-        """Return the rows and attributes of the run."""
-
-    @abstractmethod
     def _file_of(self) -> "AbstractContextManager[ResultFile]":
         """Return the run as an open file."""
+        return nullcontext(self._reader)  # type: ignore[arg-type]
 
     @property
-    @abstractmethod
     def _called(self) -> str:
         """The name of the run in messages."""
+        return str(self.path)
 
-    @abstractmethod
     def _heading_and_groups(self) -> tuple[str, Mapping[str, Columns]]:
         """Return the first line of the run's repr, and the groups that it lists below."""
+        if isinstance(self._reader, RunFile) and self._reader.closed:
+            return f"{self.path}: a run, closed", {}
+        return f"{self.path}: {self.attributes['title']}", self._groups
 
     def __repr__(self) -> str:
         heading, groups = self._heading_and_groups()
@@ -284,11 +318,42 @@ class Contents(ABC):
         """
         with needing("analysis", "to_xarray"):
             import xarray as xr
-        groups = {f"/{name}": columns.to_xarray(index=index) for name, columns in self.groups_by_name().items()}
+        groups = {f"/{name}": columns.to_xarray(index=index) for name, columns in self._groups.items()}
         found = xr.DataTree.from_dict(groups)
-        found.attrs.update(self._attributes())
+        found.attrs.update(self.attributes)
         return found
 
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
-        return {name: columns.to_pandas() for name, columns in self.groups_by_name().items()}
+        return {name: columns.to_pandas() for name, columns in self._groups.items()}
+
+
+@contextmanager
+def _calculating(source: str) -> Iterator[None]:
+    """Say of values that no run has which result holds them, and what says more."""
+    try:
+        yield
+    except (ArithmeticError, ValueError, IndexError) as problem:
+        reason = " ".join(str(problem).split())
+        raise RunFileRefused(f"{source}: {reason}; run.verify() says which values are wrong") from problem
+
+
+def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
+    """Open a result file for reading, its structure alone, however long the run.
+
+    Raises RunFileRefused with the reason if it is not a result of rubnoise, is damaged, or is a part that a killed run
+    has left.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     run.scenario.title, run.junction(17).diameter > 0.0
+    ('Figure 5: excitation force and vibration', True)
+    """
+    try:
+        return Run(open_run(path))
+    except RunFileRefused:
+        from rubnoise.scenario.shipped import shipped_names
+
+        if str(path) in shipped_names():
+            raise RunFileRefused(f'{path}: is a scenario, not a result; rubnoise.simulate("{path}") runs it') from None
+        raise
