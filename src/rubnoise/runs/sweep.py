@@ -26,7 +26,7 @@ from rubnoise.runs.stopping_rule import AdaptiveReplicates, Unmet
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import index_bytes
-from rubnoise.storage.output import OutputInUse, check_locks, reason_of, whole_file
+from rubnoise.storage.output import OutputInUse, reason_of, whole_file
 from rubnoise.storage.reader import InUse
 
 EVERY: Final = 5.0
@@ -77,7 +77,6 @@ def carry_out(
     second, and may raise RunStopped. Raises Refused, OutputRefused, SweepStopped after a signal, WorkLost if a cluster
     is gone.
     """
-    check_locks(folder)
     root, part = Path(folder).absolute(), None if shard is None else Shard.of(shard)
     if cluster is not None and (jobs is not None or executor is not None):
         raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")

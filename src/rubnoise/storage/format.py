@@ -114,16 +114,16 @@ def compose(file: h5py.File, about: RunDescription) -> dict[Name, int]:
     Groups that grow, and all groups of a compressed file, are left out: they need their rows (see `add_group`).
     """
     for name, value in ({**root_attributes(about), "NX_class": "NXroot", "default": "trace"}).items():
-        _put(file.id, name, value)
+        put_attribute(file.id, name, value)
     places: dict[Name, int] = {}
     for group in stored_groups(about.features):
         if about.compression == "none" and not grows(group, about.extent):
             places |= add_group(file, group, row_count(group, about.extent), "none")
-    _put(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
+    put_attribute(_create_group(file, "summary", notes=True), "NX_class", "NXcollection")
     provenance = _create_group(file, "provenance", notes=True)
     begun = {**provenance_attributes(about), "finished": "", HASH: "0" * HASH_DIGITS}
     for name, value in ({"NX_class": "NXcollection"} | begun).items():
-        _put(provenance, name, value)
+        put_attribute(provenance, name, value)
     return places
 
 
@@ -149,11 +149,11 @@ def add_group(file: h5py.File, group: Group, rows: int, compression: str) -> dic
         "axes": (first.name,),
     }
     for name, value in about.items():
-        _put(owner, name, value)
+        put_attribute(owner, name, value)
     for column, dataset in columns:
         said = {**column.attributes, HASH: "0" * HASH_DIGITS}
         for name, value in sorted(said.items(), key=lambda about: about[0].startswith("flag")):  # codes come last
-            _put(dataset, name, value)
+            put_attribute(dataset, name, value)
     return {(group.name, column.name): dataset.get_offset() or 0 for column, dataset in columns}
 
 
@@ -166,12 +166,12 @@ def complete(
         h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
     figures, provenance = h5py.h5g.open(file.id, b"summary"), h5py.h5g.open(file.id, b"provenance")
     for name, value in summary.items():
-        _put(figures, name, value)
+        put_attribute(figures, name, value)
     origin = {**provenance_attributes(about), "finished": finished}
     seal = seal_of(*map(_as_stored, (root_attributes(about), summary, origin)))
     for name, value in (("finished", finished), (HASH, seal)):
         h5py.h5a.delete(provenance, name.encode())
-        _put(provenance, name, value)
+        put_attribute(provenance, name, value)
 
 
 def seal_of(root: Mapping[str, Scalar], summary: Mapping[str, Scalar], provenance: Mapping[str, Scalar]) -> str:
@@ -250,7 +250,9 @@ def _storage(chunk_rows: int) -> h5py.h5p.PropDCID:
     return creation
 
 
-def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...] | NDArray[Any]) -> None:
+def put_attribute(
+    owner: h5py.h5g.GroupID | h5py.h5d.DatasetID, name: str, value: Scalar | tuple[str, ...] | NDArray[Any]
+) -> None:
     """Write a new attribute by HDF5's own calls, since h5py's take longer than a short run."""
     if isinstance(value, str | tuple):
         stored, kind = _text(value)

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
-from rubnoise.storage.objects import has_hard_link, naming_damage, read_integer, read_text, sound_group
+from rubnoise.storage.format import LIBRARY_VERSIONS, put_attribute, text_bytes
+from rubnoise.storage.objects import has_hard_link, naming_damage, read_attribute, sound_group
 from rubnoise.storage.reader import SIGNATURE, refusing
 from rubnoise.storage.schema import CONVENTIONS, HASH, INDEX_FORMAT, Dataset
-from rubnoise.storage.structure import put_text, text_bytes
 
 FORMAT_VERSION: Final = 1
 RUNS: Final = "runs"
@@ -38,7 +38,6 @@ TEXTS: Final = (
 """The attributes of an index that are not the same in all of them."""
 
 REMEDY: Final = "the same `rubnoise sweep` writes it again"
-LIBRARY_VERSIONS: Final = ("v110", "v110")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,7 +69,7 @@ def index_bytes(index: Index) -> bytes:
     with h5py.File("index.h5", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
         about = {"Conventions": CONVENTIONS, "format": INDEX_FORMAT, **index.texts, "NX_class": "NXroot"}
         for name, text in about.items():
-            put_text(file, name, text)
+            put_attribute(file.id, name, text)
         file.attrs.create("format_version", FORMAT_VERSION, dtype="<i8")
         scales: dict[int, h5py.Dataset] = {}
         for group, filled in ((POINTS, index.points), (RUNS, index.runs)):
@@ -83,7 +82,7 @@ def index_bytes(index: Index) -> bytes:
         for name, values in index.summaries.items():
             dataset = file.require_group(SUMMARIES).create_dataset(name, data=values)
             dataset.dims[0].attach_scale(scales[len(values)])
-        put_text(file, HASH, _seal(file))
+        put_attribute(file.id, HASH, _seal(file))
         file.flush()
         return file.id.get_file_image()
 
@@ -102,17 +101,17 @@ def read_index(path: str | os.PathLike[str]) -> Index:
 
 
 def _read(file: h5py.File) -> Index:
-    found = read_text(file, "format") if "format" in file.attrs else ""
+    found = read_attribute(file, "format", str) if "format" in file.attrs else ""
     if found != INDEX_FORMAT:
         known = "the result of one run, not the index of a sweep" if found else "an HDF5 file, but no index of a sweep"
         raise RunFileRefused(f"is {known}")
-    if (version := read_integer(file, "format_version")) != FORMAT_VERSION:
+    if (version := read_attribute(file, "format_version", int)) != FORMAT_VERSION:
         raise RunFileRefused(f"has format version {version}, and this rubnoise knows {FORMAT_VERSION}; install a newer")
-    if not h5py.h5a.exists(file.id, HASH.encode()) or read_text(file, HASH) != _seal(file):
+    if not h5py.h5a.exists(file.id, HASH.encode()) or read_attribute(file, HASH, str) != _seal(file):
         raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
     columns = _columns(file)
     return Index(
-        texts={name: read_text(file, name) for name in TEXTS},
+        texts={name: read_attribute(file, name, str) for name in TEXTS},
         points={name: _filled(name, dataset) for name, dataset in columns[POINTS].items()},
         runs={name: _filled(name, dataset) for name, dataset in columns[RUNS].items()},
         summaries={name: dataset[()] for name, dataset in columns[SUMMARIES].items()},
@@ -126,7 +125,9 @@ def _seal(file: h5py.File) -> str:
         for columns in _columns(file).values()
         for dataset in columns.values()
     }
-    text = json.dumps([{name: read_text(file, name) for name in TEXTS}, hashes], sort_keys=True, separators=(",", ":"))
+    text = json.dumps(
+        [{name: read_attribute(file, name, str) for name in TEXTS}, hashes], sort_keys=True, separators=(",", ":")
+    )
     return xxhash.xxh3_128_hexdigest(text.encode())
 
 
@@ -154,7 +155,9 @@ def _sound(owner: h5py.Group, name: str) -> h5py.Dataset:
 
 
 def _filled(name: str, dataset: h5py.Dataset) -> Filled:
-    units, meaning = (read_text(dataset, each) if each in dataset.attrs else "" for each in ("units", "long_name"))
+    units, meaning = (
+        read_attribute(dataset, each, str) if each in dataset.attrs else "" for each in ("units", "long_name")
+    )
     values = dataset[()]
     if values.dtype.kind == "S":
         values = np.char.decode(values, "utf-8", "replace") if values.size else np.empty(values.shape, dtype=np.str_)
@@ -170,5 +173,5 @@ def _put_column(owner: h5py.Group, column: Filled) -> h5py.Dataset:
     dataset = owner.create_dataset(column.about.name, data=values)
     for name, text in {"units": column.about.units, "long_name": column.about.long_name}.items():
         if text:
-            put_text(dataset, name, text)
+            put_attribute(dataset.id, name, text)
     return dataset
