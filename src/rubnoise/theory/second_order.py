@@ -315,6 +315,7 @@ def resolved_error(variance: float, mean: float) -> float:
     return error if error > _ROUNDING * mean else 0.0
 
 
+@lru_cache(maxsize=16)
 def covariance_reach(model: Model, part: float) -> float:
     """Return a lag in um beyond which |R| is below a part of the variance: the longest life, halved while it can be."""
     reach, least = longest_life(model), part * float(autocovariance(model, 0.0))

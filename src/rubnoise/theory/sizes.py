@@ -86,8 +86,7 @@ def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
     for weight, leaf in _leaves(law):
         low, high = size_range(leaf)
         finer = _HARD if any(_hard_ends(leaf)) else 1.0
-        edges = _edges(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
-        diameter, probability = _shared_out(leaf, edges, rooted=False)
+        diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
         followed = inf if low == high else _PHASE * finer / (high - low)
         rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
     diameter, probability, followed_to = (np.concatenate(each) for each in zip(*rules, strict=True))
@@ -99,29 +98,21 @@ def cut_sizes(law: Law, cuts: Doubles) -> tuple[Doubles, Doubles]:
 
     Cuts (um) lie along the last axis; leading axes have a rule each.
     """
-    rules = []
-    for weight, leaf in _leaves(law):
-        edges = _edges(leaf, _CUT_PANELS, _FEWEST)
-        whole = np.broadcast_to(edges, (*cuts.shape[:-1], edges.size))
-        inside = np.log(np.clip(cuts, np.exp(edges[0]), np.exp(edges[-1])))
-        diameter, share = _shared_out(leaf, np.sort(np.concatenate([whole, inside], axis=-1), axis=-1), rooted=True)
-        rules.append((diameter, weight * share))
-    diameters, shares = (np.concatenate(each, axis=-1) for each in zip(*rules, strict=True))
-    return diameters, shares
+    rules = [(weight, *_gauss(leaf, _CUT_PANELS, _FEWEST, cuts)) for weight, leaf in _leaves(law)]
+    diameters = np.concatenate([diameter for _, diameter, _ in rules], axis=-1)
+    return diameters, np.concatenate([weight * share for weight, _, share in rules], axis=-1)
 
 
-def _edges(leaf: Law, panels_of_factor: float, fewest: int) -> Doubles:
-    """Return the edges of panels in log d; one edge for one size."""
-    low, high = size_range(leaf)
-    count = max(fewest, ceil(panels_of_factor * log(high / low)))
-    return np.linspace(log(low), log(high), (low < high) * count + 1)
-
-
-def _shared_out(leaf: Law, edges: Doubles, *, rooted: bool) -> tuple[Doubles, Doubles]:
+def _gauss(leaf: Law, panels_of_factor: float, fewest: int, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
     """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly, as narrow laws need."""
-    if is_one_size(leaf):
-        return np.exp(edges[..., :1]), np.ones((*edges.shape[:-1], 1))
-    place, weight = panels(edges, _PANEL, rooted=rooted)
+    (low, high), shape = size_range(leaf), () if cuts is None else cuts.shape[:-1]
+    if low == high:
+        return np.full((*shape, 1), low), np.ones((*shape, 1))
+    edges = np.linspace(log(low), log(high), max(fewest, ceil(panels_of_factor * log(high / low))) + 1)
+    if cuts is not None:
+        whole = np.broadcast_to(edges, (*shape, edges.size))
+        edges = np.sort(np.concatenate([whole, np.log(np.clip(cuts, low, high))], axis=-1), axis=-1)
+    place, weight = panels(edges, _PANEL, rooted=cuts is not None)
     diameter = np.exp(place)
     share = weight * diameter * leaf.density(diameter)
     return diameter, share * (leaf.moment(1) / np.sum(share * diameter, axis=-1, keepdims=True))

@@ -98,14 +98,13 @@ def overlaps(pulse: Pulse, i: int, j: int) -> Function:
     first = np.broadcast_to(-0.5 * lag, offset.shape)
     last = np.maximum(np.sqrt(1.0 - offset * offset) - lag, first)
     place, weight = panels(np.stack([first, np.clip(0.0, first, last), last], axis=-1), 24, rooted=True)
-    earlier, later = (_passing(pulse, each, offset[..., None]) for each in (place, place + lag[..., None]))
+    earlier, later = place, place + lag[..., None]
+    if pulse.offset == "none":
+        earlier, later = (pulse.area(1.0 + each, 1.0) for each in (earlier, later))
+    else:
+        earlier, later = (overlap(np.hypot(each, offset[..., None]), pulse) for each in (earlier, later))
     both = weight * (earlier**i * later**j + earlier**j * later**i)
     return _within(cubic_spline(lags, np.sum(share * np.sum(both, axis=-1), axis=-1)))
-
-
-def _passing(pulse: Pulse, place: Doubles, offset: Doubles) -> Doubles:
-    """Return the area where a centre has come to a place (-1 to 1 about mid-life) along a line."""
-    return pulse.area(1.0 + place, 1.0) if pulse.offset == "none" else overlap(np.hypot(place, offset), pulse)
 
 
 def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
