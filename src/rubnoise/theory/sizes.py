@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import ceil, inf, log, log1p
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +13,7 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.laws.discrete import parts_of
 from rubnoise.model import Model
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+from rubnoise.theory.spline import Spline
 
 Function = Callable[[Doubles], Doubles]
 
@@ -63,13 +61,6 @@ def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubl
     nodes = 0.5 * (edge[..., 1:] + edge[..., :-1])[..., None] + half * x
     shape = (*edge.shape[:-1], count * (edge.shape[-1] - 1))
     return nodes.reshape(shape), np.broadcast_to(half * w, nodes.shape).reshape(shape)
-
-
-def cubic_spline(places: ArrayLike, values: ArrayLike) -> "CubicSpline":
-    """Return the cubic spline through values; scipy is loaded only where something is calculated."""
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(places, values)
 
 
 def _leaves(law: Law) -> list[tuple[float, Law]]:
@@ -189,7 +180,7 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
     if high < 2.0 * low:  # lives of nearly equal sizes turn within a narrow stretch, and end in another
         turns = np.linspace(low, high, _TURNS)
         knots = np.unique(np.concatenate([knots, place(turns), place(2.0 * turns)]))
-    spline = cubic_spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
+    spline = Spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
     return lambda x: spline(place(x))
 
 

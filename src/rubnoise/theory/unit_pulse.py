@@ -6,7 +6,6 @@ offsets: integrals over a unit disc, and over lines through its transform (Brace
 
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +13,8 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
-from rubnoise.theory.sizes import Function, cubic_spline, panels
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+from rubnoise.theory.sizes import Function, panels
+from rubnoise.theory.spline import Spline
 
 SETTLED: float = 160.0
 """Phase z = k d from which `settled_energy` has no swing left."""
@@ -45,7 +42,7 @@ class UnitLife:
 def area_life(pulse: Pulse) -> UnitLife:
     """Return the area of a pulse; relative error of each function about 1e-9 of its largest value."""
     centred, lags = pulse.offset == "none", _lags(1024)
-    spline = cubic_spline(lags, pulse.area(lags, 1.0) if centred else _off_centre_mean(pulse, lags))
+    spline = Spline(lags, pulse.area(lags, 1.0) if centred else _off_centre_mean(pulse, lags))
     grown = spline.antiderivative()
     return UnitLife(
         power=2,
@@ -80,7 +77,7 @@ def _lags(count: int) -> Doubles:
     return np.concatenate([turned, 1.0 + turned[1:]])
 
 
-def _within(spline: "CubicSpline") -> Function:
+def _within(spline: Spline) -> Function:
     return lambda t: np.where(t < 2.0, spline(np.minimum(t, 2.0)), 0.0)
 
 
@@ -104,7 +101,7 @@ def overlaps(pulse: Pulse, i: int, j: int) -> Function:
     else:
         earlier, later = (overlap(np.hypot(each, offset[..., None]), pulse) for each in (earlier, later))
     both = weight * (earlier**i * later**j + earlier**j * later**i)
-    return _within(cubic_spline(lags, np.sum(share * np.sum(both, axis=-1), axis=-1)))
+    return _within(Spline(lags, np.sum(share * np.sum(both, axis=-1), axis=-1)))
 
 
 def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
@@ -148,13 +145,13 @@ def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
 
 
 @cache
-def _near(pulse: Pulse) -> "CubicSpline":
+def _near(pulse: Pulse) -> Spline:
     """Return a^(z) up to z = 256, or off the centre line (9 + z^2)^2.5 times the energy, which is even in z.
 
     That is the integral of the energy of the disc over lines across z, at places 1/4 apart.
     """
     if pulse.offset == "none":
-        return cubic_spline(_TABLE, amplitude(pulse, _TABLE))
+        return Spline(_TABLE, amplitude(pulse, _TABLE))
     from scipy.interpolate import make_interp_spline
 
     across, weight = panels(np.concatenate([np.arange(0.0, 401.0, 2.0), np.geomspace(402.0, 1e4, 60)]), 10)
@@ -162,7 +159,7 @@ def _near(pulse: Pulse) -> "CubicSpline":
     found = np.array([_disc_energy(pulse, np.hypot(each, across)) @ weight for each in z.tolist()])
     found *= (9.0 + z * z) ** 2.5 / (2.0 * np.pi)
     even = make_interp_spline(np.append(-z[:0:-1], z), np.append(found[:0:-1], found), k=9)
-    return cubic_spline(_TABLE, even(_TABLE))
+    return Spline(_TABLE, even(_TABLE))
 
 
 def _disc_energy(pulse: Pulse, q: Doubles) -> Doubles:
@@ -232,12 +229,12 @@ def from_birth(pulse: Pulse, phase: Doubles, *, exact: bool) -> Complexes:
 
 
 @cache
-def _mean_from_birth(pulse: Pulse) -> "CubicSpline":
+def _mean_from_birth(pulse: Pulse) -> Spline:
     """Return the transform of the mean life off the centre line up to z = 160, by quadrature over ages."""
     age, weight = panels(np.linspace(0.0, 2.0, 9), 48, rooted=True)
     mass, z = weight * area_life(pulse).mean(age), _TABLE[_TABLE < SETTLED + 0.1]
     rows = [np.exp(-1j * np.multiply.outer(some, age)) @ mass for some in np.array_split(z, 16)]
-    return cubic_spline(z, np.concatenate(rows))
+    return Spline(z, np.concatenate(rows))
 
 
 _PASS_FAR = 32.0
