@@ -128,16 +128,17 @@ def _live_mass(law: Law, pulse: Pulse, step: float) -> Doubles:
     """
     sizes = sizes_of(law, (4.0 if _has_combs(law, pulse) else 1.0) * FINE)
     share = sizes.probability * sizes.diameter / float(sizes.probability @ sizes.diameter)
-    cells = np.ceil(np.minimum(0.25 * np.pi * sizes.diameter**2 / step, 2.0 * _POINTS)).astype(np.int64) + 3
-    places, below, unit = step * np.arange(cells.max()), np.zeros(cells.max() + 1), _unit_area(pulse)
-    for diameter, weight, count in zip(sizes.diameter.tolist(), share.tolist(), cells.tolist(), strict=True):
-        area = places[:count] / diameter**2
-        peak = np.minimum(area, unit.x[-1])
-        below[1 : count + 1] += weight * diameter**2 * (unit(peak) + area - peak)
-        below[count + 1 :] += weight * (
-            places[count:] - places[count - 1] + diameter**2 * (unit(peak[-1]) + area[-1] - peak[-1])
-        )
-    mass = np.diff(below, 2) / step
+    unit, square = _unit_area(pulse), np.square(sizes.diameter)
+    cells = np.ceil(np.minimum(unit.x[-1] * square / step, 2.0 * _POINTS)).astype(np.int64)
+    peak, places = np.minimum(step * cells / square, unit.x[-1]), step * np.arange(cells.max() + 3)
+    # From its largest area on the integral of each size is straight; below it is that of unit diameter.
+    beyond = (share, share * square * (unit(peak) - peak))
+    slope, level = (np.cumsum(np.bincount(cells, each, places.size)) for each in beyond)
+    below = np.asarray(slope * places + level, dtype=np.float64)
+    for each in np.flatnonzero(cells > 1).tolist():
+        inside = slice(cells[each])
+        below[inside] += share[each] * square[each] * unit(places[inside] / square[each])
+    mass = np.diff(np.append(0.0, below), 2) / step
     around = np.bincount(np.arange(mass.size) % _POINTS, mass, _POINTS)
     return np.fft.irfft(np.fft.rfft(around) / np.sinc(np.fft.rfftfreq(_POINTS)) ** 2, _POINTS)
 
