@@ -8,13 +8,14 @@ from typing import Final
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.motion import force_variance
+from rubnoise.theory.motion import frequencies
 from rubnoise.theory.second_order import are_at_random, area_noise
 
 ORDERS: Final = 6
 AREA_ITSELF: Final = Fixed(value=1.0)
 """The strengths with which force is area."""
 
+_UNKNOWN = (nan,) * (ORDERS - 2)
 _CONSTANT = 1e-12  # spread over mean of a constant, as equal triangles are that are born at regular places
 
 
@@ -58,12 +59,13 @@ def area_cumulants(model: Model) -> Cumulants:
 def force_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6; see `shot_cumulants`.
 
-    Under a load that weighs the variance is that of `force_variance`. Raises Refused without a strength.
+    Under a load that weighs the variance is (1/pi) int_0^inf S_F dk. Raises Refused without a strength.
     """
     psi = strengths_of(model)
     if model.separation is None:
         return shot_cumulants(model, psi)
-    return _of_second_order(psi.moment(1) * model.stationary_mean_area, force_variance(model))
+    variance = float(frequencies(model).force(model, psi).sum())
+    return Cumulants(values=(psi.moment(1) * model.stationary_mean_area, variance, *_UNKNOWN))
 
 
 def strengths_of(model: Model) -> Law:
@@ -71,10 +73,6 @@ def strengths_of(model: Model) -> Law:
     if model.strengths is None:
         raise Refused("the friction force needs a shear strength ([strength])")
     return model.strengths
-
-
-def _of_second_order(mean: float, variance: float) -> Cumulants:
-    return Cumulants(values=(mean, variance, *(nan,) * (ORDERS - 2)))
 
 
 @lru_cache(maxsize=16)
@@ -90,4 +88,4 @@ def shot_cumulants(model: Model, strengths: Law) -> Cumulants:
         return Cumulants(values=tuple(strengths.moment(n) * model.birth_rate * life for n, life in enumerate(lives, 1)))
     variance = float(area_noise(model).covariance(0.0, strengths.moment(2), strengths.moment(1) ** 2))
     mean = strengths.moment(1) * model.stationary_mean_area
-    return _of_second_order(mean, variance if variance > (_CONSTANT * mean) ** 2 else 0.0)
+    return Cumulants(values=(mean, variance if variance > (_CONSTANT * mean) ** 2 else 0.0, *_UNKNOWN))

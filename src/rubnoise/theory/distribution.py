@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from math import exp
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,10 +19,8 @@ from rubnoise.tables import fields_as_text
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import mean_count
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import FINE, cubic_spline, is_one_size, sizes_of
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+from rubnoise.theory.sizes import FINE, is_one_size, sizes_of
+from rubnoise.theory.spline import Spline
 
 _POINTS = 1 << 17
 _PLACES = 1 << 12
@@ -75,6 +72,7 @@ class Distribution:
         return np.where(p <= self.atom_at_zero, 0.0, np.where(p < 1.0, found, np.inf))
 
 
+@lru_cache(maxsize=16)
 def distribution(model: Model) -> Distribution:
     """Return the distribution of stationary real contact area, in um^2 and 1/um^2; Refused unless births are Poisson.
 
@@ -83,14 +81,9 @@ def distribution(model: Model) -> Distribution:
     Source: Rice (1944), section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x.
     """
     need_random_births(model, "the distribution of real contact area")
-    area = area_cumulants(model)
+    area, count = area_cumulants(model), mean_count(model)
     start = max(area.mean - _BELOW * area.std, 0.0)
     top = area.mean + (_BELOW + _ABOVE * max(area.skewness, 0.3)) * area.std
-    return _distribution(model.sizes, model.pulse, mean_count(model), start, top)
-
-
-@lru_cache(maxsize=16)
-def _distribution(sizes: Law, pulse: Pulse, count: float, start: float, top: float) -> Distribution:
     step, atom = (top - start) / _POINTS, exp(-count)
     # From before the start on, where sharpened cells ring; a fading factor keeps what lies beyond the grid from coming
     # back at its begin.
@@ -98,12 +91,11 @@ def _distribution(sizes: Law, pulse: Pulse, count: float, start: float, top: flo
     order = place % _POINTS
     fade = np.empty(_POINTS)
     fade[order] = np.exp(-(_TILT if start == 0.0 else 0.0) / _POINTS * place)
-    live = _live_mass(sizes, pulse, step)
+    live = _live_mass(model.sizes, model.pulse, step)
     if start > 0.0:
         # Few steps of the grid lie in one life of so many: its mean square is made exact, which the width needs.
-        square = _unit_area(pulse)[1] * sizes.moment(5) / sizes.moment(1) / step**2
         signed = (np.arange(_POINTS) + _POINTS // 2) % _POINTS - _POINTS // 2
-        missing = square - float(live @ np.square(signed.astype(np.float64)))
+        missing = area.variance / (count * step**2) - float(live @ np.square(signed.astype(np.float64)))
         live[:3] += 0.5 * missing * np.array([1.0, -2.0, 1.0])
     mass = (np.fft.irfft(np.exp(count * (np.fft.rfft(live * fade) - 1.0)), _POINTS) / fade)[order]
     if start == 0.0:
@@ -136,28 +128,28 @@ def _live_mass(law: Law, pulse: Pulse, step: float) -> Doubles:
     """
     sizes = sizes_of(law, (4.0 if _has_combs(law, pulse) else 1.0) * FINE)
     share = sizes.probability * sizes.diameter / float(sizes.probability @ sizes.diameter)
-    cells = np.ceil(np.minimum(0.25 * np.pi * sizes.diameter**2 / step, 2.0 * _POINTS)).astype(np.int64) + 3
-    places, below, unit = step * np.arange(cells.max()), np.zeros(cells.max() + 1), _unit_area(pulse)[0]
-    for diameter, weight, count in zip(sizes.diameter.tolist(), share.tolist(), cells.tolist(), strict=True):
-        area = places[:count] / diameter**2
-        peak = np.minimum(area, unit.x[-1])
-        below[1 : count + 1] += weight * diameter**2 * (unit(peak) + area - peak)
-        below[count + 1 :] += weight * (
-            places[count:] - places[count - 1] + diameter**2 * (unit(peak[-1]) + area[-1] - peak[-1])
-        )
-    mass = np.diff(below, 2) / step
+    unit, square = _unit_area(pulse), np.square(sizes.diameter)
+    cells = np.ceil(np.minimum(unit.x[-1] * square / step, 2.0 * _POINTS)).astype(np.int64)
+    peak, places = np.minimum(step * cells / square, unit.x[-1]), step * np.arange(cells.max() + 3)
+    # From its largest area on the integral of each size is straight; below it is that of unit diameter.
+    beyond = (share, share * square * (unit(peak) - peak))
+    slope, level = (np.cumsum(np.bincount(cells, each, places.size)) for each in beyond)
+    below = np.asarray(slope * places + level, dtype=np.float64)
+    for each in np.flatnonzero(cells > 1).tolist():
+        inside = slice(cells[each])
+        below[inside] += share[each] * square[each] * unit(places[inside] / square[each])
+    mass = np.diff(np.append(0.0, below), 2) / step
     around = np.bincount(np.arange(mass.size) % _POINTS, mass, _POINTS)
     return np.fft.irfft(np.fft.rfft(around) / np.sinc(np.fft.rfftfreq(_POINTS)) ** 2, _POINTS)
 
 
 @cache
-def _unit_area(pulse: Pulse) -> tuple["CubicSpline", float]:
-    """Return int_0^x P(a <= y) dy of unit diameter up to its largest area, x v - int_0^v a, and E[a^2]."""
+def _unit_area(pulse: Pulse) -> Spline:
+    """Return int_0^x P(a <= y) dy of unit diameter up to its largest area, x v - int_0^v a."""
     even = np.linspace(0.0, 1.0, _PLACES)
     share = even**3 * (10.0 - even * (15.0 - 6.0 * even))  # closer at birth and at mid-life
     slope = 30.0 * np.square(even * (1.0 - even))
     area = pulse.area(share, 1.0) if pulse.offset == "none" else overlap(np.sqrt(1.0 - share), pulse)
-    grown = cubic_spline(even, area * slope).antiderivative()(even)
-    square = float(cubic_spline(even, np.square(area) * slope).integrate(0.0, 1.0))
+    grown = Spline(even, area * slope).antiderivative()(even)
     kept = np.append(np.diff(area) > 0.0, True)
-    return cubic_spline(area[kept], (area * share - grown)[kept]), square
+    return Spline(area[kept], (area * share - grown)[kept])

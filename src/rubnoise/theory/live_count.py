@@ -94,17 +94,12 @@ def zero_share(model: Model) -> ZeroShare:
 
 def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
     """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start."""
-    return _after(model, area_noise(model), distance)
+    return area_noise(model).from_empty(np.maximum(np.asarray(distance, dtype=np.float64), 0.0))
 
 
 def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
     """Return E[N(s)] = lam E[min(s, life)] at distances s in um (any shape) after an empty start; 0 before it."""
-    return _after(model, count_noise(model), distance)
-
-
-def _after(model: Model, noise: ShotNoise, distance: ArrayLike) -> Doubles:
-    reached = np.clip(np.asarray(distance, dtype=np.float64), 0.0, longest_life(model))
-    return np.asarray(noise.from_empty(reached), dtype=np.float64)
+    return count_noise(model).from_empty(np.maximum(np.asarray(distance, dtype=np.float64), 0.0))
 
 
 def expected_mean_area(model: Model, distance: float) -> float:

@@ -234,9 +234,3 @@ def response(model: Model) -> Response:
         velocity_std=spreads[1],
         sliding_speed=drive.speed,
     )
-
-
-def force_variance(model: Model) -> float:
-    """Return the variance of friction force in uN^2 under a load that weighs, (1/pi) int_0^inf S_F dk."""
-    strengths = model.strengths or drive_of(separation_of(model)).strengths
-    return float(frequencies(model).force(model, strengths).sum())

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import pi
 from numbers import Integral
 
@@ -17,6 +16,7 @@ from rubnoise.theory.second_order import are_at_random, autocovariance, covarian
 from rubnoise.theory.sizes import COARSE, sizes_of
 from rubnoise.theory.unit_pulse import energy
 
+_NOTHING = 1e-12  # of the variance, a covariance that is left out
 _LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
 
 
@@ -64,15 +64,9 @@ def expected_periodogram(model: Model, tick: float, window: NDArray[np.float64])
 def _tick_covariance(model: Model, tick: float, count: int) -> Doubles:
     """Return R(j h) in um^4 for j = 0 ... count - 1 ticks of h um."""
     lags, covariance = tick * np.arange(count, dtype=np.float64), np.zeros(count)
-    near = lags <= (_reach(model) if are_at_random(model) else np.inf)
+    near = lags <= (covariance_reach(model, _NOTHING) if are_at_random(model) else np.inf)
     covariance[near] = autocovariance(model, lags[near])
     return covariance
-
-
-@lru_cache(maxsize=8)
-def _reach(model: Model) -> float:
-    """Return a lag in um beyond which R is nothing."""
-    return covariance_reach(model, 1e-12)
 
 
 def through_window(
@@ -167,7 +161,7 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
     if model.pulse.offset != "none":
         raise Refused("the error of a spectrum is known for passes through both centres alone (pulse.offset)")
     n, energy_of_window = window.size, float(window @ window)
-    lags = min(2 + int(_reach(model) / model.tick), _LONGEST * n)
+    lags = min(2 + int(covariance_reach(model, _NOTHING) / model.tick), _LONGEST * n)
     covariance = _tick_covariance(model, model.tick, lags)
     mean = cross_spectrum(covariance, window, 0).real
     held = mean > _EMPTY_BIN * mean.max()

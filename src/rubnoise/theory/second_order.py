@@ -25,7 +25,6 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.sizes import (
     Function,
-    cubic_spline,
     is_one_size,
     longest_life,
     over_phases,
@@ -34,6 +33,7 @@ from rubnoise.theory.sizes import (
     sizes_of,
     table_over_sizes,
 )
+from rubnoise.theory.spline import Spline
 from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps, settled_energy
 
 _ROUNDING, _VISIBLE, _NO_POWER = 1e-12, 1e-26, 1e-32
@@ -95,7 +95,7 @@ class BirthPart:
         values = np.fft.irfft(births.excess(self._wavenumber) * self._squares) / (self._step * rate)
         values[0] -= 0.25 * self._step * rate * self._jumps  # of births that jump, whose square has half the weight
         kept = int(self._reach / self._step) + 3
-        spline = cubic_spline(self._step * np.arange(kept), values[:kept])
+        spline = Spline(self._step * np.arange(kept), values[:kept])
         return lambda lag: np.where(lag < self._reach, spline(np.minimum(lag, self._reach)), 0.0)
 
     @cached_property
@@ -107,7 +107,7 @@ class BirthPart:
         births = np.square(self._model.birth_rate * turn / np.tan(turn * self.wavenumber)) if self._jumps else 0.0
         points = 2 * max(self.power.size, _PHASES)
         values = np.fft.irfft(np.append(0.0, self.power - births), points) * points
-        spline = cubic_spline(np.arange(points + 1) / points, np.append(values, values[0]))
+        spline = Spline(np.arange(points + 1) / points, np.append(values, values[0]))
 
         def summed(lag: Doubles) -> Doubles:
             part = (lag / self._spacing) % 1.0
@@ -315,6 +315,7 @@ def resolved_error(variance: float, mean: float) -> float:
     return error if error > _ROUNDING * mean else 0.0
 
 
+@lru_cache(maxsize=16)
 def covariance_reach(model: Model, part: float) -> float:
     """Return a lag in um beyond which |R| is below a part of the variance: the longest life, halved while it can be."""
     reach, least = longest_life(model), part * float(autocovariance(model, 0.0))

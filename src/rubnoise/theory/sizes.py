@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import ceil, inf, log, log1p
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +13,7 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.laws.discrete import parts_of
 from rubnoise.model import Model
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+from rubnoise.theory.spline import Spline
 
 Function = Callable[[Doubles], Doubles]
 
@@ -65,13 +63,6 @@ def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubl
     return nodes.reshape(shape), np.broadcast_to(half * w, nodes.shape).reshape(shape)
 
 
-def cubic_spline(places: ArrayLike, values: ArrayLike) -> "CubicSpline":
-    """Return the cubic spline through values; scipy is loaded only where something is calculated."""
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(places, values)
-
-
 def _leaves(law: Law) -> list[tuple[float, Law]]:
     """Return the laws without parts of which a law is made, with their probabilities."""
     if parts := parts_of(law):
@@ -86,8 +77,7 @@ def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
     for weight, leaf in _leaves(law):
         low, high = size_range(leaf)
         finer = _HARD if any(_hard_ends(leaf)) else 1.0
-        edges = _edges(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
-        diameter, probability = _shared_out(leaf, edges, rooted=False)
+        diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
         followed = inf if low == high else _PHASE * finer / (high - low)
         rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
     diameter, probability, followed_to = (np.concatenate(each) for each in zip(*rules, strict=True))
@@ -99,29 +89,21 @@ def cut_sizes(law: Law, cuts: Doubles) -> tuple[Doubles, Doubles]:
 
     Cuts (um) lie along the last axis; leading axes have a rule each.
     """
-    rules = []
-    for weight, leaf in _leaves(law):
-        edges = _edges(leaf, _CUT_PANELS, _FEWEST)
-        whole = np.broadcast_to(edges, (*cuts.shape[:-1], edges.size))
-        inside = np.log(np.clip(cuts, np.exp(edges[0]), np.exp(edges[-1])))
-        diameter, share = _shared_out(leaf, np.sort(np.concatenate([whole, inside], axis=-1), axis=-1), rooted=True)
-        rules.append((diameter, weight * share))
-    diameters, shares = (np.concatenate(each, axis=-1) for each in zip(*rules, strict=True))
-    return diameters, shares
+    rules = [(weight, *_gauss(leaf, _CUT_PANELS, _FEWEST, cuts)) for weight, leaf in _leaves(law)]
+    diameters = np.concatenate([diameter for _, diameter, _ in rules], axis=-1)
+    return diameters, np.concatenate([weight * share for weight, _, share in rules], axis=-1)
 
 
-def _edges(leaf: Law, panels_of_factor: float, fewest: int) -> Doubles:
-    """Return the edges of panels in log d; one edge for one size."""
-    low, high = size_range(leaf)
-    count = max(fewest, ceil(panels_of_factor * log(high / low)))
-    return np.linspace(log(low), log(high), (low < high) * count + 1)
-
-
-def _shared_out(leaf: Law, edges: Doubles, *, rooted: bool) -> tuple[Doubles, Doubles]:
+def _gauss(leaf: Law, panels_of_factor: float, fewest: int, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
     """Return diameters and probabilities on panels in log d, scaled to give E[d] exactly, as narrow laws need."""
-    if is_one_size(leaf):
-        return np.exp(edges[..., :1]), np.ones((*edges.shape[:-1], 1))
-    place, weight = panels(edges, _PANEL, rooted=rooted)
+    (low, high), shape = size_range(leaf), () if cuts is None else cuts.shape[:-1]
+    if low == high:
+        return np.full((*shape, 1), low), np.ones((*shape, 1))
+    edges = np.linspace(log(low), log(high), max(fewest, ceil(panels_of_factor * log(high / low))) + 1)
+    if cuts is not None:
+        whole = np.broadcast_to(edges, (*shape, edges.size))
+        edges = np.sort(np.concatenate([whole, np.log(np.clip(cuts, low, high))], axis=-1), axis=-1)
+    place, weight = panels(edges, _PANEL, rooted=cuts is not None)
     diameter = np.exp(place)
     share = weight * diameter * leaf.density(diameter)
     return diameter, share * (leaf.moment(1) / np.sum(share * diameter, axis=-1, keepdims=True))
@@ -198,7 +180,7 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
     if high < 2.0 * low:  # lives of nearly equal sizes turn within a narrow stretch, and end in another
         turns = np.linspace(low, high, _TURNS)
         knots = np.unique(np.concatenate([knots, place(turns), place(2.0 * turns)]))
-    spline = cubic_spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
+    spline = Spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
     return lambda x: spline(place(x))
 
 

@@ -6,7 +6,7 @@ offsets: integrals over a unit disc, and over lines through its transform (Brace
 
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
-from typing import TYPE_CHECKING
+from math import erfc
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,16 +14,15 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
-from rubnoise.theory.sizes import Function, cubic_spline, panels
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+from rubnoise.theory.sizes import Function, panels
+from rubnoise.theory.spline import Spline
 
 SETTLED: float = 160.0
 """Phase z = k d from which `settled_energy` has no swing left."""
 
 _STEP_FROM, _STEP_CENTRE, _STEP_WIDTH = 20.0, 90.0, 8.5
-_TABLE = np.arange(256 * 64 + 1) / 64.0
+_END, _TABLE = 256.0, np.arange(256 * 64 + 1) / 64.0
+_HANKEL_TERMS = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,7 +44,7 @@ class UnitLife:
 def area_life(pulse: Pulse) -> UnitLife:
     """Return the area of a pulse; relative error of each function about 1e-9 of its largest value."""
     centred, lags = pulse.offset == "none", _lags(1024)
-    spline = cubic_spline(lags, pulse.area(lags, 1.0) if centred else _off_centre_mean(pulse, lags))
+    spline = Spline(lags, pulse.area(lags, 1.0) if centred else _off_centre_mean(pulse, lags))
     grown = spline.antiderivative()
     return UnitLife(
         power=2,
@@ -80,7 +79,7 @@ def _lags(count: int) -> Doubles:
     return np.concatenate([turned, 1.0 + turned[1:]])
 
 
-def _within(spline: "CubicSpline") -> Function:
+def _within(spline: Spline) -> Function:
     return lambda t: np.where(t < 2.0, spline(np.minimum(t, 2.0)), 0.0)
 
 
@@ -98,14 +97,13 @@ def overlaps(pulse: Pulse, i: int, j: int) -> Function:
     first = np.broadcast_to(-0.5 * lag, offset.shape)
     last = np.maximum(np.sqrt(1.0 - offset * offset) - lag, first)
     place, weight = panels(np.stack([first, np.clip(0.0, first, last), last], axis=-1), 24, rooted=True)
-    earlier, later = (_passing(pulse, each, offset[..., None]) for each in (place, place + lag[..., None]))
+    earlier, later = place, place + lag[..., None]
+    if pulse.offset == "none":
+        earlier, later = (pulse.area(1.0 + each, 1.0) for each in (earlier, later))
+    else:
+        earlier, later = (overlap(np.hypot(each, offset[..., None]), pulse) for each in (earlier, later))
     both = weight * (earlier**i * later**j + earlier**j * later**i)
-    return _within(cubic_spline(lags, np.sum(share * np.sum(both, axis=-1), axis=-1)))
-
-
-def _passing(pulse: Pulse, place: Doubles, offset: Doubles) -> Doubles:
-    """Return the area where a centre has come to a place (-1 to 1 about mid-life) along a line."""
-    return pulse.area(1.0 + place, 1.0) if pulse.offset == "none" else overlap(np.hypot(place, offset), pulse)
+    return _within(Spline(lags, np.sum(share * np.sum(both, axis=-1), axis=-1)))
 
 
 def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
@@ -117,7 +115,7 @@ def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
 
 
 def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return the transform a^(z) about mid-life, z = k d > 0, of a pass through both centres.
+    """Return the transform a^(z) about mid-life, z = k d > 0, of a pass through both centres, to all digits.
 
     Lens: pi H_1(z)/z^2 (Struve); triangle: (pi/4) (sin(z/2)/(z/2))^2; parabola: pi (sin z - z cos z)/z^3.
     """
@@ -131,16 +129,27 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
     return np.asarray(np.pi * spherical_jn(1, z) / z, dtype=np.float64)
 
 
+def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
+    """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own, by a table and far out by its parts."""
+    near = np.asarray(_near(pulse)(np.minimum(phase, _END)), dtype=np.float64)
+    if np.all(phase <= _END):
+        return near
+    far = np.maximum(phase, _END)
+    middle, ends = _parts(pulse, far)
+    return np.where(phase <= _END, near, middle + 2.0 * (ends * np.exp(1j * far)).real)
+
+
 def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
     """Return m and b of a^(z) = m + b e^(i z) + b* e^(-i z), z >= 20: of mid-life, and of birth and death.
 
     Of lenses b is that of Y_1, and m of H_1 - Y_1 = (2/pi)(1 + 1/z^2 - 3/z^4 + ...).
     """
-    from scipy.special import hankel1e
-
     inverse = 1.0 / np.square(phase)
     if pulse.shape == "lens":
-        middle, ends = 2.0 * inverse * (1.0 + inverse * (1.0 - 3.0 * inverse)), -0.5j * hankel1e(1, phase)
+        middle = 2.0 * inverse * (1.0 + inverse * (1.0 - 3.0 * inverse))
+        orders = np.arange(1.0, _HANKEL_TERMS)
+        terms = np.cumprod(np.append(1.0, 1j * (4.0 - (2.0 * orders - 1.0) ** 2) / (8.0 * orders)))
+        ends = np.exp(-1.25j * np.pi) / np.sqrt(2.0 * np.pi * phase) * np.polynomial.Polynomial(terms)(1.0 / phase)
     elif pulse.shape == "triangle":
         middle, ends = 0.5 * np.pi * inverse, np.full_like(phase, -0.25)
     else:
@@ -149,13 +158,16 @@ def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
 
 
 @cache
-def _near(pulse: Pulse) -> "CubicSpline":
+def _near(pulse: Pulse) -> Spline:
     """Return a^(z) up to z = 256, or off the centre line (9 + z^2)^2.5 times the energy, which is even in z.
 
     That is the integral of the energy of the disc over lines across z, at places 1/4 apart.
     """
     if pulse.offset == "none":
-        return cubic_spline(_TABLE, amplitude(pulse, _TABLE))
+        place, weight = panels(np.linspace(0.0, 1.0, 9), 32, rooted=True)
+        mass = 2.0 * weight * pulse.area(1.0 + place, 1.0)
+        rows = [np.cos(np.multiply.outer(some, place)) @ mass for some in np.array_split(_TABLE, 64)]
+        return Spline(_TABLE, np.concatenate(rows))
     from scipy.interpolate import make_interp_spline
 
     across, weight = panels(np.concatenate([np.arange(0.0, 401.0, 2.0), np.geomspace(402.0, 1e4, 60)]), 10)
@@ -163,7 +175,7 @@ def _near(pulse: Pulse) -> "CubicSpline":
     found = np.array([_disc_energy(pulse, np.hypot(each, across)) @ weight for each in z.tolist()])
     found *= (9.0 + z * z) ** 2.5 / (2.0 * np.pi)
     even = make_interp_spline(np.append(-z[:0:-1], z), np.append(found[:0:-1], found), k=9)
-    return cubic_spline(_TABLE, even(_TABLE))
+    return Spline(_TABLE, even(_TABLE))
 
 
 def _disc_energy(pulse: Pulse, q: Doubles) -> Doubles:
@@ -175,14 +187,6 @@ def _disc_energy(pulse: Pulse, q: Doubles) -> Doubles:
     return np.asarray((np.pi * j1(0.5 * q) / q) ** 4, dtype=np.float64)
 
 
-def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return `amplitude` by its table as far as that reaches."""
-    found = np.asarray(_near(pulse)(np.minimum(phase, _TABLE[-1])), dtype=np.float64)
-    far = phase > _TABLE[-1]
-    found[far] = amplitude(pulse, phase[far])
-    return found
-
-
 def energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
     """Return E[|a^(z)|^2] of a life of unit diameter at z = k d >= 0; |A^(k)|^2 is d^6 times it.
 
@@ -191,7 +195,7 @@ def energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
     z = np.asarray(phase, dtype=np.float64)
     if pulse.offset == "none":
         return np.square(_amplitude(pulse, z))
-    near = np.minimum(z, _TABLE[-1])
+    near = np.minimum(z, _END)
     return np.where(z <= near, _near(pulse)(near) / (9.0 + near * near) ** 2.5, level(pulse, np.maximum(z, 1.0)))
 
 
@@ -204,17 +208,17 @@ def level(pulse: Pulse, phase: Doubles) -> Doubles:
     return np.asarray(np.square(middle) + 2.0 * np.square(np.abs(birth)), dtype=np.float64)
 
 
-def _kept(phase: Doubles) -> Doubles:
-    """Return how much of the swing is kept: 1 below z = 20, 0 above 160, by an error function of width 8.5."""
-    from scipy.special import erfc
-
-    return np.asarray(0.5 * erfc((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH)), dtype=np.float64)
+@cache
+def _kept() -> Spline:
+    """Return how much of the swing is kept up to z = 256: 1 below 20, 0 above 160, an error function."""
+    scale = np.sqrt(2.0) * _STEP_WIDTH
+    return Spline(_TABLE, [0.5 * erfc((z - _STEP_CENTRE) / scale) for z in _TABLE.tolist()])
 
 
 def settled_energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
     """Return the energy without the swing of its tail; its integral against what is smooth over z = 10 is the same."""
     z = np.asarray(phase, dtype=np.float64)
-    kept, followed = _kept(z), energy(pulse, np.minimum(z, SETTLED))
+    kept, followed = _kept()(np.minimum(z, _END)), energy(pulse, np.minimum(z, SETTLED))
     return kept * followed + (1.0 - kept) * level(pulse, np.maximum(z, _STEP_FROM))
 
 
@@ -226,19 +230,19 @@ def from_birth(pulse: Pulse, phase: Doubles, *, exact: bool) -> Complexes:
     centred = pulse.offset == "none"
     if centred and exact:
         return np.asarray(np.exp(-1j * phase) * _amplitude(pulse, phase), dtype=np.complex128)
-    within, kept = np.minimum(phase, SETTLED), _kept(phase)
+    within, kept = np.minimum(phase, SETTLED), _kept()(np.minimum(phase, _END))
     near = np.exp(-1j * within) * _amplitude(pulse, within) if centred else _mean_from_birth(pulse)(within)
     beginning = _parts(pulse, np.maximum(phase, _STEP_FROM))[1] if centred else 0.0
     return np.asarray(kept * near + (1.0 - kept) * beginning, dtype=np.complex128)
 
 
 @cache
-def _mean_from_birth(pulse: Pulse) -> "CubicSpline":
+def _mean_from_birth(pulse: Pulse) -> Spline:
     """Return the transform of the mean life off the centre line up to z = 160, by quadrature over ages."""
     age, weight = panels(np.linspace(0.0, 2.0, 9), 48, rooted=True)
     mass, z = weight * area_life(pulse).mean(age), _TABLE[_TABLE < SETTLED + 0.1]
     rows = [np.exp(-1j * np.multiply.outer(some, age)) @ mass for some in np.array_split(z, 16)]
-    return cubic_spline(z, np.concatenate(rows))
+    return Spline(z, np.concatenate(rows))
 
 
 _PASS_FAR = 32.0
