@@ -16,9 +16,9 @@ from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.runs.folder import INDEX
 from rubnoise.runs.point_file import RunFigures, file_of
 from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.section import keys_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import RUNS, SUMMARIES, Filled, Index, IndexFile, open_index
 from rubnoise.storage.index_checks import check_index

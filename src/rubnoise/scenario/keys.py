@@ -19,11 +19,10 @@ from rubnoise.scenario.document import (
     Sliding,
     presence,
 )
-from rubnoise.scenario.fields import Measure, Unfit, did_you_mean
+from rubnoise.scenario.fields import Key, Measure, Section, Unfit, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
-from rubnoise.scenario.section import Key, Section, keys_of, right_form
 from rubnoise.units import LENGTH, RATIO, Quantity
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
