@@ -194,7 +194,7 @@ def _files(given: Layers) -> tuple[str, ...]:
     """Return the files that were read: the scenario, the files that it extends, and that of its diameters."""
     table = given.data.get(_TABLE, {})
     sizes = [str(_size_file(given, table))] if "file" in table else []
-    return *given.files, *sizes
+    return *(source.name for source in given.sources if source.kind == "file"), *sizes
 
 
 def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:

@@ -95,10 +95,11 @@ _ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
 
 def _settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Sweeping, list[Problem]]:
     """Return the settings of a `[sweep]` table, with defaults in place of invalid values, and all problems."""
-    values, problems = {}, []
-    for name in keys_of(Sweeping).keys() & table.keys():
+    values: dict[str, Any] = {}
+    problems = []
+    for name, about in keys_of(Sweeping).items():
         try:
-            values[name] = keys_of(Sweeping)[name].kind.read(table[name])
+            values |= {name: about.kind.read(table[name])} if name in table else {}
         except Unfit as unfit:
             problems.append(layers.problem((SWEEP, name), str(unfit), unfit.hint))
     settings = Sweeping(**values)
