@@ -64,8 +64,9 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
     layers = completed(layers)
     paths = [problem.path for problem in layers.problems]
     broken = {str(name) for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
-    problems = [each for each in _rule_problems(layers) if each.path[0] not in broken]
-    wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each.path == ("pulse", "offset")}
+    unsound = [each for each in _unsound_problems(layers) if each.path[0] not in broken]
+    problems = [*unsound, *(each for each in _rule_problems(layers) if each.path[0] not in broken)]
+    wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each in unsound}
     needed: dict[str, Any] = {name: {} for name in SECTIONS if presence(name) == "needed"}
     right: dict[str, Any] = {"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE}
     for name, given in {**needed, **layers.data}.items():
@@ -173,12 +174,19 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
         yield from _loss_problems(layers)
         yield from _weighing_problems(layers)
-    yield from _offset_problems(layers)
-    if isinstance(layers.data.get("interface", {}), dict):
-        yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
     yield from _law_problems(layers, "strength")
     yield from _birth_problems(layers)
+
+
+def _unsound_problems(layers: Layers) -> Iterator[Problem]:
+    """Yield the problems of combinations from which no contact, law or pulse can be made."""
+    if isinstance(layers.data.get("interface", {}), dict):
+        yield from _alternative_problems(layers, "interface")
+    yield from _offset_problems(layers)
+    yield from _unequal_lists(layers)
+    for name in ("diameter", "strength"):
+        yield from _order_problems(layers, name)
 
 
 def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
@@ -307,9 +315,7 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     homes = {each.name: other for other, entry in LAWS.items() for each in entry.parameters}
     if SECTIONS[name] is Diameter:
         homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
-        yield from _unequal_lists(layers)
     yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes, entry.optional)
-    yield from _order_problems(layers, name, entry.ascending)
 
 
 def _unequal_lists(layers: Layers) -> Iterator[Problem]:
@@ -351,10 +357,11 @@ def _without_effect(layers: Layers, path: Path, message: str, instead: str) -> P
     return layers.problem(path, message, f"write {instead}, or {leave}" if instead else leave)
 
 
-def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> Iterator[Problem]:
+def _order_problems(layers: Layers, name: str) -> Iterator[Problem]:
     """Refuse parameters that must increase from one to the next and do not."""
     table = _table_or_empty(layers, name)
-    for low, high in pairwise(ascending):
+    entry = LAWS.get(str(table.get("law")))
+    for low, high in pairwise(entry.ascending if entry else ()):
         least, most = table.get(low), table.get(high)
         if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
             yield layers.problem((name, high), f"must be larger than {name}.{low} = {least}")
