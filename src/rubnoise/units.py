@@ -74,7 +74,7 @@ class Unit:
     """A unit: its exact size in working units (for a ratio: as a part of 1), and its dimension."""
 
     size: Fraction
-    dimension: tuple[int, int, int]
+    dimension: tuple[int, ...]
 
 
 _PREFIXES = (
@@ -106,8 +106,8 @@ def _table() -> dict[str, Unit]:
     units: dict[str, Unit] = {}
     for symbol, (size, kind, words) in _SI.items():
         for mark, prefix, power in (("", "", 0), *_PREFIXES):
-            names = [mark + symbol, *(prefix + word for word in words if prefix or not mark)]
-            units |= dict.fromkeys(names, Unit(Fraction(size) * Fraction(10) ** power, kind.dimension))
+            unit = Unit(Fraction(size) * Fraction(10) ** power, kind.dimension)
+            units |= {mark + symbol: unit} | {prefix + word: unit for word in words if prefix or not mark}
     for kind, told in _OTHERS.items():
         for *names, size in map(str.split, told.split(",")):
             units |= dict.fromkeys(names, Unit(Fraction(size), kind.dimension))
@@ -120,17 +120,16 @@ RATIOS = tuple(name for name, unit in UNITS.items() if unit.dimension == RATIO.d
 
 def _product(text: str) -> Unit:
     """Return the product of the units and powers that a text names."""
-    size, dimension = Fraction(1), (0, 0, 0)
+    size, dimension = Fraction(1), tuple[int, ...]((0, 0, 0))
     for operator, name, power in _FACTORS.findall(text):
         unit, exponent = UNITS[name], int(power or 1) * (-1 if "/" in operator else 1)
         size *= unit.size**exponent
-        length, mass, time = (had + exponent * more for had, more in zip(dimension, unit.dimension, strict=True))
-        dimension = length, mass, time
+        dimension = tuple(had + exponent * more for had, more in zip(dimension, unit.dimension, strict=True))
     return Unit(size, dimension)
 
 
-_FREQUENCIES = {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}
-_LENGTHS, _FORCES = ("nm", "um", "\u00b5m", "\u03bcm", "mm", "cm", "m", "km"), ("mN", "N", "kN")
+_FREQUENCIES, _FORCES = {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}, ("mN", "N", "kN")
+_LENGTHS = ("nm", "um", "\u00b5m", "\u03bcm", "mm", "cm", "m", "km")
 USUAL_UNITS: dict[str, Unit] = {
     text: _product(text)
     for text in (

@@ -248,16 +248,6 @@ def _say_compiling() -> None:
     )
 
 
-@contextmanager
-def stopwatch() -> Iterator[Callable[[], float]]:
-    """Yield a function that returns the seconds since the start, without those in which kernels were compiled."""
-    from numba.core.event import TimingListener, install_listener
-
-    began = time.monotonic()
-    with install_listener("numba:compile", TimingListener()) as compiling:  # type: ignore[no-untyped-call]
-        yield lambda: time.monotonic() - began - (compiling.duration if compiling.done else 0.0)
-
-
 def clock(seconds: float) -> str:
     """Return a time as minutes and seconds, or hours with them."""
     minutes, rest = divmod(round(seconds), 60)

@@ -1,7 +1,8 @@
 """`rubnoise run`: a scenario file in, a result file out, and a few lines about it."""
 
 import sys
-from contextlib import AbstractContextManager, suppress
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,7 +22,7 @@ from rubnoise.cli.layout import (
     too_short_for_motion,
 )
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
-from rubnoise.cli.progress import Watcher, announce_compilation, interrupted_at_once, on_terminal, stopwatch, watching
+from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -68,18 +69,24 @@ def command(
     if dry_run:
         _print_forecast(scenario, path, as_json=as_json, quiet=quiet)
     else:
-        _run(scenario, path, force=force, as_json=as_json, quiet=quiet)
+        _run(scenario, path, force=force, as_json=as_json, quiet=quiet or as_json)
 
 
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
+    from numba.core.event import TimingListener, install_listener
+
     prepare_kernels()
-    doubts = _doubts(scenario, quiet=quiet or as_json)
-    with _watching(scenario, quiet=quiet or as_json) as watcher, stopwatch() as seconds:
+    doubts = _doubts(scenario, quiet=quiet)
+    if not quiet:
+        announce_compilation()
+    began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
+    shown = on_terminal() and not quiet
+    with watching(scenario.model().distance, shown=shown) as watcher, install_listener("numba:compile", compiling):
         watcher.counting()
         result = rubnoise.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
-        took = seconds()
     with result:
-        _print_result(result, path, took, [*scenario.warnings, *doubts], as_json=as_json, quiet=quiet)
+        seconds = time.monotonic() - began - (compiling.duration if compiling.done else 0.0)
+        _print_result(result, path, seconds, [*scenario.warnings, *doubts], as_json=as_json, quiet=quiet)
 
 
 def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: bool) -> None:
@@ -93,19 +100,12 @@ def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: b
     forecast = budget_as_json(budget)
     notes = [] if scenario.model().free is None else [FREE_ROWS]
     if as_json:
-        said = {"warnings": warnings, "notes": notes}
-        print(json_text({"output": str(path), "dry_run": True} | forecast | said))
+        print(json_text({"output": str(path), "dry_run": True} | forecast | {"warnings": warnings, "notes": notes}))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
         print(line("ticks", grouped(budget.ticks)))
         print("\n".join([*format_cost(forecast), *(remark(f"note: {note}") for note in notes)]))
-
-
-def _watching(scenario: "Scenario", *, quiet: bool) -> AbstractContextManager[Watcher]:
-    if not quiet:
-        announce_compilation()
-    return watching(scenario.model().distance, shown=on_terminal() and not quiet)
 
 
 def _print_result(

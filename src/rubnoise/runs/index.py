@@ -15,10 +15,10 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.runs.point_file import Figures, Keep, file_of
 from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.section import keys_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.provenance import now, package_version

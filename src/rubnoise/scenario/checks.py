@@ -8,11 +8,10 @@ from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.contact.off_centre import pulse_of
 from rubnoise.model import Model
 from rubnoise.scenario.document import AREAS, COUNTS, LIVE_JUNCTIONS, SECTIONS, Diameter, Document, Strength
-from rubnoise.scenario.fields import Measure
+from rubnoise.scenario.fields import Measure, keys_of
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, spread_of
-from rubnoise.scenario.section import keys_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")

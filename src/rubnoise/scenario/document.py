@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, get_args, get_type_hints
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS, LawEntry
-from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number, Parts, Range, Sizes
-from rubnoise.scenario.section import Section, key, keys_of, needed
+from rubnoise.scenario.fields import Choice, Line, Measure, Number, Parts, Range, Section, Sizes, key, keys_of, needed
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, FORCE, INVERSE_SPEED, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
@@ -144,7 +143,7 @@ class Diameter(Section):
     )
 
 
-def _of_births(key_name: str, kind: Field) -> Any:
+def _of_births(key_name: str, kind: Any) -> Any:
     law, own = next((law, each) for law, entry in BIRTHS.items() for each in entry.keys if each.name == key_name)
     return key(kind, f"{own.about}; for the law {law}.", sample=own.sample)
 

@@ -1,13 +1,13 @@
-"""The types of values: a quantity, a number, a choice or a line of text, each read strictly.
+"""What a key may hold: a quantity, a number, a choice or a line of text, each read strictly; and tables of keys.
 
-Each class reads or refuses the value of a key, and describes it in the JSON schema.
+Each type of value reads or refuses the value of a key, and describes it in the JSON schema.
 """
 
 import re
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from datetime import date, datetime, time
 from difflib import get_close_matches
 from fractions import Fraction
@@ -15,6 +15,7 @@ from math import isfinite
 from typing import Any, Final
 
 from rubnoise.contact.laws import LAWS
+from rubnoise.scenario.text import toml_value
 from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, QuantityError, from_pint, is_of_pint, read_quantity
 
 TITLE_CHARACTERS: Final = 200
@@ -314,3 +315,45 @@ def _spread(number: int, law: str, value: Any) -> str:
     if spread > LAWS[law].widest:
         raise Unfit(f'part {number}: too wide for the law "{law}"', f'up to "{100.0 * LAWS[law].widest:g} %"')
     return spread.as_text()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Key:
+    """A key of a table: the values it takes, its meaning, its default, and whether a scenario must have it.
+
+    ``sample`` is an ordinary value; ``form`` is what a refusal advises, if that is more than the sample; ``remark`` is
+    what the template adds.
+    """
+
+    kind: Field
+    about: str
+    default: Any = None
+    is_needed: bool = False
+    sample: Any = None
+    form: str = ""
+    remark: str = ""
+
+
+def key(kind: Field, about: str, default: Any = None, **more: Any) -> Any:
+    """Return a field of a table that a scenario may leave out."""
+    return field(default=default, metadata={Key: Key(kind=kind, about=about, default=default, **more)})
+
+
+def needed(kind: Field, about: str, **more: Any) -> Any:
+    """Return a field of a table that a scenario must have."""
+    return field(metadata={Key: Key(kind=kind, about=about, is_needed=True, **more)})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """The values of a table, all of whose keys are known."""
+
+
+def keys_of(section: type[Section]) -> Mapping[str, Key]:
+    """Return the keys of a table by their names."""
+    return {each.name: each.metadata[Key] for each in fields(section) if Key in each.metadata}
+
+
+def right_form(name: str, known: Key) -> str:
+    """Return a line that sets a key, and other ways to say the same."""
+    return known.form or f"{name} = {toml_value(known.default if known.sample is None else known.sample)}"

@@ -19,11 +19,10 @@ from rubnoise.scenario.document import (
     Sliding,
     presence,
 )
-from rubnoise.scenario.fields import Measure, Unfit, did_you_mean
+from rubnoise.scenario.fields import Key, Measure, Unfit, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
-from rubnoise.scenario.section import Key, Section, keys_of, right_form
 from rubnoise.units import LENGTH, RATIO, Quantity
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
@@ -65,41 +64,41 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
     layers = completed(layers)
     paths = [problem.path for problem in layers.problems]
     broken = {str(name) for path in paths for name in (path[:1] if len(path) > 1 else SECTIONS)}
-    problems = [each for each in _rule_problems(layers) if each.path[0] not in broken]
-    wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each.path == ("pulse", "offset")}
-    values: dict[str, Any] = {}
-    for name, given in {"format": FORMAT, **layers.data}.items():
+    unsound = [each for each in _unsound_problems(layers) if each.path[0] not in broken]
+    problems = [*unsound, *(each for each in _rule_problems(layers) if each.path[0] not in broken)]
+    wrong = broken | {str(each.path[0]) for each in problems if each.is_missing or each in unsound}
+    needed: dict[str, Any] = {name: {} for name in SECTIONS if presence(name) == "needed"}
+    right: dict[str, Any] = {"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE}
+    for name, given in {**needed, **layers.data}.items():
         if name in TOP:
-            values |= _values(layers, problems, (), {name: given}, from_python=from_python)
+            right |= _values(layers, (), {name: given}, problems, from_python=from_python)
         elif name not in SECTIONS:
             problems.append(_unknown(layers, (name,)))
         elif isinstance(given, Mapping):
-            values[name] = _section(layers, problems, name, given, from_python=from_python, whole=name not in broken)
+            problems += _out_of_place(layers, name, given, may_lack=name in broken)
+            before = len(problems)
+            values = _values(layers, (name,), given, problems, from_python=from_python)
+            lacks = any(about.is_needed and key not in given for key, about in keys_of(SECTIONS[name]).items())
+            if lacks or len(problems) > before:
+                wrong.add(name)
+            elif name not in wrong:
+                right[name] = SECTIONS[name](**values)
         elif given is not None or presence(name) != "optional":
+            wrong.add(name)
             problems.append(layers.problem((name,), "needs a table", f"a line [{name}] with its keys below"))
-    for name in SECTIONS:
-        if name not in layers.data and presence(name) == "needed":
-            values[name] = _section(layers, problems, name, {}, from_python=from_python, whole=name not in broken)
-    wrong |= {name for name, value in values.items() if name in SECTIONS and value is None}
-    right = {name: value for name, value in values.items() if name not in wrong}
-    return Document(**{"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE, **right}), wrong, problems
+    return Document(**right), wrong, problems
 
 
-def _section(
-    layers: Layers, problems: list[Problem], name: str, given: Mapping[str, Any], *, from_python: bool, whole: bool
-) -> Section | None:
-    """Return a table, or None without a right value of a key; what is wrong joins the problems."""
+def _out_of_place(layers: Layers, name: str, given: Mapping[str, Any], *, may_lack: bool) -> Iterator[Problem]:
+    """Yield the problems of keys that are unknown in a table, and of those that it lacks."""
     known = keys_of(SECTIONS[name])
-    problems += [_unknown(layers, (name, key)) for key in given if key not in known]
+    yield from (_unknown(layers, (name, key)) for key in given if key not in known)
     lacking = [key for key, about in known.items() if about.is_needed and key not in given]
-    problems += [missing(layers, (name, key)) for key in lacking if whole]
-    before = len(problems)
-    values = _values(layers, problems, (name,), given, from_python=from_python)
-    return SECTIONS[name](**values) if len(problems) == before and not lacking else None
+    yield from (missing(layers, (name, key)) for key in lacking if not may_lack)
 
 
 def _values(
-    layers: Layers, problems: list[Problem], table: Path, given: Mapping[str, Any], *, from_python: bool
+    layers: Layers, table: Path, given: Mapping[str, Any], problems: list[Problem], *, from_python: bool
 ) -> dict[str, Any]:
     """Return the values of the known keys of a table, without those that are refused, which join the problems."""
     known, values = keys_of(SECTIONS[str(table[0])]) if table else TOP, {}
@@ -175,12 +174,19 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
         yield from _loss_problems(layers)
         yield from _weighing_problems(layers)
-    yield from _offset_problems(layers)
-    if isinstance(layers.data.get("interface", {}), dict):
-        yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
     yield from _law_problems(layers, "strength")
     yield from _birth_problems(layers)
+
+
+def _unsound_problems(layers: Layers) -> Iterator[Problem]:
+    """Yield the problems of combinations from which no contact, law or pulse can be made."""
+    if isinstance(layers.data.get("interface", {}), dict):
+        yield from _alternative_problems(layers, "interface")
+    yield from _offset_problems(layers)
+    yield from _unequal_lists(layers)
+    for name in ("diameter", "strength"):
+        yield from _order_problems(layers, name)
 
 
 def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
@@ -210,10 +216,8 @@ def _loss_problems(layers: Layers) -> Iterator[Problem]:
     if free:
         yield from _one_of(layers, "load", LOSSES)
         return
-    for key in FREE_MOTION:
-        if key in load:
-            hint = f'write motion = "free", or leave the {key} out'
-            yield layers.problem(("load", key), f"first-order motion takes no {key}", hint)
+    for key in (key for key in FREE_MOTION if key in load):
+        yield _without_effect(layers, ("load", key), f"first-order motion takes no {key}", 'motion = "free"')
 
 
 def _weighing_problems(layers: Layers) -> Iterator[Problem]:
@@ -281,8 +285,8 @@ def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Pro
     for key, its in _DRIVEN.items():
         path = ("slider", key)
         if key in slider and excitation != its:
-            hint = f'write excitation = "{its}", or leave the {key} out'
-            yield layers.problem(path, f'the excitation "{excitation}" takes no {key}', hint)
+            message = f'the excitation "{excitation}" takes no {key}'
+            yield _without_effect(layers, path, message, f'excitation = "{its}"')
         if key not in slider and excitation == its and key != "heights":
             yield missing(layers, path, f'missing; the excitation "{its}" needs it')
     if excitation in _DRIVEN.values() and slider.get("coupling") == "two-way":
@@ -297,8 +301,7 @@ def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Prob
     if "tolerance" in slider and slider.get("coupling", "one-way") == "one-way":
         message = "one-way coupling takes no tolerance: its motion is exact"
         message += "" if "coupling" in slider else ', and "one-way" is the default'
-        hint = 'write coupling = "two-way", or leave the tolerance out'
-        yield layers.problem(("slider", "tolerance"), message, hint)
+        yield _without_effect(layers, ("slider", "tolerance"), message, 'coupling = "two-way"')
 
 
 def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
@@ -312,9 +315,7 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     homes = {each.name: other for other, entry in LAWS.items() for each in entry.parameters}
     if SECTIONS[name] is Diameter:
         homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
-        yield from _unequal_lists(layers)
     yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes, entry.optional)
-    yield from _order_problems(layers, name, entry.ascending)
 
 
 def _unequal_lists(layers: Layers) -> Iterator[Problem]:
@@ -345,16 +346,22 @@ def _own_keys(
         path = (name, key)
         if key in table and key not in taken:
             message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
-            hint = f'write law = "{instead}", or leave the {key} out' if instead else f"leave the {key} out"
-            yield layers.problem(path, message, hint)
+            yield _without_effect(layers, path, message, f'law = "{instead}"' if instead else "")
         if key in taken and key not in table and key not in optional:
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
 
 
-def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> Iterator[Problem]:
+def _without_effect(layers: Layers, path: Path, message: str, instead: str) -> Problem:
+    """Return the problem of a key that does nothing, with what would give it an effect."""
+    leave = f"leave the {path[-1]} out"
+    return layers.problem(path, message, f"write {instead}, or {leave}" if instead else leave)
+
+
+def _order_problems(layers: Layers, name: str) -> Iterator[Problem]:
     """Refuse parameters that must increase from one to the next and do not."""
     table = _table_or_empty(layers, name)
-    for low, high in pairwise(ascending):
+    entry = LAWS.get(str(table.get("law")))
+    for low, high in pairwise(entry.ascending if entry else ()):
         least, most = table.get(low), table.get(high)
         if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
             yield layers.problem((name, high), f"must be larger than {name}.{low} = {least}")

@@ -44,11 +44,6 @@ class Layers:
                     return source
         return self.main
 
-    @property
-    def files(self) -> tuple[str, ...]:
-        """The files that were read, the most basic first."""
-        return tuple(source.name for source in self.sources if source.kind == "file")
-
     def value_place(self, path: Path) -> Place:
         """Return the place of the value that counts for a key."""
         return self.source_of(path).value_place(path)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.section import keys_of
 
 _ID_DIGITS = 16
 _NOT_THE_CONTACT = ("title", "output", "run")

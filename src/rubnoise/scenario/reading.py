@@ -16,12 +16,11 @@ from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
 from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput
-from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean
+from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem, in_order, report
 from rubnoise.scenario.scenario import TOLERANCE, Scenario
-from rubnoise.scenario.section import keys_of
 from rubnoise.units import Quantity
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]
@@ -195,7 +194,7 @@ def _files(given: Layers) -> tuple[str, ...]:
     """Return the files that were read: the scenario, the files that it extends, and that of its diameters."""
     table = given.data.get(_TABLE, {})
     sizes = [str(_size_file(given, table))] if "file" in table else []
-    return *given.files, *sizes
+    return *(source.name for source in given.sources if source.kind == "file"), *sizes
 
 
 def _size_file(given: Layers, table: Mapping[str, Any]) -> FilePath:

@@ -44,7 +44,7 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
         raise ScenarioRefused(report([*given.problems, *wrong]))
     values, source = point_source(given, table, _indices(table, run))
     scenario = checked(given.topped(source, without=SWEEP), stored_sizes(run))
-    replicates = points_of([Case(values=values, scenario=scenario)], table.settings.most_replicates)
+    replicates = points_of([Case(values=values, scenario=scenario)], table.most_replicates)
     seeds = frozenset(point.seed for point in replicates if self_contained)
     return Reread(resolved=scenario.resolved(), seeds=seeds, self_contained=self_contained)
 

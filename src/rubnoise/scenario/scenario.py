@@ -16,10 +16,9 @@ from rubnoise.contact.off_centre import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
-from rubnoise.scenario.fields import ratio_of
+from rubnoise.scenario.fields import Section, keys_of, ratio_of
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path
-from rubnoise.scenario.section import Section, keys_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 

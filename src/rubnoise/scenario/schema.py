@@ -5,8 +5,8 @@ from inspect import cleandoc
 from typing import Any
 
 from rubnoise.scenario.document import SECTIONS, TOP, Document, presence
+from rubnoise.scenario.fields import Key, Section, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES, SWEEP
-from rubnoise.scenario.section import Key, Section, keys_of
 from rubnoise.scenario.sweep_table import Sweeping, known_keys
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"

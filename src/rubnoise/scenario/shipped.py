@@ -33,11 +33,16 @@ def shipped_names() -> tuple[str, ...]:
 
 def by_name(name: str) -> Path:
     """Return the path of a scenario by its name, with or without ``.toml``; raises Refused, with near names."""
-    names, wanted = shipped_names(), name.removesuffix(".toml").removeprefix("scenarios/")
-    if wanted in names:
+    wanted = name.removesuffix(".toml").removeprefix("scenarios/")
+    if wanted in shipped_names():
         return shipped(f"{wanted}.toml")
-    near = [each for each in names if each.rpartition("/")[2] == wanted] or get_close_matches(wanted, names, n=3)
+    near = _near(wanted)
     raise Refused(f"{name}: no scenario of rubnoise's" + (f"; did you mean {' or '.join(near)}?" if near else ""))
+
+
+def _near(name: str) -> list[str]:
+    names = shipped_names()
+    return [each for each in names if each.rpartition("/")[2] == name] or get_close_matches(name, names, n=3)
 
 
 def named(source: str | os.PathLike[str]) -> Path:
@@ -54,8 +59,7 @@ def named(source: str | os.PathLike[str]) -> Path:
         return path
     if text.removesuffix(".toml").removeprefix("scenarios/") in shipped_names():
         return by_name(text)
-    near = [each for each in shipped_names() if each.rpartition("/")[2] == text]
-    near = near or get_close_matches(text, shipped_names(), n=3)
+    near = _near(text)
     if path.suffix or not near:
         return path
     raise Refused(f"{text}: neither a file nor a scenario of rubnoise's; did you mean {' or '.join(near)}?")

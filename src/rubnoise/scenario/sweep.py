@@ -166,7 +166,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
     problems = [*given.problems, *wrong, *found]
     cases = [Case(values=each.values, scenario=each.scenario) for each in looked_at if each.scenario is not None]
     if not wrong and len(cases) == len(looked_at):
-        problems += [*_repeated(given, cases), *_without_quantity(given, table.settings.precision, cases)]
+        problems += [*_repeated(given, cases), *_without_quantity(given, table.precision, cases)]
     if any(problem.severity == "error" for problem in problems):
         raise ScenarioRefused(report(problems))
     return Sweep(
@@ -178,7 +178,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         cases=tuple(cases),
         replicates=table.settings.replicates,
         keep=table.settings.keep,
-        precision=table.settings.precision,
+        precision=table.precision,
         warnings=tuple(map(str, in_order(problems))),
     )
 

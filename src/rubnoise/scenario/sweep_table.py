@@ -1,18 +1,17 @@
 """The `[sweep]` table: the swept keys and their values, the number of runs of each point, and their precision."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from math import ceil, fsum, inf, isfinite, prod, sqrt
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, Literal
 
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario.document import SECTIONS
-from rubnoise.scenario.fields import Choice, Number, Range, Unfit, did_you_mean
+from rubnoise.scenario.fields import Choice, Number, Range, Section, Unfit, did_you_mean, key, keys_of
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, gives
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.section import Section, key, keys_of
 
 SWEEP_POINTS: Final = 10_000
 """A point takes a millisecond to check, and all are checked before the first runs."""
@@ -71,7 +70,7 @@ class Sweeping(Section):
         f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or more.",
         1,
     )
-    keep: str = key(
+    keep: Keep = key(  # noqa: RUF009
         Choice(("runs", "summary")),
         "runs: a result file for each run; summary: only its figures and curves, without traces.",
         "runs",
@@ -91,59 +90,36 @@ class Sweeping(Section):
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """The settings of `[sweep]` for all points; without a precision the number of replicates is fixed."""
-
-    replicates: int = 1
-    keep: Keep = "runs"
-    precision: Precision | None = None
-
-    @property
-    def most_replicates(self) -> int:
-        """Largest number of runs of a point."""
-        return self.replicates if self.precision is None else self.precision.most_replicates
-
-
 _ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
 
 
-def read_settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Settings, list[Problem]]:
+def _settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Sweeping, list[Problem]]:
     """Return the settings of a `[sweep]` table, with defaults in place of invalid values, and all problems."""
     values: dict[str, Any] = {}
     problems = []
     for name, about in keys_of(Sweeping).items():
-        values[name] = about.default
         try:
-            values[name] = about.kind.read(table[name]) if name in table else about.default
+            values |= {name: about.kind.read(table[name])} if name in table else {}
         except Unfit as unfit:
             problems.append(layers.problem((SWEEP, name), str(unfit), unfit.hint))
-    problems += [] if problems else list(_at_odds(layers, table, values))
-    return _settings(values, counted="replicates" in table), problems
+    settings = Sweeping(**values)
+    if settings.precision is not None and "replicates" not in table:
+        settings = replace(settings, replicates=FEWEST)
+    return settings, problems or list(_at_odds(layers, table, settings))
 
 
-def _settings(values: Mapping[str, Any], *, counted: bool) -> Settings:
-    keep, replicates = cast(Keep, values["keep"]), int(values["replicates"])
-    if values["precision"] is None:
-        return Settings(replicates=replicates, keep=keep)
-    precision = Precision(
-        relative=values["precision"], quantity=values["quantity"], most_replicates=values["most_replicates"]
-    )
-    return Settings(replicates=replicates if counted else FEWEST, keep=keep, precision=precision)
-
-
-def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]) -> Iterator[Problem]:
+def _at_odds(layers: Layers, table: Mapping[str, Any], settings: Sweeping) -> Iterator[Problem]:
     """Yield the problems of combinations of keys."""
-    if values["precision"] is None:
+    if settings.precision is None:
         for key in _ONLY_WITH_PRECISION:
             if key in table:
                 yield layers.problem((SWEEP, key), "needs a precision", "add precision = 0.01")
         return
-    if "replicates" in table and values["replicates"] < FEWEST:
+    if settings.replicates < FEWEST:
         hint = f"replicates = {FEWEST}, or leave it out"
         yield layers.problem((SWEEP, "replicates"), "too few to estimate the precision", hint)
-    if values["replicates"] > values["most_replicates"]:
-        hint = f"most_replicates = {values['replicates']} or more"
+    if settings.replicates > settings.most_replicates:
+        hint = f"most_replicates = {settings.replicates} or more"
         yield layers.problem((SWEEP, "most_replicates"), "fewer than the replicates to begin with", hint)
 
 
@@ -180,7 +156,20 @@ class Table:
 
     grid: tuple[Axis, ...] = ()
     side_by_side: tuple[Axis, ...] = ()
-    settings: Settings = field(default_factory=Settings)
+    settings: Sweeping = field(default_factory=Sweeping)
+
+    @property
+    def most_replicates(self) -> int:
+        """Largest number of runs of a point."""
+        return self.settings.replicates if self.settings.precision is None else self.settings.most_replicates
+
+    @property
+    def precision(self) -> Precision | None:
+        """What each point is to reach; without it the number of replicates is fixed."""
+        if self.settings.precision is None:
+            return None
+        quantity, most = self.settings.quantity, self.settings.most_replicates
+        return Precision(relative=self.settings.precision, quantity=quantity, most_replicates=most)
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -208,7 +197,7 @@ def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
     if not isinstance(table, dict):
         return Table(), [layers.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
     problems = [_unknown(layers, name) for name in table if name not in TOP_KEYS]
-    settings, wrong = read_settings(layers, table)
+    settings, wrong = _settings(layers, table)
     problems += wrong
     axes: dict[str, tuple[Axis, ...]] = {}
     for name in (GRID, ZIP):
@@ -308,7 +297,7 @@ def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
 
 
 def _excess(layers: Layers, table: Table) -> Iterator[Problem]:
-    points, runs = table.point_count, table.point_count * table.settings.most_replicates
+    points, runs = table.point_count, table.point_count * table.most_replicates
     if points > SWEEP_POINTS or runs > SWEEP_RUNS:
         message = (
             f"too many: {points:,} points, {runs:,} runs with replicates; "

@@ -7,9 +7,8 @@ from typing import Final
 
 from rubnoise.scenario import layers
 from rubnoise.scenario.document import SECTIONS, TOP, presence
-from rubnoise.scenario.fields import Choice
+from rubnoise.scenario.fields import Choice, Key, Section, keys_of
 from rubnoise.scenario.keys import SWEEP
-from rubnoise.scenario.section import Key, Section, keys_of
 from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep_table import GRID, Sweeping
 from rubnoise.scenario.text import text_of, toml_value
