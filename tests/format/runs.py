@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.record.sink import Extent
-from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Dataset, Feature
 from rubnoise.storage.writer import RunWriter
@@ -65,11 +65,10 @@ def random_rows(description: RunDescription, seed: int = 1) -> Rows:
     generator = np.random.default_rng(seed)
     return {
         group.name: {
-            column.name: _values(generator, column, row_count(group, description.extent))
-            for column in stored_columns(group, description.features)
+            column.name: _values(generator, column, row_count(group, description.extent)) for column in group.columns
         }
         for group in stored_groups(description.features)
-        if group not in (LIFE_CURVE, LIFE_TABLE)
+        if group.name not in (LIFE_CURVE.name, LIFE_TABLE.name)
     }
 
 

@@ -7,7 +7,7 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.free.motion import CONTACT_LOST, CONTACT_MADE
-from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_columns, stored_groups
+from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.schema import (
     GROUPS,
@@ -31,7 +31,7 @@ ALWAYS = {
 
 def stored_with(*features: Feature) -> dict[str, list[str]]:
     given = frozenset(features)
-    return {group.name: [column.name for column in stored_columns(group, given)] for group in stored_groups(given)}
+    return {group.name: [column.name for column in group.columns] for group in stored_groups(given)}
 
 
 def test_a_bare_contact_has_no_times_no_force_and_no_slider() -> None:

@@ -18,9 +18,6 @@ CALLS = ("open", "pwrite", "preadv", "ftruncate", "posix_fallocate", "fsync", "r
 """Every call of the system by which a result comes to the disk."""
 
 FAILURES = (errno.ENOSPC, errno.EIO)
-PREFIX = "rubnoise-"
-"""Of the folders in which results are made."""
-
 TMPFS_BYTES = 20 * 1024**2
 FILLING = (
     Story(name="filled", sections=SLIDER, distance="25 mm", tick="0.5 um"),
@@ -48,7 +45,7 @@ class Counter:
 
     def _counted(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
         def called(*given: Any, **named: Any) -> Any:
-            if name == "open" and not (given[1] & os.O_RDWR and PREFIX in str(given[0])):
+            if name == "open" and not (given[1] & os.O_RDWR and "rubnoise-" in str(given[0])):
                 return real(*given, **named)  # of a file elsewhere, or to be read
             call = len(self.names)
             self.names.append(name)
@@ -62,7 +59,7 @@ class Counter:
 def calls_of(story: Story, *, older: bool) -> list[str]:
     """Return the names of the calls of a run, in their order."""
     counter = Counter()
-    with TemporaryDirectory(prefix=PREFIX) as folder:
+    with TemporaryDirectory(prefix="rubnoise-") as folder:
         story.write(Path(folder), older=older)
         with counter.counting():
             command(story.words(*["--force"] * older), Path(folder))
@@ -124,7 +121,7 @@ def filling(count: int, seed: int, stories: Sequence[Story] = FILLING) -> Outcom
 @contextmanager
 def small_disk() -> Iterator[Path]:
     """Yield a folder on a disk of 20 MB; raises PermissionError for who may not make one."""
-    with TemporaryDirectory(prefix=PREFIX) as name:
+    with TemporaryDirectory(prefix="rubnoise-") as name:
         made = ["mount", "-t", "tmpfs", "-o", f"size={TMPFS_BYTES}", "rubnoise", name]
         if os.geteuid() or subprocess.run(made, check=False, capture_output=True).returncode:
             raise PermissionError(name)

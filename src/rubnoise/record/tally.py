@@ -21,35 +21,8 @@ WATCHED = {
 RENAMED = {("load", "velocity"): "normal_velocity"}
 """Names of tallied columns beside those of other groups."""
 
-COUNTED = {"landmarks": {"kind": len(LandmarkKind)}}
-"""Columns of few whole numbers of which each is counted, by group, and how many there are."""
-
-KEPT = {
-    "balance": (
-        "time",
-        "distance",
-        "displacement",
-        "velocity",
-        "time_stuck",
-        "displacement_integral",
-        "displacement_squared_integral",
-        "velocity_squared_integral",
-        "friction_work",
-        "reverse_work",
-    )
-}
-"""Columns of which the last value is kept, by group."""
-
-SLIPS = {"landmarks": ("kind", "distance")}
-"""Columns that say how long slips are, by group."""
-
-TALLIED = {
-    group: dict.fromkeys(
-        (*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ()))
-    )
-    for group in {**WATCHED, **COUNTED, **KEPT}
-}
-"""All columns from which a tally is made."""
+TALLIED = frozenset((*WATCHED, "landmarks", "balance"))
+"""All groups from which a tally is made."""
 
 
 @dataclass(slots=True)
@@ -152,9 +125,9 @@ class Slips:
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """A sink that keeps a few numbers of the columns it watches: moments, counts of each value, or the last value.
+    """A sink that keeps a few numbers by the names of columns: moments, counts of each kind of landmark, last values.
 
-    All are kept by name; slips of a two-way slider are counted, too.
+    Slips of a two-way slider are counted, too.
     """
 
     moments: dict[str, Moments] = field(default_factory=dict)
@@ -174,13 +147,11 @@ class Tally:
             if name in columns:
                 seen = self.moments.setdefault(RENAMED.get((group, name), name), Moments(powers=powers))
                 seen.add(columns[name])
-        for name, numbers in COUNTED.get(group, {}).items():
-            if name in columns:
-                counts = self.counts.setdefault(name, [0] * numbers)
-                for number in range(numbers):
-                    counts[number] += int(np.count_nonzero(columns[name] == number))
-        for name in KEPT.get(group, ()):
-            if name in columns and columns[name].size:
-                self.last[name] = float(columns[name][-1])
-        if group in SLIPS and all(name in columns for name in SLIPS[group]):
-            self.slips.add(*(columns[name] for name in SLIPS[group]))
+        if group == "landmarks":
+            kind = columns["kind"]
+            counts = self.counts.setdefault("kind", [0] * len(LandmarkKind))
+            for number in LandmarkKind:
+                counts[number] += int(np.count_nonzero(kind == number))
+            self.slips.add(kind, columns["distance"])
+        if group == "balance":
+            self.last.update({name: float(values[-1]) for name, values in columns.items() if values.size})

@@ -11,7 +11,7 @@ from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.provenance import Provenance
-from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
+from rubnoise.storage.schema import GROUPS, Feature, Group
 
 STRUCTURE_BYTES = 20 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
@@ -54,17 +54,15 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
 
     Kept, since the runs of a sweep have the same.
     """
-    return tuple(
-        replace(group.as_in(features), columns=stored_columns(group, features))
+    there = (
+        group.as_in(features)
         for group in GROUPS
         if (not group.needs or not features.isdisjoint(group.needs)) and features.isdisjoint(group.lacks)
     )
-
-
-def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Dataset, ...]:
-    """Return the columns that a group has in a run with these features, the scale first."""
-    columns = group.as_in(features).columns
-    return tuple(column for column in columns if column.needs is None or column.needs in features)
+    return tuple(
+        replace(group, columns=tuple(each for each in group.columns if each.needs is None or each.needs in features))
+        for group in there
+    )
 
 
 def row_count(group: Group, extent: Extent) -> int:

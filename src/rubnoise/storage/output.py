@@ -10,7 +10,7 @@ import stat
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from time import monotonic, sleep
@@ -101,12 +101,6 @@ class PartFile:
     path: Path
     descriptor: int
     force: bool
-    about: os.stat_result = field(init=False)
-    """What the system says of the file."""
-
-    def __post_init__(self) -> None:
-        """Ask which file it is."""
-        self.about = os.fstat(self.descriptor)
 
     def reserve(self, size: int, descriptor: int | None = None) -> None:
         """Take the disk space of a whole file now, or of another open one that belongs to it.
@@ -135,7 +129,7 @@ class PartFile:
         """
         if durable:
             os.fsync(self.descriptor)
-        if not _is(self.path, self.about):
+        if not _is(self.path, os.fstat(self.descriptor)):
             raise OutputSwappedError(
                 f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
                 " is not written"
@@ -152,7 +146,7 @@ class PartFile:
     def close(self) -> None:
         """Close the file, and remove it if it still has the name of the part."""
         with suppress(OSError):  # of a folder that is gone, say: the file is no result either way
-            if self.descriptor >= 0 and _is(self.path, self.about):
+            if self.descriptor >= 0 and _is(self.path, os.fstat(self.descriptor)):
                 self.path.unlink(missing_ok=True)
         self._let_go()
 

@@ -25,16 +25,10 @@ CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with oth
 HASH: Final = "xxh3_128"
 HASH_DIGITS: Final = 32
 
-_NUMBER: Final = float | int
-ROOT: Final[Mapping[str, type | UnionType]] = {
-    "Conventions": str,
-    "format": str,
-    "format_version": int,
-    "title": str,
-    "source": str,
-    "junction_area_formula": str,
-}
-"""The attributes of the root, and what each holds; NX_class and default are for viewers."""
+ROOT: Final[Mapping[str, type | UnionType]] = dict.fromkeys(
+    ("Conventions", "format", "format_version", "title", "source", "junction_area_formula"), Scalar
+)
+"""The attributes of the root, and what each may hold; NX_class and default are for viewers."""
 
 INTERVENTION: Final = "intervention"
 """What /provenance has only of a run whose lives were ended from outside: the name of the function."""
@@ -48,11 +42,11 @@ PROVENANCE: Final[Mapping[str, type | UnionType]] = {
     "command": str,
     "started": str,
     "finished": str,
-    "seed": int,
-    "stream_version": int,
-    "calibrated_diameter": _NUMBER,
+    "seed": Scalar,
+    "stream_version": Scalar,
+    "calibrated_diameter": Scalar,
 }
-"""The attributes of /provenance, and what each holds."""
+"""The attributes of /provenance, and what each may hold: whether a number is right is for `verify` to say."""
 
 TELLTALES: Final[Mapping[Feature, str]] = {
     "strength": "junctions/shear_strength",

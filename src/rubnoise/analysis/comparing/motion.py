@@ -18,7 +18,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.record.tally import KEPT, Moments
+from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
 from rubnoise.theory.cumulants import force_cumulants
 from rubnoise.theory.motion import Response, motion_drive_of, response
@@ -110,7 +110,7 @@ class Path:
 
     def __init__(self, model: Model, rows: Rows) -> None:
         """Read /balance and /landmarks; raises RunFileRefused for rows that no motion can have."""
-        row = {name: rows.column("balance", name) for name in KEPT["balance"]}
+        row = {name: rows.column("balance", name) for name in rows.columns["balance"]}
         if any(each.size != 1 or not np.isfinite(each).all() for each in row.values()) or row["time"][0] <= 0.0:
             raise RunFileRefused("/balance is damaged: it has one row of finite numbers, and a time above 0")
         self.balance = Balance.of(model, {name: float(each[0]) for name, each in row.items()})
