@@ -28,7 +28,7 @@ _MOST_PARTS: Final = 4
 class Layers:
     """Sources from the most basic to the topmost, their merged data, and the problems found while merging.
 
-    ``main`` is the source that was asked for.
+    ``main`` is the requested source.
     """
 
     main: Source
@@ -102,7 +102,7 @@ def _values(values: Mapping[str, Any], name: str) -> Source:
 
 
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
-    # In a report the file that was asked for comes first, then what it extends, then the settings.
+    # In a report the requested file comes first, then what it extends, then the settings.
     sources = (*files, *(_setting(text, len(files) + n) for n, text in enumerate(overrides)))
     merged = _merged(source.data for source in sources)
     return Layers(
