@@ -151,7 +151,7 @@ class _Making:
             self._tell()
 
     def _missing(self) -> list[Point]:
-        """Return the wanted runs that no worker makes and whose files are not there; none if the sweep needs no more."""
+        """Return the wanted runs that are neither made now nor there; none if the sweep needs no more."""
         left, missing = self._others | self._held, list[Point]()
         while not missing and (points := [p for p in self.adaptive(self._ended()) if p.run_id not in left]):
             missing = [point for point in points if not self._take_up(point)]

@@ -70,11 +70,6 @@ def cells_per_tick(model: Model) -> int:
     return cells
 
 
-def narrow(model: Model, cells: int) -> bool:
-    """Return whether cells are so narrow that differences of integrals lose the accuracy that dividing ticks gains."""
-    return cells > 1 and model.tick / cells < model.calibrated_diameter / 128.0
-
-
 def _error(model: Model, slider: Slider, cells: int) -> float:
     width = model.tick / model.calibrated_diameter / cells
     duration = (model.tick_duration or 0.0) / cells
