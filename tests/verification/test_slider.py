@@ -12,7 +12,7 @@ from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.kernels import choice, coarse, triangle
-from rubnoise.simulation.ticks import cells_per_tick, narrow
+from rubnoise.simulation.ticks import cells_per_tick
 from tests.models import FIG5_SLIDER, UNEQUAL, model, recorded
 from tests.models import model as figure_5
 from tests.oracle import sliders
@@ -132,7 +132,7 @@ def test_junctions_that_end_early_act_until_then() -> None:
 def test_a_junction_may_end_at_mid_life_itself(seed: int, speed: float) -> None:
     """Which half it ends in is a matter of rounding there, and must not matter."""
     run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.25, speed=speed)
-    assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)
+    assert (run.tick / cells_per_tick(run) < run.calibrated_diameter / 128.0) == (speed < 1000.0)
     rows = rows_of(recorded(run, seed))
     middle = rows.birth + rows.diameter
     when = {number: float(middle[number]) for number in np.flatnonzero((middle > 0.0) & (middle < 25.0))}
@@ -260,7 +260,7 @@ def test_an_adaptive_integrator_agrees_with_triangles() -> None:
 @pytest.mark.parametrize("speed", [1000.0, 20.0])
 def test_triangles_that_end_early_act_until_then(speed: float) -> None:
     run = slider_run(distance=30.0, tick=0.1, speed=speed)
-    assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)
+    assert (run.tick / cells_per_tick(run) < run.calibrated_diameter / 128.0) == (speed < 1000.0)
     seed = seed_of("triangles end early")
     rows = rows_of(recorded(run, seed))
     places = {12: 1.93, 30: 0.31, 40: 1.4, 41: 0.02, 42: 1.0}
