@@ -385,18 +385,3 @@ def test_a_window_has_the_spectrum_that_theory_expects(one_way: Path) -> None:
     assert sum(inside) >= 38 - (1.9 + 4.0 * (38 * 0.05 * 0.95 * 1.5) ** 0.5)
     wrong = [low <= 2.0 * seen / mean <= high for seen, mean in zip(density[bins], expected[bins], strict=True)]
     assert sum(wrong) < 38 - (1.9 + 4.0 * (38 * 0.05 * 0.95 * 1.5) ** 0.5)
-
-
-# `rubnoise docs`: the pages of the documentation as one.
-def test_the_documentation_is_one_page_whose_links_all_lead_somewhere(tmp_path: Path) -> None:
-    assert call("docs", "-o", tmp_path / "all.html").code == 0
-    page = (tmp_path / "all.html").read_text(encoding="utf-8")
-    assert len(page.encode()) < 2_000_000
-    places = set(re.findall(r' id="([^"]+)"', page))
-    links = re.findall(r' href="#([^"]+)"', page)
-    assert len(links) > 100
-    assert [link for link in links if link not in places] == []
-    assert not re.search(r"""src=["'](?!data:)""", page)
-    assert page.count("data:image/svg+xml;base64,") == 7
-    assert "$" not in page.partition('id="model"')[2].partition('id="scenarios"')[0]
-    assert call("docs", "-o", tmp_path / "all.html").code == 2

@@ -132,9 +132,9 @@ class _Making:
         if not (missing := self._missing()):
             return
         check_room(self.sweep, self.root, here, missing)
-        (self.root / RUNS).mkdir(parents=True, exist_ok=True)
         self._already = self._runs - len(missing)
         with workers(len(missing) if self.sweep.precision is None else None) as opened:
+            (self.root / RUNS).mkdir(parents=True, exist_ok=True)
             work = partial(
                 made,
                 folder=self.root,
