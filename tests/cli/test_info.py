@@ -46,13 +46,13 @@ def test_json_is_one_object_and_nothing_else(result: Path) -> None:
 
 
 def test_a_finished_run_has_nothing_to_forecast(result: Path) -> None:
-    """Memory and time are what a run will take; rows and bytes of this one are told as they are."""
+    """Memory is what a run will take; rows and bytes of this one are told as they are."""
     labels = [line.strip().split("  ")[0] for line in call("info", "x.h5").out.splitlines()]
-    assert not {"memory", "time", "events", "rows", "file size"} & set(labels)
+    assert not {"memory", "events", "rows", "file size"} & set(labels)
     assert labels.count("size") == labels.count("births") == 1
     assert "cost" not in call("info", "x.h5", "--json").json()["derived"]
     checked = [line.strip().split("  ")[0] for line in call("check", SLIDER).out.splitlines()]
-    assert {"memory", "time", "events", "rows", "file size", "births"} <= set(checked)
+    assert {"memory", "events", "rows", "file size", "births"} <= set(checked)
 
 
 def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) -> None:
