@@ -1,7 +1,8 @@
 """Runs interrupted: `python tools/survive.py kills`, say, by the interpreter of dev.py's .venv.
 
-kills: SIGKILL at random moments; rivals: a second writer; failing: every call of the disk fails in turn; filling: a
-small disk fills up. Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
+kills: SIGKILL at random moments; rivals: a second writer; failing: each call of the system that makes a result fails in
+turn; filling: a small disk fills up. Prints counts, and a line for each thing that was lost or wrong; exit code 1 where
+there is any.
 """
 
 import argparse

@@ -19,7 +19,7 @@ from typing import Any, Self
 _MANTISSA = r"[+-]?[0-9]+(?:\.[0-9]+)?"
 NUMBER = rf"{_MANTISSA}(?:[eE][+-]?[0-9]{{1,3}})?"
 MAX_UNIT_LENGTH = 40
-# One small power per name: pint would multiply out a tower of powers until the memory is gone.
+# One small power per name: a tower of powers would be worked out exactly until the memory is gone.
 _NAME = r"[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*"
 _FACTOR = rf"{_NAME}(?:(?:\^|\*\*)-?[0-9]{{1,2}}(?:\.[0-9]+)?)?"
 _UNIT = re.compile(rf"(?:1 ?/ ?)?{_FACTOR}(?:(?: ?[*/] ?| +){_FACTOR})*")

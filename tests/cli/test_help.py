@@ -31,7 +31,7 @@ from tests.cli.terminal import Answer, call, spawn
 COMMANDS = [name for name in REGISTERED if name not in INSTEAD]
 
 # Newer versions of typer load pydantic themselves when they build a command.
-HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'pint', 'simpy', 'matplotlib', 'mpmath', 'xarray', 'rubnoise.scenario'}"
+HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'simpy', 'matplotlib', 'mpmath', 'xarray', 'rubnoise.scenario'}"
 LOADED = f"""
 import sys
 from rubnoise.cli.app import main

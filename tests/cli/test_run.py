@@ -196,7 +196,7 @@ from rubnoise.cli.app import main
 sys.argv = ["rubnoise", "run", "../given/slider.toml", "-q"]
 with contextlib.suppress(SystemExit):
     main()
-print("loaded:", *sorted({"scipy.stats", "matplotlib", "pint"} & set(sys.modules)))
+print("loaded:", *sorted({"scipy.stats", "matplotlib"} & set(sys.modules)))
 import scipy.linalg.cython_blas, scipy.linalg
 print(scipy.linalg.inv([[2.0]])[0, 0])
 """
@@ -228,7 +228,7 @@ for words in (["check", "../given/slider.toml", "--json"], ["run", "../given/sli
     sys.argv = ["rubnoise", *words]
     with contextlib.suppress(SystemExit):
         main()
-print("loaded:", *sorted({"h5py", "matplotlib", "numba", "pandas", "pint"} & set(sys.modules)))
+print("loaded:", *sorted({"h5py", "matplotlib", "numba", "pandas"} & set(sys.modules)))
 """
 KEPT_CODE = """
 import sys

@@ -1,4 +1,4 @@
-"""Quantities: the number is read exactly and strictly, the unit as pint reads it."""
+"""Quantities: the number is read exactly and strictly, the unit from a table that is equal to pint's."""
 
 import pickle
 import re

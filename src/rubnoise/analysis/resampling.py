@@ -20,7 +20,7 @@ PASSED: Final = 0.9
 
 RIPPLE: Final = 2e-5
 _SHAPE: Final = 10.06  # Kaiser's beta for 100 dB, 0.1102 (100 - 8.7)
-_PIECE: Final = 1 << 18  # inputs at once
+_PIECE: Final = 1 << 18  # inputs or outputs at once, about
 
 
 def rate_ratio(source: float, target: float) -> Fraction:
@@ -49,7 +49,7 @@ def resampled(read: Callable[[int, int], Doubles], inputs: int, ratio: Fraction)
     up, down = ratio.numerator, ratio.denominator
     taps = _taps(up, down)
     reach = down * ceil(taps.size / (up * down))  # inputs beside a piece; a whole number of q, which keeps the phase
-    step = down * ceil(_PIECE / down)
+    step = down * ceil(_PIECE / max(up, down))
     for first in range(0, inputs, step):
         stop = min(first + step, inputs)
         values = read(max(first - reach, 0), min(stop + reach, inputs))

@@ -214,7 +214,7 @@ def _of_rows(
     if streams:
         rows = [identity_check(model, run)]
         left_out.append(LeftOut(name="replay", reason=streams))
-        for group in run.columns.keys() & TALLIED:
+        for group in (name for name in run.columns if name in TALLIED):
             for chunk in chunks(run, group):
                 tally.write(group, chunk.first, chunk)
     else:

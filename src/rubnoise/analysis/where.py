@@ -131,6 +131,8 @@ class _Reader:
             word = _WORD.match(self._text, place)
             if word is None:
                 raise self._slip(place)
+            if plain[-1:].isalnum() and word[0][0] not in "<>=!() \t\r\n":
+                raise self._refused(word.span(), f'"{word[0]}" does not belong here', _JOINED)
             if word["joint"] is None:
                 self._operands[place] = self._known(word)
                 plain += "x".ljust(len(word[0]))

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from rubnoise.arrays import slices
 from rubnoise.errors import Refused
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
-
-if TYPE_CHECKING:
-    pass
 
 
 class Read(Protocol):

@@ -93,7 +93,7 @@ class PowerSpectrum(Table):
 
         curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
         labels = f"{self.names[0]} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
-        return drawn_estimate(self.place[1:], curves, labels, logarithmic=True)
+        return drawn_estimate(self.place[1:], curves, labels)
 
     @property
     def _heading(self) -> str:

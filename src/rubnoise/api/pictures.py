@@ -160,10 +160,8 @@ def drawn_columns(place: tuple[Any, str], curves: Sequence[tuple[Any, str]]) -> 
         return figure
 
 
-def drawn_estimate(
-    place: Doubles, curves: Mapping[str, Doubles], labels: tuple[str, str], *, logarithmic: bool
-) -> "Figure":
-    """Draw curves over their places by name, "estimated" and "exact", and return the figure."""
+def drawn_estimate(place: Doubles, curves: Mapping[str, Doubles], labels: tuple[str, str]) -> "Figure":
+    """Draw curves over their places by name, "estimated" and "exact", on logarithmic axes, and return the figure."""
     from rubnoise.figures import style
 
     colours = {"estimated": style.BLUE, "exact": style.VERMILION}
@@ -172,9 +170,8 @@ def drawn_estimate(
         axes = figure.subplots()
         for name, values in curves.items():
             axes.plot(place, values, color=colours[name], lw=1.0, label=name)
-        if logarithmic:
-            style.logarithmic(axes.xaxis)
-            style.logarithmic(axes.yaxis)
+        style.logarithmic(axes.xaxis)
+        style.logarithmic(axes.yaxis)
         axes.set_xlabel(labels[0])
         axes.set_ylabel(labels[1])
         style.legend_above(axes)

@@ -217,11 +217,10 @@ class Run:
         """
         from rubnoise.analysis.verification import verify
 
-        with self._file_of() as file:
-            if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
-                raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
-            with _calculating(self._called):
-                return replace(verify(file, regenerate), heading=f"{self._called}: verified")
+        if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
+            raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
+        with self._file_of() as file, _calculating(self._called):
+            return replace(verify(file, regenerate), heading=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
         """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.

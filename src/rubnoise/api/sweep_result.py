@@ -4,6 +4,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -179,10 +180,11 @@ class SweepResult:
             raise KeyError(f"{self.path}: no run is named {run_id}")
         if self.runs["file"][int(rows[0])] != (file := f"runs/{run_id}.h5"):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
-        run = open_result(self.path / file)
-        if (name := name_in(scenario_in(run.reader()), run.path)) != run_id:
-            run.close()
-            raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
+        with ExitStack() as opened:
+            run = opened.enter_context(open_result(self.path / file))
+            if (name := name_in(scenario_in(run.reader()), run.path)) != run_id:
+                raise RunFileRefused(f"{run.path}: is the result of another run, {name}")
+            opened.pop_all()
         return run
 
     def scenario(self, point: int) -> "Scenario":

@@ -74,8 +74,13 @@ def run_sweep(
 def _into(sweep: Sweep, folder: str | os.PathLike[str] | None, **options: Any) -> SweepResult:
     place = Path(mkdtemp(prefix="rubnoise-sweep-")) if folder is None else Path(folder)
     owner = TemporaryFolder(place) if folder is None else None
-    carry_out(sweep, place, **options)
-    result = open_sweep(place)
+    try:
+        carry_out(sweep, place, **options)
+        result = open_sweep(place)
+    except BaseException:
+        if owner is not None:  # which a traceback may hold for long
+            rmtree(place, ignore_errors=True)
+        raise
     result.temporary = owner
     return result
 

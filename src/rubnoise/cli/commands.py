@@ -139,6 +139,10 @@ class Commands(TyperGroup):
         """Return the options (see click)."""
         return without_types(super().get_params(ctx))
 
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names that are shown and suggested: those of commands that are not hidden."""
+        return [name for name in super().list_commands(ctx) if not self.commands[name].hidden]
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command that prints escaped text (see click)."""
         name, command, rest = super().resolve_command(ctx, args)

@@ -10,7 +10,7 @@ import typer
 
 import rubnoise
 from rubnoise.cli.layout import agreement_table, finite, grouped, json_text, line, printable, sentence, size
-from rubnoise.cli.options import AsJson, ResultOfAnyKind
+from rubnoise.cli.options import AsJson, ResultOrSweep
 from rubnoise.cli.sweep import format_failures, states_in_words, values_in_words
 from rubnoise.errors import Refused
 from rubnoise.regular_file import is_folder
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def command(
-    file: ResultOfAnyKind,
+    file: ResultOrSweep,
     *,
     figures: Annotated[
         str | None,

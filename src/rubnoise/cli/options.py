@@ -7,9 +7,6 @@ import typer
 
 ResultFile = Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5")]
 ResultOrSweep = Annotated[Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR")]
-ResultOfAnyKind = Annotated[
-    Path, typer.Argument(help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR")
-]
 StretchStart = Annotated[
     str | None, typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S")
 ]

@@ -45,8 +45,7 @@ def command(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, a quantity, such as displacement_std,"
-            " or psd for the spectra of its points.",
+            help=f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, a quantity, such as displacement_std.",
             metavar="WHAT",
             autocompletion=complete,
             show_default="trace, or displacement_std or real_contact_area_std",
@@ -97,8 +96,7 @@ def command(
     histograms beside their laws. lifelines has a bar from birth to death for each junction. slider is its motion in
     time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks, or the speeds of
     impacts and the times of flights; load is its rise and fall under a load that weighs. Of a sweep a
-    quantity is drawn against what is swept, with intervals and the exact curve; psd draws the spectra of its points,
-    one above the other.
+    quantity is drawn against what is swept, with intervals and the exact curve.
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """

@@ -20,7 +20,6 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1
 _FIRST = 1.0
 """Seconds between two looks at a terminal, and before the first if most files take less."""
-_ALARM = getattr(signal, "SIGALRM", None)  # which Windows lacks
 _A_MOMENT = 0.01
 """Seconds."""
 
@@ -165,20 +164,19 @@ def _at_first_signal(note: Callable[[int], None]) -> Iterator[None]:
     def noted(number: int, frame: FrameType | None) -> None:
         for each in SIGNALS:
             signal.signal(each, signal.SIG_DFL)
-        if _ALARM is not None and _is_called_by_compiler(frame):
-            signal.signal(_ALARM, lambda _, later: noted(number, later))
+        if _is_called_by_compiler(frame):
+            signal.signal(signal.SIGALRM, lambda _, later: noted(number, later))
             signal.setitimer(signal.ITIMER_REAL, _A_MOMENT)
         else:
             note(number)
 
     before = {each: signal.signal(each, noted) for each in SIGNALS}
-    alarm = None if _ALARM is None else signal.getsignal(_ALARM)
+    alarm = signal.getsignal(signal.SIGALRM)
     try:
         yield
     finally:
-        if _ALARM is not None:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(_ALARM, alarm)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, alarm)
         for each, handler in before.items():
             signal.signal(each, handler)
 

@@ -7,11 +7,11 @@ from typing import Annotated
 import typer
 
 import rubnoise
-from rubnoise.cli.options import ReplaceFile, ResultOfAnyKind, StretchEnd, StretchStart
+from rubnoise.cli.options import ReplaceFile, ResultOrSweep, StretchEnd, StretchStart
 
 
 def command(
-    file: ResultOfAnyKind,
+    file: ResultOrSweep,
     *,
     output: Annotated[
         Path | None,

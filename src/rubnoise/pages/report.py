@@ -160,9 +160,9 @@ def _normal_motion(file: Reader, model: Model) -> str:
     return _paragraphs([words]) + _html_table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
 
 
-def _picture(content: bytes, caption: str, kind: str = "png") -> str:
+def _picture(content: bytes, caption: str) -> str:
     text = escape(caption, quote=True)
-    image = f'<img alt="{text}" src="data:image/{kind};base64,{coded(content)}">'
+    image = f'<img alt="{text}" src="data:image/png;base64,{coded(content)}">'
     return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
 
 

@@ -173,10 +173,12 @@ def _figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
     """Yield the names of runs that an index calls done, with their figures, and curves of runs that keep no more."""
     names = [name for name in index.runs if name not in {*ABOUT, *keys_in(index)}]
     figures = np.array([index.runs[name].values for name in names]).T.tolist()
-    columns = [index.runs[name].values.tolist() for name in ("run_id", "point", "file", "state")]
-    for row, (run_id, point, file, state) in enumerate(zip(*columns, strict=True)):
+    columns = [index.runs[name].values.tolist() for name in ("run_id", "point", "replicate", "file", "state")]
+    for row, (run_id, point, replicate, file, state) in enumerate(zip(*columns, strict=True)):
         if state == DONE and bool(file) == (keep == "runs"):
-            arrays = {n: values[row if n in CURVES else point] for n, values in index.summaries.items()}
+            of_run = {name: values[row] for name, values in index.summaries.items() if name in CURVES}
+            of_point = {name: values[point] for name, values in index.summaries.items() if name not in CURVES}
+            arrays = of_run if replicate else of_run | of_point
             yield run_id, dict(zip(names, figures[row], strict=True)) | arrays
 
 

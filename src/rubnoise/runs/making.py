@@ -43,8 +43,12 @@ class KeptRun(MemoryRecord):
 
     @property
     def provenance(self) -> Attributes:
-        """Scenario and seed, by the names that they have in a file."""
-        return {"scenario_resolved": json.dumps(self.scenario.resolved()), "seed": self.scenario.run.seed}
+        """Scenario, seed and intervention, by the names that they have in a file."""
+        return {
+            "scenario_resolved": json.dumps(self.scenario.resolved()),
+            "seed": self.scenario.run.seed,
+            **({"intervention": self.intervention} if self.intervention else {}),
+        }
 
     @property
     def summary(self) -> Attributes:

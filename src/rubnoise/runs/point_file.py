@@ -6,6 +6,7 @@ keeps its summary alone has its figures and curves in an archive of numpy's.
 
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, Literal, cast
@@ -113,6 +114,9 @@ def found(point: Point, path: Path) -> Figures | None:
     return figures
 
 
+_NOT_UNPACKED: Final = (zipfile.BadZipFile, zlib.error)
+
+
 def read(path: Path) -> tuple[Mapping[str, Any], Figures | None]:
     """Return the scenario in the file of a run and its figures, None if the file is not as it was written.
 
@@ -156,7 +160,7 @@ def _read_summary(path: Path) -> tuple[Mapping[str, Any], Figures]:
                 name.partition(" ")[2]: kept[name] for name in kept.files if name.startswith(("curve ", "point "))
             }
             return dict(json.loads(str(kept["scenario"]))) if same else {}, figures | arrays
-    except (ValueError, LookupError, TypeError, EOFError, zipfile.BadZipFile) as problem:
+    except (ValueError, LookupError, TypeError, EOFError, RuntimeError, MemoryError, *_NOT_UNPACKED) as problem:
         raise RunFileRefused(f"{path}: damaged: {problem}") from None
     except OSError as problem:
         raise RunFileRefused(f"{path}: {str(problem.strerror or problem).lower()}") from problem

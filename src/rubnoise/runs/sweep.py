@@ -15,7 +15,7 @@ from pathlib import Path
 from shlex import join
 from typing import Any, Final
 
-from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunStopped
+from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
 from rubnoise.runs.executors import Workers
@@ -178,6 +178,12 @@ class _Making:
                     self._unsynced.append(path)
         return point.run_id in self.found
 
+    def _is_known(self, point: Point) -> bool:
+        """Take the figures of a run as `_take_up` does; a file of others that cannot be read is left to them."""
+        with suppress(RunFileRefused):
+            return self._take_up(point)
+        return False
+
     def _record(self, outcome: Outcome[Figures]) -> None:
         run_id, problem = outcome.point.run_id, outcome.problem
         self._before.pop(run_id, None)
@@ -226,7 +232,7 @@ class _Making:
         whole = AdaptiveReplicates(self.sweep)
         looked_for: set[str] = set()
         while more := [point for point in whole(self._ended()) if point.run_id not in looked_for]:
-            looked_for |= {point.run_id for point in more if not self._take_up(point)}
+            looked_for |= {point.run_id for point in more if not self._is_known(point)}
         return whole.points
 
     def _sync(self) -> None:
@@ -241,7 +247,7 @@ class _Making:
                 path.unlink(missing_ok=True)
                 self.found.pop(path.stem, None)
                 self._failed[path.stem] = f"{path}: writing failed: {reason_of(problem)}"
-        if self._unsynced and hasattr(os, "O_DIRECTORY"):
+        if self._unsynced:
             _flush(self.root / RUNS)
         self._unsynced.clear()
 

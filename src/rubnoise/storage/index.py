@@ -37,6 +37,11 @@ TEXTS: Final = (
 )
 """The attributes of an index that are not the same in all of them."""
 
+_NEEDED: Final = (
+    (POINTS, "values"),
+    *((RUNS, name) for name in ("run_id", "point", "replicate", "seed", "file", "state", "reason")),
+)
+
 REMEDY: Final = "the same `rubnoise sweep` writes it again"
 
 
@@ -106,10 +111,14 @@ def _read(file: h5py.File) -> Index:
         known = "the result of one run, not the index of a sweep" if found else "an HDF5 file, but no index of a sweep"
         raise RunFileRefused(f"is {known}")
     if (version := read_attribute(file, "format_version", int)) != FORMAT_VERSION:
-        raise RunFileRefused(f"has format version {version}, and this rubnoise knows {FORMAT_VERSION}; install a newer")
+        remedy = "install a newer rubnoise" if version > FORMAT_VERSION else REMEDY
+        raise RunFileRefused(f"has format version {version}, and this rubnoise reads {FORMAT_VERSION}; {remedy}")
     if not h5py.h5a.exists(file.id, HASH.encode()) or read_attribute(file, HASH, str) != _seal(file):
         raise RunFileRefused(f"damaged: is not as it was written; {REMEDY}")
     columns = _columns(file)
+    for group, name in _NEEDED:
+        if name not in columns[group]:
+            raise RunFileRefused(f"damaged: /{group}/{name} is missing; {REMEDY}")
     return Index(
         texts={name: read_attribute(file, name, str) for name in TEXTS},
         points={name: _filled(name, dataset) for name, dataset in columns[POINTS].items()},
@@ -119,9 +128,13 @@ def _read(file: h5py.File) -> Index:
 
 
 def _seal(file: h5py.File) -> str:
-    """Return the xxh3_128 of a JSON text with an index's attributes and the hashes of its columns, sorted by name."""
+    """Return the xxh3_128 of a JSON text: an index's texts, and hash, type and units of its columns, sorted by name."""
     hashes = {
-        dataset.name: xxhash.xxh3_128_hexdigest(np.ascontiguousarray(dataset[()]).data)
+        dataset.name: [
+            xxhash.xxh3_128_hexdigest(np.ascontiguousarray(dataset[()]).data),
+            dataset.dtype.str,
+            *(read_attribute(dataset, each, str) for each in ("units", "long_name") if each in dataset.attrs),
+        ]
         for columns in _columns(file).values()
         for dataset in columns.values()
     }

@@ -23,6 +23,7 @@ from rubnoise.storage.schema import CHUNK_ROWS, Dataset, Scalar
 REMEDY: Final = "copy it again, or run its scenario again"
 
 ATTRIBUTE_BYTES = 1 << 22
+_WORDS: Final[Mapping[Any, str]] = {str: "a text", int: "a whole number"}
 MOST_ATTRIBUTES = 256
 MOST_LINKS = 256
 """More of either is in no file of ours; some room is left for what others add to it."""
@@ -185,5 +186,5 @@ def read_attribute(owner: h5py.HLObject, name: str, wanted: type | UnionType = S
     attribute.read(value)  # by HDF5's own call: h5py's takes longer than all the rest of opening a file
     found = value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
     if not isinstance(found, wanted):
-        raise RunFileRefused(f"{place} is not {'a text' if wanted is str else 'a number'}")
+        raise RunFileRefused(f"{place} is not {_WORDS.get(wanted, 'a number')}")
     return found

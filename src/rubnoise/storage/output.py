@@ -137,11 +137,12 @@ class PartFile:
         self._rename()
         self._let_go()
         if durable:
-            folder = os.open(self.final.parent, os.O_RDONLY)
-            try:
-                os.fsync(folder)
-            finally:
-                os.close(folder)
+            with suppress(PermissionError):  # of a folder that may be written, and not read
+                folder = os.open(self.final.parent, os.O_RDONLY)
+                try:
+                    os.fsync(folder)
+                finally:
+                    os.close(folder)
 
     def close(self) -> None:
         """Close the file, and remove it if it still has the name of the part."""

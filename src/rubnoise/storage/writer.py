@@ -37,7 +37,7 @@ class RunWriter:
     size is not known yet wait in files without names in the folder of the result.
 
     Without ``durable`` the writer does not wait for the disk: a power cut may lose the file until another call has
-    flushed it (see sync_many). Entering raises OutputRefused (see `part_file`; also for a full disk).
+    flushed it. Entering raises OutputRefused (see `part_file`; also for a full disk).
     """
 
     def __init__(

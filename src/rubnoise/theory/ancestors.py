@@ -88,7 +88,7 @@ def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakenin
     growth = slider.slope - slider.damping
     rise, square = 0.5 * growth / slider.mass, slider.natural_angular_frequency**2
     turn = sqrt(max(square - rise * rise, 0.0))
-    if not turn or force < slider.slope * speed * exp(rise * pi / turn):
+    if not turn or force < slider.slope * speed * exp(min(rise * pi / turn, 700.0)):
         raise Refused("slider.slope: the force would fall below 0 in the slip; a smaller slope or a larger mean force")
 
     def velocity(time: float) -> float:

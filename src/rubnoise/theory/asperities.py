@@ -100,6 +100,8 @@ def greenwood_williamson(
         h = _separation_of(_positive("load", load, FORCE), load_at, least)
     if heights == "exponential" and h < 0.0:
         raise Refused("exponential heights begin at the mean plane: the separation is not negative")
+    if h < -_FARTHEST:
+        raise Refused(f"separation: {h:g} heights below the mean plane, where {-_FARTHEST:g} is the least")
     area, force = area_at(h), load_at(h)
     return RoughContact(
         separation=h * s,

@@ -49,12 +49,6 @@ def moment_form(text: str) -> str | None:
     return None if moment(text) else "a time in UTC such as 2026-01-31T12:00:00Z"
 
 
-def source_form(text: str) -> str | None:
-    """Return the right form of the name of the writing program, or None if the value has it."""
-    name, _, version = text.partition(" ")
-    return None if name == "rubnoise" and VERSION.fullmatch(version) else "rubnoise and its version, as rubnoise 1.2.3"
-
-
 def moment(text: str) -> datetime | None:
     """Return the time in a text of the form that results use; None for another text."""
     try:
