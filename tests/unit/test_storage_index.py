@@ -24,6 +24,10 @@ def _index() -> Index:
         _column("run", "row number of the run", np.arange(COUNT)),
         _column("run_id", "name of the run", runs),
         _column("point", "number of the point", numbers),
+        _column("replicate", "number of the run among those of its point", np.arange(COUNT)),
+        _column("seed", "", np.arange(COUNT)),
+        _column("file", "", [""] * COUNT),
+        _column("state", "", ["done"] * COUNT),
         _column("reason", "why it failed", ["", "no room: \u00b5", "", "", ""]),
         *_figures(figures),
     ]

@@ -283,7 +283,9 @@ def test_regular_births_are_refused() -> None:
 
 def test_strengths_and_ticks_play_no_role_and_equal_models_share_one_answer() -> None:
     model = contact(20.0, "0.2 um")
-    assert distribution(replace(model, strengths=None, tick=0.1)) is distribution(model)
+    plain, areas = distribution(replace(model, strengths=None, tick=0.1)), np.linspace(0.0, 500.0, 40)
+    assert np.array_equal(plain.cdf(areas), distribution(model).cdf(areas))
+    assert distribution(replace(model)) is distribution(model)
     other = model_of(Normal(centre=MEAN, std=0.21), MEAN, 20.0)
     assert distribution(other) is not distribution(model)
 
