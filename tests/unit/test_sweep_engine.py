@@ -197,6 +197,7 @@ def test_a_worker_of_a_cluster_that_dies_when_it_is_asked_is_asked_again(monkeyp
 def test_a_worker_of_a_cluster_with_other_libraries_gets_no_work(answer: Any, said: str) -> None:
     with pytest.raises(Refused, match=rf"tcp://10\.0\.0\.3:1: {said}"):
         given(Client(answer), None)
+    assert executors.versions().keys() == {"rubnoise", "numpy", "scipy", "numba", "stream", "format"}
 
 
 def test_who_watches_may_stop_it_and_no_process_stays(tmp_path: Path) -> None:
