@@ -1,11 +1,9 @@
 """Run scenarios into memory or into a file, and return their theory."""
 
 import os
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from operator import index
-from pathlib import Path
 from typing import Any, cast
 
 from rubnoise.api.record import Record
@@ -22,6 +20,7 @@ from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.output import check_output
+from rubnoise.storage.provenance import this_command
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import SEED_LIMIT
@@ -101,7 +100,7 @@ def run(
     check_output(path, force=force, reads=scenario.files)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
     check_disk_space(scenario, expected(scenario), path)
-    description = describe(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]], intervene)
+    description = describe(scenario, path, command or this_command(), intervene)
     if watch is not None:
         watch(0.0, 0, 0)
     with RunWriter(path, description, force=force, durable=durable) as writer:

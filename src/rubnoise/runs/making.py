@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +23,7 @@ from rubnoise.simulation.run import simulate, slider_constants
 from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
-from rubnoise.storage.provenance import gather
+from rubnoise.storage.provenance import gather, this_command
 from rubnoise.storage.writer import RunWriter
 
 
@@ -138,8 +137,7 @@ def save(run: KeptRun, path: str | os.PathLike[str], *, force: bool = False) -> 
     """Write a run from memory into a result file (see Record.save)."""
     check_output(path, force=force)
     check_disk_space(run.scenario, expected(run.scenario), path)
-    command = [Path(sys.argv[0]).name, *sys.argv[1:]]
-    with RunWriter(path, describe(run.scenario, path, command, run.intervention), force=force) as writer:
+    with RunWriter(path, describe(run.scenario, path, this_command(), run.intervention), force=force) as writer:
         run.play_into(writer)
         writer.publish(run.summary)
 

@@ -9,7 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
 from rubnoise.scenario.points import Point, name_of
 from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.sweep_table import Keep
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
@@ -27,7 +28,6 @@ from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 
-Keep = Literal["runs", "summary"]
 SUFFIXES: Final[Mapping[Keep, str]] = {"runs": ".h5", "summary": ".npz"}
 
 Figures = Mapping[str, Any]

@@ -4,7 +4,6 @@ A run that another process is making is left to it. Who makes runs is an executo
 """
 
 import os
-import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext, suppress
@@ -27,6 +26,7 @@ from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import index_bytes
 from rubnoise.storage.output import OutputInUse, reason_of, whole_file
+from rubnoise.storage.provenance import this_command
 from rubnoise.storage.reader import InUse
 
 EVERY: Final = 5.0
@@ -82,7 +82,7 @@ def carry_out(
         raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")
     executors.local(jobs)  # which refuses what is no number
     check_folder(root)
-    making = _Making(sweep, root, part, tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]]), watch)
+    making = _Making(sweep, root, part, tuple(command or this_command()), watch)
     if not force:
         making.check_strangers()
 

@@ -2,11 +2,13 @@
 
 import os
 import platform
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from shlex import join
 
 from rubnoise.streams import STREAM_VERSION
@@ -59,6 +61,11 @@ def gather(
         started=now(),
         intervention=intervention,
     )
+
+
+def this_command() -> list[str]:
+    """Return the command line of this process, without the path of the program."""
+    return [Path(sys.argv[0]).name, *sys.argv[1:]]
 
 
 def software() -> dict[str, str]:
