@@ -195,7 +195,7 @@ REFUSED = (
     "diameter > 1e999 um",
     "diameter * 2 > 6",
     "diameter > 6 um && complete",
-    "(" * 60 + "complete" + ")" * 60,
+    "(" * 300 + "complete" + ")" * 300,
 )
 
 

@@ -30,7 +30,8 @@ highlight_language = "none"
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:class", r"(collections|matplotlib|numpy|os|pathlib|pd|simpy|xr)\..+"),  # their pages would need a network
-    ("py:class", r"rubnoise\.\w+(\.\w+)+|Figure|PooledEstimate|Style"),  # a type inside, which no page describes
+    # Types inside, which no page describes.
+    ("py:class", r"rubnoise\.\w+(\.\w+)+|Axes|Figure|KeptRun|Kind|Model|PooledEstimate|Style"),
 ]
 
 

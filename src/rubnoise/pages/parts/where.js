@@ -19,7 +19,7 @@
     ">=": (a, b) => a >= b, "==": (a, b) => a === b, "!=": (a, b) => a !== b,
   };
   const LONGEST = 1000;
-  const DEEPEST = 50;
+  const DEEPEST = 200;
 
   class ConditionRefused extends Error {}
   view.ConditionRefused = ConditionRefused;
