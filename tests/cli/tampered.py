@@ -1,4 +1,4 @@
-"""Sweeps for the tests of the command line: what is in their folders, and changes by somebody else."""
+"""Sweeps for the tests of the command line: what is in their folders, and changes from outside."""
 
 import json
 import subprocess
@@ -42,7 +42,7 @@ def begin_sweep(folder: Path, *arguments: str | Path, cold: bool = False) -> "su
     return begun
 
 
-# Folders of sweeps, changed by somebody else: one change for each seed.
+# Folders of sweeps, changed from outside: one change for each seed.
 ODD: tuple[Any, ...] = (
     None, True, 0, 1, -1, 10**13, 2**63 - 1, 10**400, 1e300, float("nan"), float("inf"), "", "x", "../../x", "a/b",
     "\0", "\ud800", "run", [], [1], [[]], ["x"], ["x.y"], {}, {"x": 1}, {"x": {"y": None}}, [None], [{}], "[" * 5000,

@@ -46,7 +46,7 @@ def test_json_is_one_object_and_nothing_else(result: Path) -> None:
 
 
 def test_a_finished_run_has_nothing_to_forecast(result: Path) -> None:
-    """Memory is what a run will take; rows and bytes of this one are told as they are."""
+    """The forecast of memory is for a run to come; of a finished run, its own rows and bytes are printed."""
     labels = [line.strip().split("  ")[0] for line in call("info", "x.h5").out.splitlines()]
     assert not {"memory", "events", "rows", "file size"} & set(labels)
     assert labels.count("size") == labels.count("births") == 1

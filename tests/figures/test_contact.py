@@ -76,7 +76,7 @@ def test_each_pair_has_a_place_of_its_own_inside_the_stage(stage: Stage) -> None
     assert 1.2 < stage.width / stage.height < 4.0
 
 
-def test_who_is_near_is_drawn_and_nobody_else(stage: Stage, stretch: Stretch) -> None:
+def test_only_pairs_near_each_other_are_drawn(stage: Stage, stretch: Stretch) -> None:
     rows = stretch.file
     birth, death, diameter = (
         rows.column("junctions", name) for name in ("birth_distance", "death_distance", "diameter")
@@ -85,7 +85,7 @@ def test_who_is_near_is_drawn_and_nobody_else(stage: Stage, stretch: Stretch) ->
     assert stage.junctions.rows.tolist() == np.flatnonzero(near).tolist()
 
 
-def test_a_crowd_is_refused_and_nobody_at_all_is_a_stage_too(
+def test_too_many_are_refused_and_none_are_drawn_too(
     stage: Stage, stretch: Stretch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def alike(count: int) -> Neighbours:

@@ -216,14 +216,14 @@ def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.Mo
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of a process is read from /proc")
 @pytest.mark.parametrize("name", RUNS)
 @pytest.mark.parametrize("engine", ["events", "batch"])
-def test_a_process_needs_the_memory_that_was_foretold(tmp_path: Path, name: str, engine: str) -> None:
+def test_a_process_needs_the_memory_of_its_forecast(tmp_path: Path, name: str, engine: str) -> None:
     changes = (*RUNS[name], f"run.engine={engine}")
     (tmp_path / "run.toml").write_text(WHOLE, encoding="utf-8")
     told = expected(_with(WHOLE, *changes))
     words = [sys.executable, "-c", PEAK, tmp_path / "run.toml", tmp_path / "run.h5", *changes]
     peak = int(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
-    foretold = PROGRAM_BYTES + told.working_bytes
-    assert peak <= foretold <= 1.4 * peak
+    forecast_bytes = PROGRAM_BYTES + told.working_bytes
+    assert peak <= forecast_bytes <= 1.4 * peak
 
 
 def test_a_sweep_has_to_fit_as_a_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

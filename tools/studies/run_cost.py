@@ -1,9 +1,9 @@
 """Memory of runs of many kinds, beside their forecasts: `python tools/studies run_cost [--large | --two-way]`.
 
-Each is made in a process of its own, twice, since the first loads everything. Exit code 1 where memory was foretold too
+Each is made in a process of its own, twice, since the first loads everything. Exit code 1 where memory was forecast too
 small or more than 1.4 times too large. With ``--large``, a million junctions at once are among them: some minutes and
 8 GB of memory. With ``--two-way`` it is runs of a slider that pushes back, from 10 um/s to 1 m/s and from half a
-junction to 500: there /slider has to have no more rows than were foretold at most.
+junction to 500: there /slider has to have no more rows than were forecast at most.
 """
 
 import argparse
@@ -69,16 +69,16 @@ TWO_WAY = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Taken:
-    """What a run took and what was foretold: memory of its process in bytes, and rows of /slider over the most."""
+    """What a run took and what was forecast: memory of its process in bytes, and rows of /slider over the most."""
 
     peak: int
-    foretold_peak: int
+    forecast_peak: int
     rows_share: float
 
     @property
     def within(self) -> bool:
-        """Whether both were foretold well enough."""
-        return 1.0 <= self.foretold_peak / self.peak <= MEMORY_FACTOR and self.rows_share <= 1.0
+        """Whether both were forecast well enough."""
+        return 1.0 <= self.forecast_peak / self.peak <= MEMORY_FACTOR and self.rows_share <= 1.0
 
 
 def taken(scenario: Scenario) -> Taken:
@@ -91,7 +91,7 @@ def taken(scenario: Scenario) -> Taken:
             rows = made.slider["time"].size if told.slider_rows_at_most else 0
     return Taken(
         peak=_peak(),
-        foretold_peak=PROGRAM_BYTES + told.working_bytes,
+        forecast_peak=PROGRAM_BYTES + told.working_bytes,
         rows_share=rows / (told.slider_rows_at_most or 1),
     )
 
@@ -118,8 +118,8 @@ def measure(cases: Mapping[str, Case]) -> int:
             each = _in_a_child(name, engine)
             runs.append(each)
             print(
-                f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.foretold_peak / 1e6:>9.0f}"
-                f"{each.foretold_peak / each.peak:>7.2f}{each.rows_share:>7.2f}{'' if each.within else '  outside'}",
+                f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.forecast_peak / 1e6:>9.0f}"
+                f"{each.forecast_peak / each.peak:>7.2f}{each.rows_share:>7.2f}{'' if each.within else '  outside'}",
                 flush=True,
             )
     return 0 if all(each.within for each in runs) else 1

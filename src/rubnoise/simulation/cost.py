@@ -11,11 +11,11 @@ from rubnoise.simulation.draws import births_drawn_at_once
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick
 
-PROGRAM_BYTES: Final = 206_000_000
+PROGRAM_BYTES: Final = 210_000_000
 """Memory of a process before the run, with everything loaded that a run needs."""
 
 DRAWN_BYTES: Final = 50
-ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 260}
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 200}
 ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
 POSITION_BYTES: Final = 140
 """Memory for each birth drawn in a block, each row of the block that is played, each junction alive at the same time,
