@@ -35,8 +35,8 @@ from rubnoise.theory.second_order import (
     spectral_density,
     tail,
 )
-from rubnoise.theory.sizes import panels
-from rubnoise.theory.unit_pulse import energy, overlaps, settled_energy
+from rubnoise.theory.sizes import SETTLED, panels
+from rubnoise.theory.unit_pulse import energy, overlaps
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 from tests.unit.test_theory_response import slider_of, stds_in_time
@@ -95,7 +95,7 @@ def test_parabolas_have_the_moments_and_energies_of_their_chords() -> None:
 def test_parabolas_lose_nothing_by_the_step_to_their_level() -> None:
     z, weights = panels(np.arange(10.0, 400.0, 0.5), 16)
     smooth = np.exp(-np.square((z - 90.0) / 60.0))
-    both = [float(weights @ (smooth * each(OFF_CENTRE_PARABOLA, z))) for each in (energy, settled_energy)]
+    both = [float(weights @ (smooth * energy(OFF_CENTRE_PARABOLA, z, last))) for last in (inf, SETTLED)]
     assert both[0] == pytest.approx(both[1], rel=2e-6)
 
 
@@ -136,7 +136,7 @@ def test_the_energy_spectrum_is_its_integral_over_the_plane(phase: float) -> Non
 def test_the_step_to_the_level_loses_nothing_of_an_integral() -> None:
     z, weights = panels(np.arange(10.0, 400.0, 0.5), 16)
     smooth = np.exp(-np.square((z - 90.0) / 60.0))
-    followed, settled = energy(OFF_CENTRE_LENS, z), settled_energy(OFF_CENTRE_LENS, z)
+    followed, settled = energy(OFF_CENTRE_LENS, z), energy(OFF_CENTRE_LENS, z, SETTLED)
     assert float(weights @ (smooth * followed)) == pytest.approx(float(weights @ (smooth * settled)), rel=2e-6)
     assert np.abs(followed / settled - 1.0).max() > 1e-3, "there is a swing to lose"
 

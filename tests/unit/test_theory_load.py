@@ -13,8 +13,8 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import force_cumulants
 from rubnoise.theory.exact import exact
-from rubnoise.theory.load import level, load_motion, load_spectrum, overlap_scale, third_octaves
-from rubnoise.theory.motion import displacement_spectrum, response, separation_of, velocity_spectrum
+from rubnoise.theory.load import level, load_motion, overlap_scale, third_octaves
+from rubnoise.theory.motion import motion_spectrum, response
 from rubnoise.theory.sampling import load_errors
 from tests.models import loaded
 
@@ -131,29 +131,30 @@ def test_covariances_hold_together() -> None:
     unequal = replace(model, strengths=Lognormal(mean=250.0, std=50.0))
     held, motion = model.separation, load_motion(unequal)
     assert held is not None
-    std = dict(zip(motion.names, np.sqrt(np.diagonal(motion.covariances)), strict=True))
-    assert abs(motion.covariance("separation", "normal_velocity")) < 1e-12 * std["separation"] * std["normal_velocity"]
-    assert abs(motion.covariance("displacement", "velocity")) < 1e-9 * std["displacement"] * std["velocity"]
+    found = motion.covariances
+    std = {name: sqrt(found.of(name)) for name in found.names}
+    assert abs(found.of("separation", "normal_velocity")) < 1e-12 * std["separation"] * std["normal_velocity"]
+    assert abs(found.of("displacement", "velocity")) < 1e-9 * std["displacement"] * std["velocity"]
     # E[z (m z'' + c z')] = -m E[z'^2], and E[z' (m z'' + c z')] = c E[z'^2].
     kinetic = std["normal_velocity"] ** 2
-    assert motion.covariance("separation", "load") == pytest.approx(-held.mass * kinetic, rel=1e-9)
-    assert motion.covariance("normal_velocity", "load") == pytest.approx(held.damping * kinetic, rel=1e-9)
+    assert found.of("separation", "load") == pytest.approx(-held.mass * kinetic, rel=1e-9)
+    assert found.of("normal_velocity", "load") == pytest.approx(held.damping * kinetic, rel=1e-9)
     assert std["friction_force"] == pytest.approx(force_cumulants(unequal).std, rel=1e-9)
     assert std["displacement"] == pytest.approx(response(unequal).displacement_std, rel=1e-9)
-    friction = 0.25 * motion.covariance("load", "load")
-    assert motion.covariance("load", "friction_force") == pytest.approx(friction, rel=1e-12)
+    friction = 0.25 * found.of("load", "load")
+    assert found.of("load", "friction_force") == pytest.approx(friction, rel=1e-12)
 
 
 def test_spectra_and_bands_add_up() -> None:
     model = loaded(relative_speed=0.5)
-    motion, held = load_motion(model), separation_of(model)
+    motion = load_motion(model)
     omega = np.geomspace(1e-1, 1e7, 8_001)
-    for density, std in (
-        (displacement_spectrum(held, omega), motion.separation_std),
-        (velocity_spectrum(held, omega), motion.velocity_std),
-        (load_spectrum(model, omega), motion.load_std),
+    for name, std in (
+        ("separation", motion.separation_std),
+        ("normal_velocity", motion.velocity_std),
+        ("load", motion.load_std),
     ):
-        assert sqrt(np.trapezoid(density, omega) / pi) == pytest.approx(std, rel=1e-3)
+        assert sqrt(np.trapezoid(motion_spectrum(name, model, omega), omega) / pi) == pytest.approx(std, rel=1e-3)
     bands = third_octaves(model)
     assert sqrt(np.sum(bands.velocity**2)) == pytest.approx(motion.velocity_std, rel=1e-5)
     assert np.allclose(np.diff(np.log10(bands.frequency)), 0.1)
@@ -184,7 +185,7 @@ def test_without_a_slider_suppression_is_that_of_the_force_and_without_strengths
     unequal = replace(loaded(slider=None), strengths=Lognormal(mean=250.0, std=50.0))
     motion = load_motion(unequal)
     still = force_cumulants(replace(unequal, separation=None)).std
-    assert motion.suppression == pytest.approx(still / motion.covariance("friction_force", "friction_force") ** 0.5)
+    assert motion.suppression == pytest.approx(still / motion.covariances.of("friction_force") ** 0.5)
     bare = load_motion(loaded(slider=None, strength=None, weight=2e5))
     assert bare.suppression == pytest.approx(2e5 * sqrt(2.0 / 20.0) / bare.load_std)
 
@@ -193,7 +194,8 @@ def test_without_a_slider_suppression_is_that_of_the_force_and_without_strengths
 def test_the_error_of_the_loads_spread_is_that_of_a_gaussian_process_and_of_lives(count: float, apart: float) -> None:
     """Var of a mean square over T is 2/(pi T) int S^2 domega; what lives add to it goes as 1/N_jm."""
     model, distance, omega = loaded(count=count, relative_speed=0.5, ratio=0.3), 1e5, np.geomspace(1e-1, 1e7, 2_001)
-    square = np.trapezoid(load_spectrum(model, omega) ** 2, omega) * 2.0 / pi * (model.sliding_speed or 0.0) / distance
+    density = motion_spectrum("load", model, omega)
+    square = np.trapezoid(density**2, omega) * 2.0 / pi * (model.sliding_speed or 0.0) / distance
     gaussian = sqrt(square) / (2.0 * load_motion(model).load_std)
     found = load_errors(model, distance, from_start=False).load_std
     assert found / gaussian - 1.0 == pytest.approx(apart, rel=0.1)

@@ -237,7 +237,7 @@ def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines()
     lags, weights = panels(np.linspace(0.0, 11.06, 41), 20)
     force = area_noise(model).covariance(lags, psi.moment(2), psi.mean**2)
     unphased = 2.0 * weights * (force - 250.0**2 * autocovariance(model, lags))
-    found = float(force_spectral_density(model, psi, 0.4))
+    found = float(force_spectral_density(model, 0.4))
     assert np.sum(unphased * np.cos(0.4 * lags)) == pytest.approx(found, rel=1e-9)
 
 

@@ -14,7 +14,7 @@ from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.motion import displacement_spectrum, drive_of, response, velocity_spectrum
+from rubnoise.theory.motion import drive_of, motion_spectrum, response
 from rubnoise.theory.sampling import expected_mean_displacement, mean_force_error, motion_errors, standard_errors
 from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, spectral_density
 from rubnoise.theory.sizes import panels
@@ -82,7 +82,8 @@ def test_a_coarse_grid_would_miss_the_resonance() -> None:
     model = one_size(slider=slider_of(1e-6))
     drive = drive_of(model)
     k = np.linspace(0.0, 20.0 * drive.resonance, 10_000)
-    coarse = np.trapezoid(spectral_density(model, k) * drive.gain(k), k) * drive.strengths.moment(2) / np.pi
+    gain = np.square(np.abs(drive.compliance(k)))
+    coarse = np.trapezoid(spectral_density(model, k) * gain, k) * model.strengths.moment(2) / np.pi
     assert abs(sqrt(coarse) / response(model).displacement_std - 1.0) > 0.5
 
 
@@ -90,7 +91,7 @@ def test_a_sharp_resonance_takes_the_density_where_it_stands() -> None:
     """White noise of density S_F drives a lightly damped oscillator to Var x = S_F / (2 c k)."""
     model = one_size(slider=slider_of(1e-6))
     drive, slider = drive_of(model), model.slider
-    force_density = drive.strengths.moment(2) * spectral_density(model, drive.resonance) / drive.speed
+    force_density = model.strengths.moment(2) * spectral_density(model, drive.resonance) / drive.speed
     expected = sqrt(force_density / (2.0 * slider.damping * slider.stiffness))
     assert response(model).displacement_std == pytest.approx(expected, rel=1e-5)
 
@@ -133,7 +134,7 @@ def test_both_spectra_integrate_to_the_spreads_of_figure_5() -> None:
     model, natural = paper_model(), FIG5_SLIDER.natural_angular_frequency
     edges = np.unique(np.concatenate([np.linspace(0.0, 2.0 * natural, 501), np.geomspace(2.0 * natural, 1e6, 1501)]))
     w, weights = panels(edges, 12)
-    stds = [np.sqrt(weights @ spectrum(model, w) / np.pi) for spectrum in (displacement_spectrum, velocity_spectrum)]
+    stds = [np.sqrt(weights @ motion_spectrum(name, model, w) / np.pi) for name in ("displacement", "velocity")]
     assert stds == pytest.approx([195.3059, 47241.1], rel=3e-6)
     motion = response(model)
     assert stds == pytest.approx([motion.displacement_std, motion.velocity_std], rel=1e-7)
@@ -143,33 +144,33 @@ def test_slow_swings_are_static_and_those_at_resonance_magnified() -> None:
     """S_x(0) = (psi/k)^2 S(0)/V, and 1/(2 zeta)^2 of the static value at the natural frequency."""
     model = paper_model()
     static = (250.0 / 300.0) ** 2 * density_at_zero(model) / 1000.0
-    assert displacement_spectrum(model, 0.0) == pytest.approx(static, rel=1e-12)
+    assert motion_spectrum("displacement", model, 0.0) == pytest.approx(static, rel=1e-12)
     natural = FIG5_SLIDER.natural_angular_frequency
     fast = replace(model, sliding_speed=1e9)
-    magnified = displacement_spectrum(fast, natural) / displacement_spectrum(fast, 0.0)
+    magnified = motion_spectrum("displacement", fast, natural) / motion_spectrum("displacement", fast, 0.0)
     assert magnified == pytest.approx(1.0 / (2.0 * FIG5_SLIDER.damping_ratio) ** 2, rel=1e-6)
 
 
 def test_even_and_of_any_shape() -> None:
     w = np.array([[0.0, 100.0], [-100.0, 245.0]])
-    found = displacement_spectrum(paper_model(), w)
+    found = motion_spectrum("displacement", paper_model(), w)
     assert found.shape == (2, 2)
     assert found[0, 1] == found[1, 0]
-    np.testing.assert_allclose(velocity_spectrum(paper_model(), w), w**2 * found)
+    np.testing.assert_allclose(motion_spectrum("velocity", paper_model(), w), w**2 * found)
 
 
 def test_no_spectrum_without_damping_or_slider() -> None:
     undamped = one_size(slider=Slider(mass=0.005, stiffness=300.0, damping=0.0))
     with pytest.raises(Refused, match="without damping"):
-        displacement_spectrum(undamped, 10.0)
+        motion_spectrum("displacement", undamped, 10.0)
     with pytest.raises(Refused, match="needs \\[slider\\]"):
-        velocity_spectrum(one_size(), 10.0)
+        motion_spectrum("velocity", one_size(), 10.0)
 
 
 def test_unequal_strengths_count_by_their_mean_square() -> None:
     unequal = replace(paper_model(), strengths=Lognormal(mean=250.0, std=75.0))
     w = np.array([0.0, 100.0, 245.0])
-    ratio = displacement_spectrum(unequal, w) / displacement_spectrum(paper_model(), w)
+    ratio = motion_spectrum("displacement", unequal, w) / motion_spectrum("displacement", paper_model(), w)
     np.testing.assert_allclose(ratio, unequal.strengths.moment(2) / 250.0**2, rtol=1e-12)
 
 
@@ -180,8 +181,8 @@ def test_integral_and_lines_of_regular_births_are_the_variance(strengths: Lognor
     model = model if strengths is None else replace(model, strengths=strengths)
     w, weights = panels(np.concatenate([np.linspace(0.0, 600.0, 61), np.geomspace(700.0, 1e5, 80)]), 20)
     k, power = area_noise(model).lines
-    lines = 2.0 * model.strengths.mean**2 * np.sum(power * drive_of(model).gain(k))
-    found = weights @ displacement_spectrum(model, w) / np.pi + lines
+    lines = 2.0 * model.strengths.mean**2 * np.sum(power * np.square(np.abs(drive_of(model).compliance(k))))
+    found = weights @ motion_spectrum("displacement", model, w) / np.pi + lines
     assert found == pytest.approx(response(model).displacement_std ** 2, rel=1e-7)
 
 

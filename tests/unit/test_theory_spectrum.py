@@ -15,7 +15,8 @@ from rubnoise.theory.coupling import force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import area_from_empty, expected_mean_area, expected_mean_count, mean_count
 from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, joint_cumulant, spectral_density
-from rubnoise.theory.unit_pulse import amplitude, energy, from_birth, overlaps, settled_energy
+from rubnoise.theory.sizes import SETTLED
+from rubnoise.theory.unit_pulse import amplitude, energy, from_birth, overlaps
 from tests.unit.theory_models import model_of, one_size, paper_model, regular
 
 PHASES = np.concatenate([np.geomspace(1e-8, 1e6, 90), np.linspace(1.0, 60.0, 60), [10.0, 20.0, 32.0, 31.999, 25.57]])
@@ -124,12 +125,12 @@ def test_many_wavenumbers_at_once_are_as_each_alone() -> None:
 def test_averaging_over_the_swing_keeps_the_integral_and_takes_the_swing(pulse: Pulse) -> None:
     z = np.linspace(1e-3, 2000.0, 400_001)
     window = np.exp(-0.5 * np.square((z - 700.0) / 60.0)) * z**4
-    followed, settled = energy(pulse, z), settled_energy(pulse, z)
+    followed, settled = energy(pulse, z), energy(pulse, z, SETTLED)
     assert np.sum(window * settled) == pytest.approx(np.sum(window * followed), rel=1e-9)
     near = np.exp(-0.5 * np.square((z - 90.0) / 12.0)) * z**4
     assert np.sum(near * settled) == pytest.approx(np.sum(near * followed), rel=1e-8)
-    born = np.sum(near * from_birth(pulse, z, exact=True))
-    assert np.sum(near * from_birth(pulse, z, exact=False)) == pytest.approx(born, rel=1e-6)
+    born = np.sum(near * from_birth(pulse, z))
+    assert np.sum(near * from_birth(pulse, z, SETTLED)) == pytest.approx(born, rel=1e-6)
     far = (z > 300.0) & (z < 400.0)
     assert np.max(np.abs(np.diff(z[far] ** 4 * settled[far]))) < 1e-5
     assert np.max(np.abs(np.diff(z[far] ** 4 * followed[far]))) > 1e-3

@@ -18,7 +18,7 @@ from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.live_count import count_variance, mean_count, mean_count_error
 from rubnoise.theory.load import free_motion, load_motion
-from rubnoise.theory.motion import Response, response, separation_of
+from rubnoise.theory.motion import Response, contact_drive_of, response
 from rubnoise.theory.sampling import (
     StandardErrors,
     expected_mean_displacement,
@@ -100,7 +100,7 @@ def _standard_errors(model: Model) -> dict[str, float]:
         found |= _load_errors(model)
     elif model.strengths is not None:
         found |= _errors("friction_force", model, mean_force_error, force_standard_errors)
-    decays = _decays(model)
+    decays = _decays(model, model.slider)
     return found if decays is None or decays < FEWEST_DECAYS else found | _motion_errors(model)
 
 
@@ -116,7 +116,7 @@ def _errors(
 
 def _load_errors(model: Model) -> dict[str, float]:
     """Return the errors under a load that weighs, if a run is long compared with the decay of the separation."""
-    decays = _decays(separation_of(model))
+    decays = _decays(model, contact_drive_of(model).slider)
     if decays is None or decays < FEWEST_DECAYS:
         return {}
     errors = load_errors(model, model.distance)
@@ -169,7 +169,7 @@ def missing_for_motion(model: Model) -> MissingMotion | None:
     It never has them without slider or damping, or from an empty start. Errors fall as one over the root of the
     distance; births that are not random have only the error of the mean, which needs only the decay times.
     """
-    decays = _decays(model)
+    decays = _decays(model, model.slider)
     if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
         return None
     shortest = model.distance * FEWEST_DECAYS / decays
@@ -180,9 +180,9 @@ def missing_for_motion(model: Model) -> MissingMotion | None:
     return MissingMotion(decays=decays, needed=max(shortest, longer(shortest, relative, LARGEST_ERRORS["std"])))
 
 
-def _decays(model: Model) -> float | None:
-    """Return the length of a run in the slowest decay times of its slider; None if nothing decays."""
-    slider, speed = model.slider, model.sliding_speed
+def _decays(model: Model, slider: Slider | None) -> float | None:
+    """Return the length of a run in the slowest decay times of an oscillator; None if nothing decays."""
+    speed = model.sliding_speed
     if slider is None or speed is None or slider.damping == 0.0:
         return None
     if model.free is not None or (model.is_two_way and coupling(model).unknown is not None):

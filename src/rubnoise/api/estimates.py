@@ -220,7 +220,7 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
     """Return the exact density at the places of a spectrum; None if theory has none."""
-    from rubnoise.theory.motion import displacement_spectrum, drive_of, force_spectral_density, velocity_spectrum
+    from rubnoise.theory.motion import drive_of, force_spectral_density, motion_spectrum, need_friction
     from rubnoise.theory.second_order import spectral_density
 
     try:
@@ -228,16 +228,17 @@ def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles 
             if quantity == "real_contact_area":
                 return spectral_density(model, seen.place)
             if quantity == "friction_force" and model.strengths is not None:
-                return force_spectral_density(model, model.strengths, seen.place)
+                return force_spectral_density(model, seen.place)
             return None
         if model.is_two_way:
             return None
         angular = 2.0 * pi * seen.place
         if quantity == "friction_force":
-            drive = drive_of(model)
-            found = force_spectral_density(model, drive.strengths, angular / drive.speed) / drive.speed
+            need_friction(model)
+            speed = drive_of(model).speed
+            found = force_spectral_density(model, angular / speed) / speed
         else:
-            found = {"displacement": displacement_spectrum, "velocity": velocity_spectrum}[quantity](model, angular)
+            found = motion_spectrum(quantity, model, angular)
     except (Refused, KeyError):
         return None
     return 2.0 * 1e-12 * found

@@ -13,13 +13,15 @@ from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import motion_as_json
 from rubnoise.cli.layout import finite, printable
 from rubnoise.cli.load import load_as_json
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.ancestors import base_response, velocity_weakening, white_noise
+from rubnoise.theory.ancestors import velocity_weakening, white_noise
 from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.load import third_octaves
+from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, visible_lines
 from rubnoise.theory.sizes import longest_life
 
@@ -187,10 +189,10 @@ def _load(theory: Exact) -> dict[str, Any]:
     if theory.load is None:
         return {}
     bands, motion = third_octaves(theory.model), theory.load
-    pairs = combinations_with_replacement(motion.names, 2)
+    pairs = combinations_with_replacement(motion.covariances.names, 2)
     return {
         "load": load_as_json(theory),
-        "load_covariances": {f"{one}*{other}": motion.covariance(one, other) for one, other in pairs},
+        "load_covariances": {f"{one}*{other}": motion.covariances.of(one, other) for one, other in pairs},
         "third_octaves": {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level},
     }
 
@@ -199,7 +201,15 @@ def _other_models(model: Model, *, white: bool) -> dict[str, Any]:
     """Return the values of an older model, instead of or beside the contact's own force."""
     found: dict[str, Any] = {}
     if model.slider is not None and model.slider.excitation == "base":
-        found["base_excitation"] = asdict(base_response(model))
+        # Of other pulses too: the base is made of triangles of the same diameters.
+        triangles = replace(model, pulse=TRIANGLE)
+        motion, area = response(triangles), area_cumulants(triangles)
+        found["base_excitation"] = {
+            "base_mean": model.base_per_area * area.mean,
+            "base_std": model.base_per_area * area.std,
+            "displacement_std": motion.displacement_std,
+            "velocity_std": motion.velocity_std,
+        }
     if white:
         found["white_noise"] = asdict(white_noise(model))
     return found

@@ -31,9 +31,7 @@ from rubnoise.figures.style import (
 )
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum
-from rubnoise.theory.load import load_spectrum
-from rubnoise.theory.motion import displacement_spectrum, drive_of, force_spectral_density, response, separation_of
-from rubnoise.theory.motion import velocity_spectrum as velocity_density
+from rubnoise.theory.motion import force_spectral_density, motion_spectrum, need_friction, response
 from rubnoise.theory.periodogram import through_window
 
 if TYPE_CHECKING:
@@ -79,12 +77,11 @@ class Audible:
 
 def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     """Return S_F(w/V)/V, the two-sided density of the force in uN^2 per rad/s."""
-    if model.slider is not None:
-        drive_of(model)  # raises Refused for a base
+    need_friction(model)
     if model.strengths is None or model.sliding_speed is None:
         raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
     speed = model.sliding_speed
-    return force_spectral_density(model, model.strengths, angular_frequency / speed) / speed
+    return force_spectral_density(model, angular_frequency / speed) / speed
 
 
 def _mean_force(motion: Motion) -> float:
@@ -111,7 +108,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         column=COLUMNS["displacement"],
         scale=1.0,
         unit="µm",
-        exact=displacement_spectrum,
+        exact=partial(motion_spectrum, "displacement"),
         white=white_displacement_spectrum,
         still=_deflection,
     ),
@@ -119,7 +116,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         column=COLUMNS["velocity"],
         scale=1e-3,
         unit="mm/s",
-        exact=velocity_density,
+        exact=partial(motion_spectrum, "velocity"),
         white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
         still=lambda motion: motion.slider.natural_angular_frequency * _deflection(motion),
     ),
@@ -135,7 +132,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         column=COLUMNS["normal-velocity"],
         scale=1e-3,
         unit="mm/s",
-        exact=lambda model, frequency: velocity_density(separation_of(model), frequency),
+        exact=partial(motion_spectrum, "normal_velocity"),
         still=lambda motion: motion.slider.natural_angular_frequency * _weight(motion) / motion.slider.stiffness,
         group="load",
     ),
@@ -143,7 +140,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         column=COLUMNS["load"],
         scale=1e-3,
         unit="mN",
-        exact=load_spectrum,
+        exact=partial(motion_spectrum, "load"),
         still=_weight,
         group="load",
     ),

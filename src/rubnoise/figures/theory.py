@@ -24,7 +24,7 @@ from rubnoise.figures.style import (
 from rubnoise.model import Model, Slider
 from rubnoise.theory.cumulants import Cumulants, area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.motion import displacement_spectrum, response
+from rubnoise.theory.motion import motion_spectrum, response
 from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, tail, visible_lines
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
     frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
     frequency *= slider.natural_frequency
     try:
-        density = 2.0 * displacement_spectrum(model, 2.0 * pi * frequency)
+        density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * frequency)
     except Refused:
         _write_note(axes, "its spectrum is known for births at random")
         return

@@ -16,14 +16,13 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import LAWS, Law
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.theory.unit_pulse import energy as unit_energy
-from rubnoise.theory.unit_pulse import settled_energy
 
 STEP: Final = 1.0 / 1024.0
 """Of ln(k d) and of ln d. At k d = 300 a swing of the transform has ten places."""
 
 _LOWEST, _HIGHEST = -7.0, 6.5  # of ln(k E[d])
 _SMALLEST, _LARGEST = -6.0, 8.0  # of ln(d / E[d])
-_FOLLOWED, _SETTLED = 400.0, 700.0  # phases between which the swing is faded out
+_SETTLED = 700.0  # phase until which the swing fades out
 _BALANCE = 3.0  # power of k d that keeps all places of the convolution within the digits of a double
 NARROWEST: Final = 0.005
 """The smallest shape that is looked for."""
@@ -156,15 +155,8 @@ def mean_life_energy(log_phase: Doubles, width: Doubles, pulse: Pulse = LENS) ->
 
 
 def life_energy(phase: Doubles, pulse: Pulse = LENS) -> Doubles:
-    """Return a^(z)^2 of a life of unit diameter at z = k d; its oscillation fades out from z = 400 to 700."""
-    near = np.minimum(phase, _SETTLED)
-    energy = unit_energy(pulse, near)
-    far = phase > _FOLLOWED
-    beyond = phase[far]
-    faded = np.minimum((beyond - _FOLLOWED) / (_SETTLED - _FOLLOWED), 1.0)
-    kept = 0.5 * (1.0 + np.cos(pi * faded))
-    energy[far] = kept * energy[far] + (1.0 - kept) * settled_energy(pulse, beyond)
-    return energy
+    """Return a^(z)^2 of a life of unit diameter at z = k d; its oscillation fades out until z = 700."""
+    return unit_energy(pulse, phase, _SETTLED)
 
 
 def _weights(population: Population, shape: float) -> Doubles:

@@ -15,8 +15,7 @@ from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.load import load_spectrum
-from rubnoise.theory.motion import separation_of, velocity_spectrum
+from rubnoise.theory.motion import motion_spectrum
 from rubnoise.theory.periodogram import expected_periodogram, through_window
 
 LIVES: Final = 8.0
@@ -51,13 +50,13 @@ def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
     }
     if "slider" in file.columns and file.rows("slider") > 1 and model.slider is not None:
         step = float(file.column("slider", "time", 1, 2)[0] - file.column("slider", "time", 0, 1)[0])
-        own = partial(velocity_spectrum, model) if is_known and not model.is_two_way else None
+        own = partial(motion_spectrum, "velocity", model) if is_known and not model.is_two_way else None
         found["velocity"] = _of_motion(model.slider, step, own)
     if "load" in file.columns and model.held is not None and model.tick_duration is not None:
         contact, step = model.held.oscillator, model.tick_duration
-        normal = (lambda w: velocity_spectrum(separation_of(model), w)) if is_known else None
+        normal = partial(motion_spectrum, "normal_velocity", model) if is_known else None
         found["normal"] = _of_motion(contact, step, normal)
-        found["load"] = _of_motion(contact, step, partial(load_spectrum, model) if is_known else None)
+        found["load"] = _of_motion(contact, step, partial(motion_spectrum, "load", model) if is_known else None)
     return found
 
 

@@ -1,45 +1,16 @@
-"""Models of others: a lifted base (Rice and Moslehy), a force that falls with speed (Block), white noise (Kilburn)."""
+"""Models of others: a force that falls with speed (Block), white noise (Kilburn)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import atan2, exp, inf, pi, sqrt
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.motion import drive_of, force_spectral_density, response
+from rubnoise.theory.cumulants import force_cumulants
+from rubnoise.theory.motion import drive_of, force_spectral_density, need_friction
 from rubnoise.theory.second_order import are_at_random, half_power_wavenumber
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BaseResponse:
-    """Stationary motion over a base: mean and spread of the base and of the slider in um, of its velocity in um/s."""
-
-    base_mean: float
-    base_std: float
-    displacement_std: float
-    velocity_std: float
-
-
-def base_response(model: Model) -> BaseResponse:
-    """Return the stationary motion of a slider that its base drives; the mean of x is that of y, inf without damping.
-
-    A triangle of height r d is 4 r/(pi d) times the area of a triangular life of one size d. Raises Refused for a
-    slider without a base, and for unequal sizes. Source: Rice and Moslehy (1997); Crandall and Mark (1963).
-    """
-    if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
-        raise Refused('this needs slider.excitation = "base" with its asperity_height')
-    triangles = replace(model, pulse=TRIANGLE)
-    motion, area = response(triangles), area_cumulants(triangles)
-    return BaseResponse(
-        base_mean=model.base_per_area * area.mean,
-        base_std=model.base_per_area * area.std,
-        displacement_std=motion.displacement_std,
-        velocity_std=motion.velocity_std,
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,5 +132,5 @@ def white_force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
 
 
 def _level(model: Model) -> float:
-    drive = drive_of(model)
-    return float(force_spectral_density(model, drive.strengths, 0.0)) / drive.speed
+    need_friction(model)
+    return float(force_spectral_density(model, 0.0)) / drive_of(model).speed

@@ -9,8 +9,7 @@ import numpy as np
 from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.cumulants import strengths_of
-from rubnoise.theory.motion import Response, drive_of, force_spectral_density, response
+from rubnoise.theory.motion import Response, drive_of, force_spectral_density, need_friction, response, strengths_of
 from rubnoise.theory.sampling import MotionErrors, motion_errors
 from rubnoise.theory.second_order import are_at_random, area_noise, is_one_life
 from rubnoise.theory.sizes import panels
@@ -59,13 +58,15 @@ def coupling(model: Model) -> Coupling:
     strength Pi = S_F(0)/(2 m c V^3), Poisson births at constant separation, inf without damping: the square of r = std
     x'/V, one-way, for a force white in s. stick_number theta = std F'/k: beyond about 1 a slow slider sticks.
     expected_change as `weak_coupling_change`, for r^2 >= 0.95 Pi and 3 Pi + q < 0.1, q = c_1 E[psi^3] m_9 / (E[psi^2]
-    m_6 m V^2). Raises Refused as `drive_of`.
+    m_6 m V^2). Raises Refused as `drive_of`,
+    and over a base.
     """
+    need_friction(model)
     drive, known = drive_of(model), are_at_random(model) and model.separation is None
-    slider, psi, sizes = drive.slider, drive.strengths, model.sizes
+    slider, psi, sizes = drive.slider, strengths_of(model), model.sizes
     strength = inf if known else nan  # a force of other births, or under a load, says nothing at low frequency
     if known and slider.damping > 0.0:
-        density = float(force_spectral_density(model, psi, 0.0))
+        density = float(force_spectral_density(model, 0.0))
         strength = density / (2.0 * slider.mass * slider.damping * drive.speed**3)
     impulse = model.pulse.cubed_integral / model.pulse.squared_integral * psi.moment(3) / psi.moment(2)
     kick = impulse * sizes.moment(9) / sizes.moment(6) / (slider.mass * drive.speed**2)

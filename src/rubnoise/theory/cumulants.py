@@ -6,9 +6,8 @@ from math import nan, sqrt
 from typing import Final
 
 from rubnoise.contact.laws import Fixed, Law
-from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.motion import frequencies
+from rubnoise.theory.motion import FORCE, covariances, strengths_of
 from rubnoise.theory.second_order import are_at_random, area_noise
 
 ORDERS: Final = 6
@@ -59,20 +58,12 @@ def area_cumulants(model: Model) -> Cumulants:
 def force_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6; see `shot_cumulants`.
 
-    Under a load that weighs the variance is (1/pi) int_0^inf S_F dk. Raises Refused without a strength.
+    Under a load that weighs no more than two are known. Raises Refused without a strength.
     """
     psi = strengths_of(model)
     if model.separation is None:
         return shot_cumulants(model, psi)
-    variance = float(frequencies(model).force(model, psi).sum())
-    return Cumulants(values=(psi.moment(1) * model.stationary_mean_area, variance, *_UNKNOWN))
-
-
-def strengths_of(model: Model) -> Law:
-    """Return the law of shear strengths; raises Refused without one."""
-    if model.strengths is None:
-        raise Refused("the friction force needs a shear strength ([strength])")
-    return model.strengths
+    return Cumulants(values=(psi.mean * model.stationary_mean_area, covariances(model).of(FORCE), *_UNKNOWN))
 
 
 @lru_cache(maxsize=16)

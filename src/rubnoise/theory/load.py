@@ -1,25 +1,24 @@
 """A load that weighs, of first order: the motion of the separation, the friction force under it, and their validity."""
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import erfc, inf, log10, nan, pi, sqrt
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from rubnoise.arrays import Complexes, Doubles
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.tables import fields_as_text
 from rubnoise.theory.motion import (
-    drive_of,
-    force_spectral_density,
-    frequencies,
+    FORCE,
+    Covariances,
+    contact_drive_of,
+    covariances,
+    density_of,
     response,
     response_edges,
     separation_of,
-    spread_of,
 )
 from rubnoise.theory.second_order import autocovariance, need_random_births
 from rubnoise.theory.sizes import panels
@@ -29,7 +28,6 @@ Regime = Literal["constant load", "resonance", "constant gap", "bouncing"]
 FEWEST_LIVE: Final = 10.0  # live junctions in the mean below which a slider leaves its contact and bounces
 STILL: Final = 1.0 / 3.0  # spread of the load over that at constant separation up to which the load counts as constant
 SAME: Final = 0.1  # largest difference from 1 of that ratio with which the separation counts as constant
-FORCE: Final = "friction_force"
 REFERENCE: Final = 0.05  # the velocity in um/s that is 0 dB in roughness noise: 50 nm/s
 THIRD: Final = 10.0**0.05  # upper edge over middle of a third-octave band, by powers of ten as IEC 61260-1 has them
 _PART_LEFT_OUT: Final = 1e-6
@@ -47,7 +45,7 @@ def overlap_scale(model: Model) -> float:
 
 def relative_speed(model: Model) -> float:
     """Return v = V / (c omega_c), omega_c the contact resonance; at a small one the separation follows the contact."""
-    return 1.0 / (overlap_scale(model) * drive_of(separation_of(model)).resonance)
+    return 1.0 / (overlap_scale(model) * contact_drive_of(model).resonance)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -56,7 +54,7 @@ class LoadMotion:
 
     negative_share: of time with P < 0, P Gaussian; suppression: spread of the slider's displacement (else of friction
     force, else of load) at constant separation over that here; error: bound of the relative error of spreads, not of
-    the slider's; covariances: of the ``names`` with one another at one time.
+    the slider's.
     """
 
     separation_std: float
@@ -69,8 +67,7 @@ class LoadMotion:
     suppression: float
     negative_share: float
     error: float
-    names: tuple[str, ...]
-    covariances: Doubles
+    covariances: Covariances
 
     def __repr__(self) -> str:
         return fields_as_text(self)
@@ -80,42 +77,30 @@ class LoadMotion:
         """Level of the normal velocity in dB re 50 nm/s."""
         return level(self.velocity_std)
 
-    def covariance(self, one: str, other: str) -> float:
-        """Return the covariance of two quantities at one time, in the product of their units."""
-        return float(self.covariances[self.names.index(one), self.names.index(other)])
 
-
-@lru_cache(maxsize=8)
 def load_motion(model: Model) -> LoadMotion:
     """Return the exact stationary spreads and covariances of the linear model.
 
     m z'' + c z' + (W/s_0) z = W eps, eps = A_r/A_rm - 1 at constant separation; P = W + m z'' + c z'; F = sum of psi A
-    less E[psi] A_rm z/s_0. With o, m as in `_answers`, Cov[u, v] = (1/pi) int_0^inf S(k) Re(Var[psi] o_u o_v* + m_u
-    m_v*) dk. Raises Refused as `separation_of` and `drive_of`, and unless births are a Poisson process.
-    Source: Crandall and Mark, Random Vibration in Mechanical Systems (1963).
+    less E[psi] A_rm z/s_0. Raises Refused as `contact_drive_of`, and unless births are a Poisson process.
     """
     need_random_births(model, "the motion under a load")
-    drive, speed, rule = drive_of(separation_of(model)), relative_speed(model), frequencies(model)
-    found, power = _answers(model, rule.wavenumber), rule.weight * rule.alone
-    own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
-    spread_strengths = 0.0 if model.strengths is None else spread_of(model.strengths)
-    covariances = (spread_strengths * (own * power) @ own.conj().T + (mean * power) @ mean.conj().T).real
-    spread = dict(zip(found, np.sqrt(np.diagonal(covariances)).tolist(), strict=True))
-    weight, ratio = drive.strengths.mean * model.mean_real_contact_area, drive.slider.damping_ratio
+    drive, found, live = contact_drive_of(model), covariances(model), model.mean_junction_count
+    load_std, ratio, speed = sqrt(found.of("load")), drive.slider.damping_ratio, relative_speed(model)
+    hardness, mean_area = separation_of(model).hardness, model.mean_real_contact_area
     area = sqrt(float(autocovariance(model, 0.0)))
     return LoadMotion(
-        separation_std=spread["separation"],
-        velocity_std=spread["normal_velocity"],
-        load_std=spread["load"],
+        separation_std=sqrt(found.of("separation")),
+        velocity_std=sqrt(found.of("normal_velocity")),
+        load_std=load_std,
         contact_resonance=drive.slider.natural_frequency,
         damping_ratio=ratio,
         relative_speed=speed,
-        regime=_regime(model.mean_junction_count, speed, spread["load"] / (drive.strengths.mean * area)),
-        suppression=_suppression(model, spread, area),
-        negative_share=0.5 * erfc(weight / (spread["load"] * sqrt(2.0))),
-        error=_error(model.mean_junction_count, speed, ratio),
-        names=tuple(found),
-        covariances=covariances,
+        regime=_regime(live, speed, load_std / (hardness * area)),
+        suppression=_suppression(model, found, area, hardness),
+        negative_share=0.5 * erfc(hardness * mean_area / (load_std * sqrt(2.0))),
+        error=_error(live, speed, ratio),
+        covariances=found,
     )
 
 
@@ -138,42 +123,13 @@ def _error(live: float, speed: float, ratio: float) -> float:
     return max(20.0 / live, 1.0) * (0.01 if speed <= 0.1 else 0.02 if ratio >= 0.3 else 0.1)
 
 
-def _suppression(model: Model, spread: dict[str, float], area: float) -> float:
+def _suppression(model: Model, found: Covariances, area: float, hardness: float) -> float:
     if model.slider is not None:
-        return response(replace(model, separation=None)).displacement_std / spread["displacement"]
+        held = response(replace(model, separation=None)).displacement_std
+        return held / sqrt(found.of("displacement")) if "displacement" in found.names else nan
     if model.strengths is not None:
-        return sqrt(model.strengths.moment(2)) * area / spread[FORCE]
-    return drive_of(separation_of(model)).strengths.mean * area / spread["load"]
-
-
-def _answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Complexes]]:
-    """Return the response of each quantity to the transform of the area at wavenumbers in rad/um, by name.
-
-    A pair o, m: a junction of strength psi brings (psi - E[psi]) o + m to it.
-    """
-    drive = drive_of(separation_of(model))
-    none, turned = np.zeros_like(wavenumber, dtype=np.complex128), 1.0j * drive.speed * wavenumber
-    borne, separation = drive.borne(wavenumber), drive.strengths.mean * drive.compliance(wavenumber)
-    found = {
-        "separation": (none, separation),
-        "normal_velocity": (none, turned * separation),
-        "load": (none, drive.strengths.mean * borne),
-    }
-    if model.strengths is not None:
-        found[FORCE] = (none + 1.0, model.strengths.mean * borne)
-    if model.slider is not None:
-        own, mean = (part * drive_of(model).compliance(wavenumber) for part in found[FORCE])
-        found |= {"displacement": (own, mean), "velocity": (turned * own, turned * mean)}
-    return found
-
-
-def load_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
-    """Return the spectral density H^2 S(w/V)/V |r|^2 of the load P in uN^2 per rad/s, r as in `Drive.borne`."""
-    separation = separation_of(model)
-    drive = drive_of(separation)
-    k = np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed
-    density = force_spectral_density(separation, drive.strengths, k) / drive.speed
-    return density * np.square(np.abs(drive.borne(k)))
+        return sqrt(model.strengths.moment(2) * area**2 / found.of(FORCE))
+    return hardness * area / sqrt(found.of("load"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,16 +152,15 @@ def band_numbers(lowest: float, highest: float) -> range:
 
 def third_octaves(model: Model) -> ThirdOctaves:
     """Return the normal velocity in third octaves, if a band holds more than 1e-6 of its power (60 dB)."""
-    separation = separation_of(model)
-    drive = drive_of(separation)
+    drive = contact_drive_of(model)
     natural = drive.slider.natural_frequency
     middles = 10.0 ** (0.1 * np.array(band_numbers(1e-4 * natural, 1e4 * natural)))
     ends = 2.0 * pi / drive.speed * np.append(middles / THIRD, middles[-1] * THIRD)
-    edges = response_edges(separation, drive)
+    edges = response_edges(model, drive)
     k, weight = panels(np.unique(np.concatenate([ends, edges[(edges > ends[0]) & (edges < ends[-1])]])), 16)
-    density = force_spectral_density(separation, drive.strengths, k, exact=False)
-    power = np.histogram(k, ends, weights=weight * density * drive.gain(k) * np.square(drive.speed * k) / pi)[0]
-    kept = power > _PART_LEFT_OUT * response(separation).velocity_std ** 2
+    density = density_of(model, "normal_velocity", k, exact=False)
+    power = np.histogram(k, ends, weights=weight * density / pi)[0]
+    kept = power > _PART_LEFT_OUT * covariances(model).of("normal_velocity")
     return ThirdOctaves(frequency=middles[kept], velocity=np.sqrt(power[kept]))
 
 

@@ -1,12 +1,18 @@
-"""What the friction force moves, one-way: the drive of a slider, and spectra and spreads by one rule over frequencies.
+"""What friction force and load move, one-way and of first order: responses by name, their spectra and covariances.
 
-Every stationary spread is (1/pi) int_0^inf S(k) |h(k)|^2 dk, plus lines, S the spectrum of the area. A covariance
-equation in time would lose the digits of a slow slider, whose resonance holds 1e-8 of the force.
+A junction of strength psi brings (psi - E[psi]) o + m to a quantity, o and m being functions of the wavenumber k. With
+S the spectrum of the area, between lines, and S_1 its part of single junctions, quantities u and v have
+
+    Cov[u, v] = (1/pi) int_0^inf Re(Var[psi] S_1 o_u o_v* + S m_u m_v*) dk, plus lines.
+
+A covariance equation in time would lose the digits of a slow slider, whose resonance holds 1e-8 of the force.
+Source: Crandall and Mark, Random Vibration in Mechanical Systems (1963).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, pi, sqrt
+from math import inf, nan, pi, sqrt
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,17 +21,18 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model, Separation, Slider
 from rubnoise.theory.second_order import area_noise
 from rubnoise.theory.sizes import panels, size_range, sizes_of
+
+FORCE: Final = "friction_force"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drive:
-    """A slider, the strengths of the junctions that drive it, and the speed (um/s) that turns distance into time."""
+    """An oscillator, and the speed (um/s) that turns distance into its time."""
 
     slider: Slider
-    strengths: Law
     speed: float
 
     @property
@@ -45,43 +52,78 @@ class Drive:
         frequency, slider = self.speed * wavenumber, self.slider
         return (1.0j * slider.damping - slider.mass * frequency) * frequency * self.compliance(wavenumber)
 
-    def gain(self, wavenumber: Doubles) -> Doubles:
-        """Return 1 / |k - m w^2 + i c w|^2 in um^2/uN^2; of a base, which drives by k y + c y', times k^2 + c^2 w^2."""
-        gain = np.square(np.abs(self.compliance(wavenumber)))
-        if self.slider.excitation == "friction":
-            return gain
-        return gain * (self.slider.stiffness**2 + np.square(self.slider.damping * self.speed * wavenumber))
+
+def need_friction(model: Model) -> None:
+    """Raise Refused if something else than friction drives the slider."""
+    if model.slider is not None and model.slider.excitation != "friction":
+        raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
 
 
 def drive_of(model: Model) -> Drive:
-    """Return the drive of a model; raises Refused if slider, strength or sliding speed is missing."""
-    if model.slider is not None and model.slider.excitation != "friction":
-        raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
-    if model.slider is None or model.strengths is None or model.sliding_speed is None:
-        raise Refused("the slider's response needs [slider], a shear strength ([strength]) and sliding.speed")
-    return Drive(slider=model.slider, strengths=model.strengths, speed=model.sliding_speed)
+    """Return the slider that friction or a base drives.
 
-
-def motion_drive_of(model: Model) -> Drive:
-    """Return the drive of a model; of a base its height per area in um per um^2 takes the place of strengths.
-
-    Raises Refused as `drive_of` does, and for a base whose lives are not triangles of one size.
+    Raises Refused if slider, strength or sliding speed is missing, and over a base if lives are not equal triangles.
     """
     if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
-        return drive_of(model)
-    if not isinstance(model.sizes, Fixed):
+        need_friction(model)
+        if model.slider is None or model.strengths is None or model.sliding_speed is None:
+            raise Refused("the slider's response needs [slider], a shear strength ([strength]) and sliding.speed")
+    elif not isinstance(model.sizes, Fixed):
         raise Refused("excitation by the base is known for equal diameters alone (diameter.law)")
-    if model.pulse != TRIANGLE:
+    elif model.pulse != TRIANGLE:
         raise Refused('the slider is driven by a base of triangles, which lives are with pulse.shape = "triangle"')
-    return Drive(slider=model.slider, strengths=Fixed(value=model.base_per_area), speed=model.sliding_speed)
+    return Drive(slider=model.slider, speed=model.sliding_speed)
 
 
-def separation_of(model: Model) -> Model:
-    """Return the model whose slider is the separation s_0 + z, driven by the hardness; Refused without a load."""
-    if model.separation is None:
+def separation_of(model: Model) -> Separation:
+    """Return the separation that a load holds; raises Refused without one, or without a sliding speed."""
+    if model.separation is None or model.sliding_speed is None:
         raise Refused("the separation moves under a load that weighs alone ([load])")
-    strengths = Fixed(value=model.separation.hardness)
-    return replace(model, slider=model.separation.oscillator, strengths=strengths, separation=None)
+    return model.separation
+
+
+def contact_drive_of(model: Model) -> Drive:
+    """Return the separation as an oscillator: s_0 + z is driven by H A, A at constant separation; Refused as above."""
+    return Drive(slider=separation_of(model).oscillator, speed=model.sliding_speed or nan)
+
+
+def strengths_of(model: Model) -> Law:
+    """Return the law of shear strengths; raises Refused without one."""
+    if model.strengths is None:
+        raise Refused("the friction force needs a shear strength ([strength])")
+    return model.strengths
+
+
+def spread_of(strengths: Law | None) -> float:
+    """Return the variance of strengths in MPa^2, 0 without any."""
+    return 0.0 if strengths is None else max(strengths.moment(2) - strengths.mean**2, 0.0)
+
+
+Answers = dict[str, tuple[Complexes, Complexes]]
+
+
+def answers(model: Model, wavenumber: Doubles, *, moved: bool = True) -> Answers:
+    """Return o and m of each quantity by name, per um^2 of area at wavenumbers in rad/um; not ``moved``, of forces."""
+    found: Answers = {}
+    none = np.zeros(wavenumber.shape, dtype=np.complex128)
+    borne: Complexes = none + 1.0
+    if model.separation is not None:
+        drive, hardness = contact_drive_of(model), model.separation.hardness
+        borne, separation = drive.borne(wavenumber), hardness * drive.compliance(wavenumber)
+        velocity = 1.0j * drive.speed * wavenumber * separation
+        found |= {"separation": (none, separation), "normal_velocity": (none, velocity)}
+        found["load"] = (none, hardness * borne)
+    if model.strengths is not None:
+        found[FORCE] = (none + 1.0, model.strengths.mean * borne)
+    if moved:
+        drive = drive_of(model)
+        turned = 1.0j * drive.speed * wavenumber
+        brought = found.get(FORCE, (none, none))
+        if drive.slider.excitation == "base":
+            brought = (none, model.base_per_area * (drive.slider.stiffness + drive.slider.damping * turned) + none)
+        own, mean = (part * drive.compliance(wavenumber) for part in brought)
+        found |= {"displacement": (own, mean), "velocity": (turned * own, turned * mean)}
+    return found
 
 
 _NODES = 16
@@ -100,17 +142,21 @@ class Frequencies:
     alone: Doubles
     together: Doubles
 
-    def force(self, model: Model, strengths: Law) -> Doubles:
-        """Return the variance of force at each wavenumber, in uN^2."""
-        return self.weight * _force_density(model, strengths, self.wavenumber, self.alone, self.together)
+
+def is_moved(model: Model) -> bool:
+    """Return whether a slider has a stationary motion that is known."""
+    try:
+        return drive_of(model).slider.damping > 0.0
+    except Refused:
+        return False
 
 
 @lru_cache(maxsize=8)
 def frequencies(model: Model) -> Frequencies:
     """Return the rule for all motions of a model: its slider's and its separation's."""
-    drives = [] if model.slider is None else [motion_drive_of(model)]
+    drives = [drive_of(model)] if is_moved(model) else []
     if model.separation is not None:
-        drives.append(drive_of(separation_of(model)))
+        drives.append(contact_drive_of(model))
     edges = np.unique(np.concatenate([response_edges(model, drive) for drive in drives]))
     k, weight = panels(edges, _NODES)
     follows = np.repeat(np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING, _NODES)
@@ -147,43 +193,56 @@ def _octaves(lowest: float, highest: float) -> Doubles:
     return np.asarray(lowest * 2.0 ** np.arange(0.0, np.ceil(np.log2(highest / lowest)) + 1.0), dtype=np.float64)
 
 
-def force_spectral_density(model: Model, strengths: Law, wavenumber: ArrayLike, *, exact: bool = True) -> Doubles:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Covariances:
+    """Covariances of quantities with one another at one time, in the products of their units: um, um/s, uN."""
+
+    names: tuple[str, ...]
+    values: Doubles
+
+    def of(self, one: str, other: str | None = None) -> float:
+        """Return the covariance of two quantities, or the variance of one."""
+        return float(self.values[self.names.index(one), self.names.index(other or one)])
+
+
+@lru_cache(maxsize=8)
+def covariances(model: Model) -> Covariances:
+    """Return the stationary covariances of all quantities that `answers` names, to 1e-8."""
+    rule, (lines, power) = frequencies(model), area_noise(model).lines
+    found = answers(model, np.concatenate([rule.wavenumber, lines]), moved=is_moved(model))
+    own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
+    single = spread_of(model.strengths) * np.append(rule.weight * rule.alone, np.zeros(lines.size))
+    whole = np.append(rule.weight * (rule.alone + rule.together), 2.0 * power)
+    values = (own * single) @ own.conj().T + (mean * whole) @ mean.conj().T
+    return Covariances(names=tuple(found), values=np.asarray(values.real, dtype=np.float64))
+
+
+def force_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the two-sided spectral density of friction force in uN^2 per rad/um between lines; k in rad/um."""
-    k, noise = np.abs(np.asarray(wavenumber, dtype=np.float64)), area_noise(model)
-    return _force_density(model, strengths, k, noise.alone(k, exact=exact), noise.together(k, exact=exact))
+    strengths_of(model)
+    return density_of(model, FORCE, np.abs(np.asarray(wavenumber, dtype=np.float64)))
 
 
-def _force_density(model: Model, strengths: Law, k: Doubles, alone: Doubles, together: Doubles) -> Doubles:
-    """Return the density of force by parts of that of area; under a load a junction brings psi + (r - 1) E[psi]."""
-    if model.separation is None:
-        return strengths.moment(2) * alone + strengths.mean**2 * together
-    borne = np.square(np.abs(drive_of(separation_of(model)).borne(k)))
-    return alone * (spread_of(strengths) + strengths.mean**2 * borne)
+def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Doubles:
+    """Return the two-sided S_u(w) = |h|^2 S(w/V)/V of a motion or load, in its unit squared per rad/s, w in rad/s.
 
-
-def spread_of(strengths: Law) -> float:
-    """Return the variance of strengths in MPa^2."""
-    return max(strengths.moment(2) - strengths.mean**2, 0.0)
-
-
-def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
-    """Return the two-sided spectral density S_x(w) of the slider's displacement in um^2 per rad/s, w in rad/s.
-
-    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F that of the force, between lines at w = V k_n. Raises Refused as
-    `motion_drive_of`, and without damping, if nothing is stationary.
-    Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
+    ``name`` is displacement or velocity of the slider, or separation, normal_velocity or load; between lines at
+    w = V k_n. Raises Refused as `drive_of` and `contact_drive_of`, and without damping, if nothing is
+    stationary. Source: paper Eq. (1) and Fig. 5; see above.
     """
-    drive = motion_drive_of(model)
+    drive = drive_of(model) if name in {"displacement", "velocity"} else contact_drive_of(model)
     if drive.slider.damping == 0.0:
         raise Refused("without damping the slider's motion is not stationary and has no spectrum")
-    k = np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed
-    return force_spectral_density(model, drive.strengths, k) / drive.speed * drive.gain(k)
+    return density_of(model, name, np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed) / drive.speed
 
 
-def velocity_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
-    """Return S_v(w) = w^2 S_x(w) in (um/s)^2 per rad/s, the spectral density of the velocity."""
-    w = np.asarray(angular_frequency, dtype=np.float64)
-    return np.square(w) * displacement_spectrum(model, w)
+def density_of(model: Model, name: str, k: Doubles, *, exact: bool = True) -> Doubles:
+    """Return the two-sided density of a quantity per rad/um at wavenumbers k >= 0 in rad/um, between lines."""
+    own, mean = answers(model, k, moved=name in {"displacement", "velocity"})[name]
+    noise = area_noise(model)
+    alone, together = noise.alone(k, exact=exact), noise.together(k, exact=exact)
+    single = spread_of(model.strengths) * np.square(np.abs(own)) * alone
+    return np.asarray(single + np.square(np.abs(mean)) * (alone + together), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,29 +267,24 @@ class Response:
 
 def mean_displacement(model: Model) -> float:
     """Return the mean of x in um, E[psi] mean A_r / k: the static deflection, or the mean of a base."""
-    drive = motion_drive_of(model)
-    still = drive.strengths.moment(1) * model.stationary_mean_area
-    return still if drive.slider.excitation == "base" else still / drive.slider.stiffness
+    drive = drive_of(model)
+    if drive.slider.excitation == "base":
+        return model.base_per_area * model.stationary_mean_area
+    return strengths_of(model).moment(1) * model.stationary_mean_area / drive.slider.stiffness
 
 
-@lru_cache(maxsize=8)
 def response(model: Model) -> Response:
     """Return the stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 
-    Var x = (1/pi) int_0^inf S_x dw, Var x' = (1/pi) int_0^inf w^2 S_x dw, to 1e-8; lines add 2 E[psi]^2 power times the
-    gain. inf without damping. Raises Refused as `motion_drive_of`. Source: as above.
+    The spreads are those of `covariances`, inf without damping. Raises Refused as `drive_of`.
     """
-    drive = motion_drive_of(model)
-    spreads = (inf, inf)
-    if drive.slider.damping > 0.0:
-        rule, (lines, power) = frequencies(model), area_noise(model).lines
-        k = np.concatenate([rule.wavenumber, lines])
-        force = np.concatenate([rule.force(model, drive.strengths), 2.0 * drive.strengths.mean**2 * power])
-        moved = force * drive.gain(k)
-        spreads = (sqrt(float(moved.sum())), sqrt(float(moved @ np.square(drive.speed * k))))
+    speed, spreads = drive_of(model).speed, (inf, inf)
+    if is_moved(model):
+        found = covariances(model)
+        spreads = sqrt(found.of("displacement")), sqrt(found.of("velocity"))
     return Response(
         mean_displacement=mean_displacement(model),
         displacement_std=spreads[0],
         velocity_std=spreads[1],
-        sliding_speed=drive.speed,
+        sliding_speed=speed,
     )

@@ -1,7 +1,7 @@
 """Standard errors of the figures of a finite record of area, friction force or motion, from theory alone."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 from math import factorial, hypot, inf, nan, sqrt
 
@@ -9,17 +9,22 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
-from rubnoise.model import Model
-from rubnoise.theory.cumulants import AREA_ITSELF, force_cumulants, shot_cumulants, strengths_of
-from rubnoise.theory.load import FORCE, load_motion
+from rubnoise.model import Model, Slider
+from rubnoise.theory.cumulants import AREA_ITSELF, area_cumulants, shot_cumulants
+from rubnoise.theory.load import load_motion
 from rubnoise.theory.motion import (
+    FORCE,
+    answers,
+    contact_drive_of,
+    covariances,
     drive_of,
     frequencies,
+    is_moved,
     mean_displacement,
-    motion_drive_of,
     response,
     separation_of,
     spread_of,
+    strengths_of,
 )
 from rubnoise.theory.second_order import area_noise, joint_cumulant, lag_rule, need_random_births, resolved_error
 from rubnoise.theory.sizes import COARSE, sizes_of
@@ -57,11 +62,16 @@ def mean_force_error(model: Model, distance: float | None = None) -> float:
     mean = psi.mean * model.stationary_mean_area
     if model.separation is None:
         return resolved_error(noise.variance_of_mean(distance, psi.moment(2), psi.mean**2), mean)
-    separation, length = separation_of(model), distance or (model.tick_count + 1) * model.tick
-    drive = drive_of(separation)
-    carried = carried_momentum(separation) * drive.speed / length
     deviations = resolved_error(noise.variance_of_mean(distance, spread_of(psi), 0.0), mean)
-    return deviations + psi.mean / drive.strengths.mean * carried
+    return deviations + psi.mean / model.separation.hardness * _mean_load_error(
+        model, distance or (model.tick_count + 1) * model.tick
+    )
+
+
+def _mean_load_error(model: Model, distance: float) -> float:
+    """Return a bound in uN of the standard error of the mean of P, whose mean less W is (m dz' + c dz)/T."""
+    drive, motion = contact_drive_of(model), load_motion(model)
+    return carried_momentum(drive.slider, motion.separation_std, motion.velocity_std) * drive.speed / distance
 
 
 def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
@@ -129,7 +139,7 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     """
     from scipy.linalg import expm
 
-    drive = motion_drive_of(model)
+    drive = drive_of(model)
     slider, still, duration = drive.slider, mean_displacement(model), distance / drive.speed
     if slider.start == "equilibrium":
         return still
@@ -145,65 +155,60 @@ def mean_displacement_error(model: Model, distance: float) -> float:
     k mean x = mean F - (m dv + c dx)/T, dv and dx the changes over the run; over a base y, k mean y + (c dy - m dv - c
     dx)/T. inf without damping.
     """
-    drive = motion_drive_of(model)
-    change = carried_momentum(model) * drive.speed / distance
-    if drive.slider.excitation != "base":
-        return (mean_force_error(model, distance) + change) / drive.slider.stiffness
-    lifted = replace(model, strengths=drive.strengths)
-    change += 2.0 * drive.slider.damping * force_cumulants(lifted).std * drive.speed / distance
-    return mean_force_error(lifted, distance) + change / drive.slider.stiffness
+    drive, motion = drive_of(model), response(model)
+    slider = drive.slider
+    change = carried_momentum(slider, motion.displacement_std, motion.velocity_std) * drive.speed / distance
+    if slider.excitation != "base":
+        return (mean_force_error(model, distance) + change) / slider.stiffness
+    change += 2.0 * slider.damping * model.base_per_area * area_cumulants(model).std * drive.speed / distance
+    return model.base_per_area * mean_area_error(model, distance) + change / slider.stiffness
 
 
-def carried_momentum(model: Model) -> float:
+def carried_momentum(slider: Slider, std: float, velocity_std: float) -> float:
     """Return a bound in uN s of the spread of m dv + c dx over a run: of stationary motion plus a decaying start."""
-    slider, motion = motion_drive_of(model).slider, response(model)
     natural = slider.natural_angular_frequency
-    start = hypot(motion.displacement_std, motion.velocity_std / natural)
-    return slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
+    start = hypot(std, velocity_std / natural)
+    return slider.damping * (std + start) + slider.mass * (velocity_std + natural * start)
 
 
 def motion_errors(model: Model, distance: float) -> MotionErrors:
     """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
 
-    Of the stds, for runs of many lives and decay times, the root of `mean_square_variances` over 2 std; inf without
-    damping. Raises Refused as `motion_drive_of`, and unless births are a Poisson process.
+    Of the stds as `spread_errors`; inf without damping. Raises Refused as `drive_of`, and unless births are a Poisson
+    process.
     """
-    drive, motion = motion_drive_of(model), response(model)
+    drive = drive_of(model)
     need_random_births(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
-
-    def gains(k: Doubles) -> Doubles:
-        return drive.gain(k) * np.stack([np.ones_like(k), np.square(drive.speed * k)])
-
-    displacement, velocity = np.sqrt(mean_square_variances(model, drive.strengths, gains, distance)).tolist()
+    errors = spread_errors(model, ("displacement", "velocity"), distance)
     return MotionErrors(
-        mean_displacement=mean_displacement_error(model, distance),
-        displacement_std=displacement / (2.0 * motion.displacement_std),
-        velocity_std=velocity / (2.0 * motion.velocity_std),
+        mean_displacement=mean_displacement_error(model, distance), displacement_std=errors[0], velocity_std=errors[1]
     )
 
 
-def mean_square_variances(
-    model: Model, strengths: Law, gains: Callable[[Doubles], Doubles], distance: float
-) -> Doubles:
-    """Return the variances of the mean of u^2 over a long run, u the force after filters of some power gains.
+def spread_errors(model: Model, names: Sequence[str], distance: float) -> list[float]:
+    """Return the standard errors of the stds of some quantities over a run of many lives and decay times.
 
-    (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one junction; under a load one brings
-    psi - E[psi] + r E[psi], r as in `Drive.borne`. Source: cumulants of filtered shot noise (Rice 1944).
+    The variance of the mean of u^2 is (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
+    junction; the error is the root of that over 2 std u. Source: cumulants of filtered shot noise (Rice 1944).
     """
-    rule, sizes, psi = frequencies(model), sizes_of(model.sizes, COARSE), sizes_of(strengths, COARSE)
-    powers, borne = gains(rule.wavenumber), np.ones_like(rule.wavenumber, dtype=np.complex128)
-    if model.separation is not None:
-        borne = drive_of(separation_of(model)).borne(rule.wavenumber)
-    brought = rule.weight * np.square(np.abs(psi.diameter[:, None] - strengths.mean + strengths.mean * borne))
-    gaussian = 2.0 * np.square(rule.force(model, strengths) * powers) @ (1.0 / rule.weight)
-    fourth = np.zeros(len(powers))
+    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
+    psi = sizes_of(model.strengths or AREA_ITSELF, COARSE)
+    found = answers(model, rule.wavenumber, moved=is_moved(model))
+    own, mean = (np.stack([found[name][part] for name in names]) for part in (0, 1))
+    deviation = psi.diameter - float(psi.probability @ psi.diameter)
+    brought = rule.weight * np.square(np.abs(deviation[:, None] * own[:, None] + mean[:, None]))
+    density = rule.alone * (psi.probability @ brought)
+    gaussian = 2.0 * np.square(density) @ (1.0 / rule.weight)
+    fourth = np.zeros(len(names))
     for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
         lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
-        energies = diameter**6 * np.einsum("vk,pk,lk->vpl", powers, brought, lives)
-        fourth += probability * np.square(energies) @ shares @ psi.probability
-    return (gaussian + model.birth_rate * fourth) / distance
+        energies = diameter**6 * np.einsum("vpk,lk->vpl", brought, lives)
+        fourth += probability * psi.probability @ np.square(energies) @ shares
+    variance = (gaussian + model.birth_rate * fourth) / distance
+    stds = np.sqrt([covariances(model).of(name) for name in names])
+    return [float(each) for each in 0.5 * np.sqrt(variance) / stds]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,29 +227,24 @@ class LoadErrors:
 def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
     """Return standard errors of the motion under a load over a run of ``distance`` um.
 
-    Of the separation as `motion_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in
-    the squares of z' and P - W, as uncertain as it is large: for Gaussian z and z' at most sqrt(3) times as much.
+    Of stds as `spread_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in the
+    squares of z' and P - W, as uncertain as it is large: for Gaussian z and z' at most sqrt(3) times as much.
     """
-    separation, psi = separation_of(model), model.strengths
-    drive, motion = drive_of(separation), load_motion(model)
-    errors = motion_errors(separation, distance)
+    contact, psi, motion = separation_of(model), model.strengths, load_motion(model)
+    names = ("separation", "normal_velocity", "load", *((FORCE,) if psi else ()))
+    errors = [*spread_errors(model, names, distance), nan]
     fast, excess = (sqrt(3.0) * each * from_start for each in _start_excess(model, distance))
-
-    def held(k: Doubles) -> Doubles:
-        return np.square(np.abs(drive.borne(k)))[None]
-
-    square = float(mean_square_variances(separation, drive.strengths, held, distance)[0])
     force_std = nan
     if psi is not None:
-        std, share = motion.covariance(FORCE, FORCE) ** 0.5, psi.mean / drive.strengths.mean
-        own = float(mean_square_variances(model, psi, lambda k: np.ones((1, k.size)), distance)[0])
-        force_std = hypot(sqrt(own), share**2 * excess) / (2.0 * std)
+        own = psi.mean / contact.hardness
+        force_std = hypot(errors[3], own**2 * excess / (2.0 * sqrt(motion.covariances.of(FORCE))))
+    mean_load = _mean_load_error(model, distance)
     return LoadErrors(
-        separation_mean=errors.mean_displacement,
-        separation_std=errors.displacement_std,
-        velocity_std=hypot(errors.velocity_std, fast / (2.0 * motion.velocity_std)),
-        load_mean=carried_momentum(separation) * drive.speed / distance,
-        load_std=hypot(sqrt(square), excess) / (2.0 * motion.load_std),
+        separation_mean=(contact.hardness * mean_area_error(model, distance) + mean_load) / contact.stiffness,
+        separation_std=errors[0],
+        velocity_std=hypot(errors[1], fast / (2.0 * motion.velocity_std)),
+        load_mean=mean_load,
+        load_std=hypot(errors[2], excess / (2.0 * motion.load_std)),
         force_mean=nan if psi is None else mean_force_error(model, distance),
         force_std=force_std,
     )
@@ -256,7 +256,7 @@ def _start_excess(model: Model, distance: float) -> tuple[float, float]:
     Of the free decay of a stationary separation: int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and int y^2 dt = (c
     y_0^2/2 + m y_0 y'_0 + m e/c)/K.
     """
-    drive, motion = drive_of(separation_of(model)), load_motion(model)
+    drive, motion = contact_drive_of(model), load_motion(model)
     slider, square = drive.slider, motion.separation_std**2
     energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
     decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) * slider.stiffness

@@ -34,7 +34,7 @@ from rubnoise.theory.sizes import (
     table_over_sizes,
 )
 from rubnoise.theory.spline import Spline
-from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps, settled_energy
+from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps
 
 _ROUNDING, _VISIBLE, _NO_POWER = 1e-12, 1e-26, 1e-32
 _MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
@@ -158,9 +158,8 @@ class ShotNoise:
 
     def alone(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
         """Return the part of single junctions in the density, lam E[|A^(k)|^2]."""
-        settled = partial(settled_energy, self.model.pulse)
-        followed = partial(energy, self.model.pulse) if exact else settled
-        return self.model.birth_rate * over_phases(self.model.sizes, wavenumber, followed, settled, 6).real
+        unit = partial(energy, self.model.pulse)
+        return self.model.birth_rate * over_phases(self.model.sizes, wavenumber, unit, 6, exact=exact).real
 
     def together(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
         """Return the part of births in the density, (S_N - lam) |E[A^(k)]|^2; 0 for births at random."""
@@ -168,8 +167,8 @@ class ShotNoise:
             return np.zeros_like(wavenumber)
         if is_one_life(self.model):
             return self.model.births.excess(wavenumber) * self.alone(wavenumber, exact=exact)
-        followed, settled = (partial(from_birth, self.model.pulse, exact=each) for each in (exact, False))
-        mean_life = np.square(np.abs(over_phases(self.model.sizes, wavenumber, followed, settled, 3)))
+        unit = partial(from_birth, self.model.pulse)
+        mean_life = np.square(np.abs(over_phases(self.model.sizes, wavenumber, unit, 3, exact=exact)))
         return self.model.birth_rate * self.model.births.excess(wavenumber) * mean_life
 
     def covariance(self, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:

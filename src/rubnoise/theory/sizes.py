@@ -20,6 +20,9 @@ Function = Callable[[Doubles], Doubles]
 FINE, COARSE = 160.0, 20.0
 """Diameters for a factor e of size: for averages right to 1e-8, and for errors of errors."""
 
+SETTLED = 160.0
+"""Phase k d from which lives of many sizes swing against one another, so that nothing of the swing is left."""
+
 _HARD = 6.0  # times as many for a law whose density jumps: its swings do not fade
 _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
@@ -185,14 +188,12 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
 
 
 def over_phases(
-    law: Law, wavenumber: Doubles, followed: Callable[..., Any], settled: Callable[..., Any], power: int
+    law: Law, wavenumber: Doubles, unit: Callable[..., Any], power: int, *, exact: bool = True
 ) -> Complexes:
-    """Return E[d^power g(k d)], g the first function where diameters follow its swing and the second beyond."""
+    """Return E[d^power unit(k d, settled)]: diameters follow its swing up to ``settled``; not ``exact``, up to 160."""
     sizes, k = sizes_of(law), wavenumber.ravel()
     weight, found = sizes.probability * sizes.diameter**power, np.zeros(k.size, dtype=np.complex128)
-    for last in np.unique(sizes.followed).tolist():
-        part = sizes.followed == last
-        for rows in np.array_split(np.arange(k.size), 1 + k.size * int(part.sum()) // _AT_ONCE):
-            for some, unit in ((rows[k[rows] <= last], followed), (rows[k[rows] > last], settled)):
-                found[some] += unit(k[some, None] * sizes.diameter[part]) @ weight[part]
+    settled = np.maximum(SETTLED, sizes.followed * sizes.diameter) if exact else SETTLED
+    for rows in np.array_split(np.arange(k.size), 1 + k.size * weight.size // _AT_ONCE):
+        found[rows] = unit(k[rows, None] * sizes.diameter, settled) @ weight
     return found.reshape(wavenumber.shape)

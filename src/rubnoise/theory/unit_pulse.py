@@ -1,27 +1,27 @@
 """The life of unit diameter: its overlap with itself, its energy spectrum, and its means by age.
 
 A(s; d) = d^2 a(s/d), so averages over sizes need these functions alone. Off the centre line they are means over
-offsets: integrals over a unit disc, and over lines through its transform (Bracewell 1956, doi:10.1071/PH560198).
+offsets, which are even over a pass's half width.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
-from math import erfc
+from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import overlap
-from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
-from rubnoise.theory.sizes import Function, panels
+from rubnoise.contact.pulses import Pulse
+from rubnoise.theory.sizes import SETTLED, Function, panels
 from rubnoise.theory.spline import Spline
 
-SETTLED: float = 160.0
-"""Phase z = k d from which `settled_energy` has no swing left."""
-
-_STEP_FROM, _STEP_CENTRE, _STEP_WIDTH = 20.0, 90.0, 8.5
-_FADING, _END, _TABLE = 192.0, 256.0, np.arange(256 * 64 + 1) / 64.0
+_LEVEL_FROM, _END = 20.0, 328.0
+_TABLE = np.arange(328 * 64 + 1) / 64.0
+_STEP_BEFORE, _STEP_WIDTH = 70.0, 12.02  # phases within which a swing that is followed no longer fades
 _HANKEL_TERMS = 16
 
 
@@ -85,25 +85,30 @@ def _within(spline: Spline) -> Function:
 
 @lru_cache(maxsize=64)
 def overlaps(pulse: Pulse, i: int, j: int) -> Function:
-    """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter by quadrature over offsets and places.
+    """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter as a spline.
 
     Error some 1e-9 of the largest value of q_11, and 1e-6 of higher powers, which errors of errors need.
     """
     lags = _lags((1024 if pulse.offset == "none" else 256) if i == j == 1 else 128)
+    return _within(Spline(lags, _overlaps_at(pulse, lags, i, j)))
+
+
+def _overlaps_at(pulse: Pulse, lags: Doubles, i: int, j: int, nodes: tuple[int, int] = (12, 24)) -> Doubles:
+    """Return q_ij at some lags by quadrature over offsets and places, with some nodes on each panel."""
     lag, offset, share = lags[:, None], np.zeros((lags.size, 1)), np.ones((lags.size, 1))
     if pulse.offset != "none":
         widest = np.sqrt(np.maximum(1.0 - 0.25 * lag * lag, 0.0))
-        offset, share = panels(widest * np.array([0.0, 0.02, 0.15, 1.0]), 12, rooted=True)
+        offset, share = panels(widest * np.array([0.0, 0.02, 0.15, 1.0]), nodes[0], rooted=True)
     first = np.broadcast_to(-0.5 * lag, offset.shape)
     last = np.maximum(np.sqrt(1.0 - offset * offset) - lag, first)
-    place, weight = panels(np.stack([first, np.clip(0.0, first, last), last], axis=-1), 24, rooted=True)
+    place, weight = panels(np.stack([first, np.clip(0.0, first, last), last], axis=-1), nodes[1], rooted=True)
     earlier, later = place, place + lag[..., None]
     if pulse.offset == "none":
         earlier, later = (pulse.area(1.0 + each, 1.0) for each in (earlier, later))
     else:
         earlier, later = (overlap(np.hypot(each, offset[..., None]), pulse) for each in (earlier, later))
     both = weight * (earlier**i * later**j + earlier**j * later**i)
-    return _within(Spline(lags, np.sum(share * np.sum(both, axis=-1), axis=-1)))
+    return np.asarray(np.sum(share * np.sum(both, axis=-1), axis=-1), dtype=np.float64)
 
 
 def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
@@ -159,47 +164,29 @@ def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
 
 @cache
 def _near(pulse: Pulse) -> Spline:
-    """Return a^(z) up to z = 256, or off the centre line (9 + z^2)^2.5 times the energy, which is even in z.
-
-    That is the integral of the energy of the disc over lines across z, at places 1/4 apart.
-    """
+    """Return a^(z) up to z = 328, or off the centre line (9 + z^2)^2.5 times the energy, 2 int q_11 cos(z t) dt."""
     if pulse.offset == "none":
-        place, weight = panels(np.linspace(0.0, 1.0, 9), 32, rooted=True)
-        mass = 2.0 * weight * pulse.area(1.0 + place, 1.0)
-        rows = [np.cos(np.multiply.outer(some, place)) @ mass for some in np.array_split(_TABLE, 64)]
-        return Spline(_TABLE, np.concatenate(rows))
-    from scipy.interpolate import make_interp_spline
-
-    across, weight = panels(np.concatenate([np.arange(0.0, 1201.0, 4.0), np.geomspace(1204.0, 1e4, 60)]), 12)
-    z = _TABLE[::16]
-    found = np.array([_disc_energy(pulse, np.hypot(each, across)) @ weight for each in z.tolist()])
-    found *= (9.0 + z * z) ** 2.5 / (2.0 * np.pi)
-    even = make_interp_spline(np.append(-z[:0:-1], z), np.append(found[:0:-1], found), k=9)
-    return Spline(_TABLE, even(_TABLE))
+        return Spline(_TABLE, amplitude(pulse, _TABLE))
+    lag, weight = panels(np.linspace(0.0, 2.0, 21), 32, rooted=True)
+    mass = 2.0 * weight * _overlaps_at(pulse, lag, 1, 1, nodes=(24, 32))
+    rows = [np.cos(np.multiply.outer(some, lag)) @ mass for some in np.array_split(_TABLE, 64)]
+    return Spline(_TABLE, np.concatenate(rows) * (9.0 + _TABLE**2) ** 2.5)
 
 
-def _disc_energy(pulse: Pulse, q: Doubles) -> Doubles:
-    """Return the squared transform over the disc, (pi J_1(q/2)/q)^4 of lenses, (pi^2 J_2(q)/q^2)^2 of parabolas."""
-    from scipy.special import j0, j1
-
-    if pulse.shape == "parabola":
-        return np.asarray(np.square(np.pi**2 * (2.0 * j1(q) / q - j0(q)) / q**2), dtype=np.float64)
-    return np.asarray((np.pi * j1(0.5 * q) / q) ** 4, dtype=np.float64)
-
-
-def energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
+def energy(pulse: Pulse, phase: ArrayLike, settled: float | Doubles = inf) -> Doubles:
     """Return E[|a^(z)|^2] of a life of unit diameter at z = k d >= 0; |A^(k)|^2 is d^6 times it.
 
-    Error below 1e-7 of its value up to z = 16; of passes off the centre line its swing fades from z = 192 to 256.
+    Error below 1e-7 of its value up to z = 16. From the phase ``settled`` on, at least 160, the swing of the tail is
+    left out: the integral against what is smooth over z = 10 stays the same. Off the centre line that is 328 at most.
     """
-    z = np.asarray(phase, dtype=np.float64)
+    z, table = np.asarray(phase, dtype=np.float64), _near(pulse)
     if pulse.offset == "none":
-        return np.square(_amplitude(pulse, z))
-    near = np.minimum(z, _END)
-    # The swing fades, since averages over sizes would see it end at once.
-    kept = 0.5 + 0.5 * np.cos(np.pi * np.clip((near - _FADING) / (_END - _FADING), 0.0, 1.0))
-    followed = _near(pulse)(near) / (9.0 + near * near) ** 2.5
-    return np.asarray(kept * followed + (1.0 - kept) * level(pulse, np.maximum(z, 1.0)), dtype=np.float64)
+        return _faded(z, settled, lambda near: np.square(_amplitude(pulse, near)), partial(level, pulse)).real
+
+    def followed(near: Doubles) -> Doubles:
+        return np.asarray(table(near) / (9.0 + near * near) ** 2.5, dtype=np.float64)
+
+    return _faded(z, np.minimum(settled, _END), followed, partial(level, pulse)).real
 
 
 def level(pulse: Pulse, phase: Doubles) -> Doubles:
@@ -211,79 +198,63 @@ def level(pulse: Pulse, phase: Doubles) -> Doubles:
     return np.asarray(np.square(middle) + 2.0 * np.square(np.abs(birth)), dtype=np.float64)
 
 
-@cache
-def _kept() -> Spline:
-    """Return how much of the swing is kept up to z = 256: 1 below 20, 0 above 160, an error function."""
-    scale = np.sqrt(2.0) * _STEP_WIDTH
-    return Spline(_TABLE, [0.5 * erfc((z - _STEP_CENTRE) / scale) for z in _TABLE.tolist()])
+def _faded(
+    z: Doubles, settled: float | Doubles, followed: Callable[[Doubles], Any], rest: Callable[[Doubles], Any]
+) -> Complexes:
+    """Return one function up to some phases and another from 70 before ``settled`` on, by an error function."""
+    from scipy.special import erfc
+
+    kept = np.broadcast_to(0.5 * erfc((z - settled + _STEP_BEFORE) / _STEP_WIDTH), z.shape)
+    found = np.zeros(z.shape, dtype=np.complex128)
+    inside, beyond = kept > 0.0, kept < 1.0
+    found[inside] = followed(z[inside])
+    share = kept[beyond]
+    found[beyond] = share * found[beyond] + (1.0 - share) * rest(np.maximum(z[beyond], _LEVEL_FROM))
+    return found
 
 
-def settled_energy(pulse: Pulse, phase: ArrayLike) -> Doubles:
-    """Return the energy without the swing of its tail; its integral against what is smooth over z = 10 is the same."""
-    z = np.asarray(phase, dtype=np.float64)
-    kept, followed = _kept()(np.minimum(z, _END)), energy(pulse, np.minimum(z, SETTLED))
-    return kept * followed + (1.0 - kept) * level(pulse, np.maximum(z, _STEP_FROM))
-
-
-def from_birth(pulse: Pulse, phase: Doubles, *, exact: bool) -> Complexes:
+def from_birth(pulse: Pulse, phase: Doubles, settled: float | Doubles = inf) -> Complexes:
     """Return the transform of the mean life about its birth, E[int a(t) exp(-i z t) dt], at z = k d >= 0.
 
-    Not ``exact``, only what begins at birth is left of it from z = 160 on; off the centre line that is negligible.
+    From ``settled`` on only what begins at birth is left of it; off the centre line that is negligible from z = 160 on.
     """
-    centred = pulse.offset == "none"
-    if centred and exact:
-        return np.asarray(np.exp(-1j * phase) * _amplitude(pulse, phase), dtype=np.complex128)
-    within, kept = np.minimum(phase, SETTLED), _kept()(np.minimum(phase, _END))
-    near = np.exp(-1j * within) * _amplitude(pulse, within) if centred else _mean_from_birth(pulse)(within)
-    beginning = _parts(pulse, np.maximum(phase, _STEP_FROM))[1] if centred else 0.0
-    return np.asarray(kept * near + (1.0 - kept) * beginning, dtype=np.complex128)
+    if pulse.offset != "none":
+        return _faded(phase, SETTLED, _mean_from_birth(pulse), np.zeros_like)
+
+    def followed(z: Doubles) -> Complexes:
+        return np.asarray(np.exp(-1j * z) * _amplitude(pulse, z), dtype=np.complex128)
+
+    return _faded(phase, settled, followed, lambda z: _parts(pulse, z)[1])
 
 
 @cache
 def _mean_from_birth(pulse: Pulse) -> Spline:
-    """Return the transform of the mean life off the centre line up to z = 160, by quadrature over ages."""
+    """Return the transform of the mean life off the centre line up to z = 161, by quadrature over ages."""
     age, weight = panels(np.linspace(0.0, 2.0, 9), 48, rooted=True)
-    mass, z = weight * area_life(pulse).mean(age), _TABLE[_TABLE < SETTLED + 0.1]
+    mass, z = weight * area_life(pulse).mean(age), _TABLE[_TABLE < SETTLED + 1.0]
     rows = [np.exp(-1j * np.multiply.outer(some, age)) @ mass for some in np.array_split(z, 16)]
     return Spline(z, np.concatenate(rows))
-
-
-_PASS_FAR = 32.0
 
 
 def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
     """Return |a^(z; b)|^2 of passes of unit diameter at some offsets b, a row each, and their probabilities.
 
-    Within 1e-3 and without a swing from z = 32 on, which is plenty for errors of errors. A parabola is one of the
-    diameter sqrt(1 - b^2); of lenses 4 (b/z)^2 K_1(z b)^2 comes from the turn, pi (1 - b^2)^(3/2)/z^5 from both ends.
+    Within 1e-3, which is plenty for errors of errors; from z = 32 on, where it is small, the mean of all offsets.
     """
-    from scipy.special import k1
-
     if pulse.offset == "none":
         return energy(pulse, phase)[None], np.ones(1)
-    phi, share = _offsets()
-    along = (-1, *(1 for _ in phase.shape))
-    chord, offset = np.cos(phi).reshape(along), np.sin(phi).reshape(along)
-    if pulse.shape == "parabola":
-        return chord**6 * settled_energy(PARABOLA, phase * chord), share
-    z, rows = _lens_passes()
-    near, far = np.stack([np.interp(phase, z, row) for row in rows]), np.maximum(phase, _PASS_FAR)
-    turn = 2.0 * offset / far * k1(far * offset)
-    return np.where(phase < _PASS_FAR, near, turn * turn + np.pi * (1.0 - offset**2) ** 1.5 / far**5), share
-
-
-def _offsets() -> tuple[Doubles, Doubles]:
-    """Return angles phi of offsets b = sin(phi), closer where the tips of areas are sharp, and probabilities."""
-    phi, weight = panels(0.5 * np.pi * np.array([0.0, 0.001, 0.01, 0.1, 1.0]), 8)
-    return phi, weight * np.cos(phi)
+    z, rows, share = _passes(pulse)
+    near = np.stack([np.interp(phase, z, row) for row in rows])
+    return np.where(phase < z[-1], near, energy(pulse, phase, SETTLED)), share
 
 
 @cache
-def _lens_passes() -> tuple[Doubles, list[Doubles]]:
-    """Return phases up to 32, and the squared transform of a lens at every offset there."""
-    place, weight = panels([0.0, 0.02, 0.15, 1.0], 32, rooted=True)
-    z, rows = np.arange(0.0, _PASS_FAR + 0.04, 0.02), []
-    for phi in _offsets()[0].tolist():
-        area = 2.0 * np.cos(phi) * weight * overlap(np.hypot(np.cos(phi) * place, np.sin(phi)), LENS)
-        rows.append(np.square(np.cos(np.multiply.outer(z, np.cos(phi) * place)) @ area))
-    return z, rows
+def _passes(pulse: Pulse) -> tuple[Doubles, list[Doubles], Doubles]:
+    """Return phases up to 32, squared transforms there of passes at offsets sin(phi), and their probabilities."""
+    phi, weight = panels(0.5 * np.pi * np.array([0.0, 0.001, 0.01, 0.1, 1.0]), 8)
+    place, mass = panels([0.0, 0.02, 0.15, 1.0], 32, rooted=True)
+    z, rows = np.arange(0.0, 32.01, 0.02), []
+    for half, offset in zip(np.cos(phi).tolist(), np.sin(phi).tolist(), strict=True):
+        area = 2.0 * half * mass * overlap(np.hypot(half * place, offset), pulse)
+        rows.append(np.square(np.cos(np.multiply.outer(z, half * place)) @ area))
+    return z, rows, weight * np.cos(phi)

@@ -19,7 +19,7 @@ from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
 from rubnoise.theory.cumulants import force_cumulants
 from rubnoise.theory.load import load_motion
-from rubnoise.theory.motion import drive_of, separation_of
+from rubnoise.theory.motion import contact_drive_of
 from rubnoise.theory.sampling import load_errors
 
 _ROUNDING = 2.0**-48
@@ -31,7 +31,7 @@ def first_still_tick(model: Model) -> int:
 
     At the start the load lacks the part of the separation: W/s_0 std z, and W after an empty start.
     """
-    drive, motion = drive_of(separation_of(model)), load_motion(model)
+    drive, motion = contact_drive_of(model), load_motion(model)
     lacking = drive.slider.stiffness * motion.separation_std + (model.load or 0.0) * (model.start == "empty")
     decays = log(max(lacking / motion.load_std, 1.0) / FORGOTTEN)
     return first_stationary_tick(model) + ceil(decays * slowest_decay(drive.slider) * drive.speed / model.tick)
@@ -47,7 +47,7 @@ def load_findings(model: Model, rows: Rows) -> list[Finding]:
         return []
     first = first_still_tick(model)
     seen = _moments_from(model, model.separation, rows, first)
-    drive = drive_of(separation_of(model))
+    drive = contact_drive_of(model)
     needed = first * model.tick + max(FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed, needed_for_mean(model))
     identities = _identities(model, model.separation, seen)
     if model.distance < needed:

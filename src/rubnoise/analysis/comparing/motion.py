@@ -21,7 +21,7 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
 from rubnoise.theory.cumulants import force_cumulants
-from rubnoise.theory.motion import Response, motion_drive_of, response
+from rubnoise.theory.motion import Response, drive_of, response
 from rubnoise.theory.sampling import mean_force_error, motion_errors
 from rubnoise.theory.second_order import need_random_births
 
@@ -39,7 +39,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     if model.slider is None:
         return []
     need_random_births(model, "the standard error of a slider's motion")
-    speed, exact = motion_drive_of(model).speed, weak_motion(model) if model.is_two_way else response(model)
+    speed, exact = drive_of(model).speed, weak_motion(model) if model.is_two_way else response(model)
     if model.slider.damping == 0.0:
         return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
     first = first_tick(model, exact)
@@ -52,7 +52,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
 
 def first_tick(model: Model, exact: Response) -> int:
     """Return the first tick at which the contact is stationary and the slider's start has decayed."""
-    return first_stationary_tick(model) + int(_forgetting(model, exact) * motion_drive_of(model).speed / model.tick)
+    return first_stationary_tick(model) + int(_forgetting(model, exact) * drive_of(model).speed / model.tick)
 
 
 def _forgetting(model: Model, exact: Response) -> float:
