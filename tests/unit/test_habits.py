@@ -72,6 +72,20 @@ run.to_xarray()["trace"]["real_contact_area"].sel(distance=100.0, method="neares
 run.compare().to_pandas()
 rubnoise.exact(sc).autocovariance([0.0, 5.0])
 [run.trace["friction_force"].units, run.junctions.to_pandas().attrs["units"]]
+run.force.mean() - run["force"].mean()
+[run.time[:5], run.displacement[-1], run.count.mean(), run.friction_force.units]
+pd.DataFrame(run.junctions).iloc[17]
+run.junctions.head().index
+run.junctions.iloc[17]
+run.junction(17).plot()
+run.force.plot(ax=run.plot("trace").axes[0])
+run.spectrum("force")
+run.plot("spectrum")
+run.summary.to_pandas().loc["real_contact_area_mean", "z"]
+run.exact.psd([0.1, 1.0])
+sc.speed
+rubnoise.sweep(sc, speed=["10 mm/s", "20 mm/s"], jobs=1).to_pandas()
+rubnoise.run(sc, seed=3).force.mean()
 """.strip().splitlines()
 
 REFUSED = """
@@ -93,7 +107,11 @@ run.trace.columns -> .names
 run.junctions[17] -> run.junction(17)
 run.junction(-1) -> junctions 0 to
 rubnoise.open("paper/fig5") -> rubnoise.simulate
-run.plot("spectrum") -> "psd"
+run.plot("spectra") -> "psd"
+run.to_dataframe() -> run.to_pandas()
+run.describe() -> run.summary
+run.forse -> force
+rubnoise.load("twice.h5") -> rubnoise.open("twice.h5")
 run.trace["velocity"] -> run.slider
 run.plot("psd", figsize=(3.3, 2.5)) -> size="84 mm x 60 mm"
 run.plot("psd", size="tiny") -> size="single"

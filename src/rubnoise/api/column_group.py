@@ -1,10 +1,11 @@
 """The columns of one group of a result, by name."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from rubnoise.arrays import slices
 from rubnoise.errors import Refused
 from rubnoise.record.reader import Rows
 from rubnoise.storage import schema
+
+if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
 
 
 class Read(Protocol):
@@ -41,10 +45,11 @@ class ChosenRows:
         return rows
 
 
-class Columns(Table):
-    """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``.
+class Columns(Table, dict[str, Column]):
+    """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``, each read when it is needed.
 
-    ``len`` is the number of rows; iteration gives the names, the column first on which the others depend.
+    ``len`` is the number of rows; iteration gives the names, the column first on which the others depend. It is a dict
+    for pandas, of which ``pd.DataFrame(run.trace)`` makes a table.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -59,6 +64,12 @@ class Columns(Table):
         self._about = about
         self._columns = dict(columns)
         self._length, self._read = rows, read
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Columns, (self._about, self._columns, self._length, self._read)
 
     def __getitem__(self, name: str) -> Column:
         """Read one column; raises KeyError, which lists the names."""
@@ -108,13 +119,31 @@ class Columns(Table):
         """Names of the columns, first the one that the others depend on."""
         return tuple(self._columns)
 
-    def keys(self) -> Iterable[str]:
+    def keys(self) -> Iterable[str]:  # type: ignore[override]
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
 
-    def items(self) -> Iterable[tuple[str, Column]]:
+    def values(self) -> Iterable[Column]:  # type: ignore[override]
+        """Return the columns, each read when its turn comes."""
+        return (self[name] for name in self.names)
+
+    def items(self) -> Iterable[tuple[str, Column]]:  # type: ignore[override]
         """Return names and columns."""
         return ((name, self[name]) for name in self.names)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a column, or the default if there is none of that name."""
+        return self[name] if name in self else default  # noqa: SIM401  (get is what is defined here)
+
+    def head(self, rows: int = 5) -> "pd.DataFrame":
+        """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
+        first = ChosenRows(self._read, np.arange(min(max(rows, 0), len(self))))
+        return Columns(self._about, self._columns, first.numbers.size, first).to_pandas()
+
+    @property
+    def iloc(self) -> Any:
+        """Rows by their numbers, as pandas has them: ``run.junctions.iloc[17]``; reads the whole group."""
+        return self.to_pandas().iloc
 
     @property
     def units(self) -> dict[str, str]:
@@ -181,25 +210,64 @@ def _own_rows(rows: Rows, group: str, name: str, start: int = 0, stop: int | Non
     return found.copy() if isinstance(found.base, np.ndarray) or not found.flags.writeable else found
 
 
-SHORT: Final[Mapping[str, str]] = MappingProxyType({"area": "real_contact_area", "force": "friction_force"})
-"""Columns of /trace by the words that pictures have for them."""
+SHORT: Final[Mapping[str, str]] = MappingProxyType(
+    {"area": "real_contact_area", "force": "friction_force", "count": "junction_count"}
+)
+"""Columns by the words that pictures have for them."""
+
+OF_THE_TRACE: Final = ("real_contact_area", "junction_count", "distance")
+OF_THE_MOTION: Final = ("friction_force", "time", "displacement", "velocity")
+"""Columns that need no group, though others have columns of that name: of /trace, and of /slider where there is one."""
+
+ELSEWHERE: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "to_dataframe": "run.to_pandas()",
+        "to_df": "run.to_pandas()",
+        "describe": "run.summary",
+        "head": "run.trace.head()",
+        "speed": "run.scenario.sliding.speed",
+        "seed": 'run.provenance["seed"]',
+        "x": "run.displacement",
+    }
+)
+"""Right calls for words that other programs have."""
 
 MAIN: Final = ("junctions", "trace", "slider", "load")
 """The groups in which a name is looked for first: their rows are the run, those of others are about it."""
 
 
-def homes_of(groups: Mapping[str, Columns], name: str) -> list[str]:
+def column_alone(groups: Mapping[str, Columns], name: str) -> Column | None:
+    """Return the column that a run means by a name without a group; None if there is none, or more than one."""
+    name = SHORT.get(name, name)
+    homes = _homes_of(groups, name)
+    if name in OF_THE_TRACE:
+        homes = [group for group in homes if group == "trace"]
+    elif name in OF_THE_MOTION:
+        homes = [group for group in homes if group == "slider"] or [group for group in homes if group == "trace"]
+    return groups[homes[0]][name] if len(homes) == 1 else None
+
+
+def _homes_of(groups: Mapping[str, Columns], name: str) -> list[str]:
     """Return the groups in which a column stands, of the main ones if it stands in any of them."""
-    if name in SHORT:
-        return ["trace"] if SHORT[name] in groups["trace"] else []
     homes = [group for group in groups if name in groups[group]]
     return [group for group in homes if group in MAIN] or homes
+
+
+def no_column(groups: Mapping[str, Columns], name: str, names: Sequence[str]) -> str:
+    """Return why a run has nothing under a name, and what is near."""
+    homes = _homes_of(groups, SHORT.get(name, name))
+    if homes:
+        return f"{name} stands in {' and '.join(homes)}; run.{homes[0]}.{SHORT.get(name, name)} is one of them"
+    if name in ELSEWHERE:
+        return f"a run has no {name!r}; right form: {ELSEWHERE[name]}"
+    near = get_close_matches(name, names, n=3)
+    return f"a run has no {name!r}; " + (f"near are {', '.join(near)}" if near else f"it has {', '.join(names)}")
 
 
 def names_alone(groups: Mapping[str, Columns]) -> set[str]:
     """Return the names by which a run has a column without its group."""
     names = {*SHORT, *(name for columns in groups.values() for name in columns)}
-    return {name for name in names if len(homes_of(groups, name)) == 1}
+    return {name for name in names if column_alone(groups, name) is not None}
 
 
 GROUP_HEADS: Final = ("group", "rows", "columns")

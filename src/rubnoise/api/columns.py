@@ -11,6 +11,7 @@ from rubnoise.arrays import CHUNK_ROWS, slices
 from rubnoise.storage.schema import Dataset
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SHOWN_WHOLE = 4
@@ -133,13 +134,13 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
         for part in slices(0, self.shape[0], rows):
             yield self[part]
 
-    def plot(self) -> "Figure":
-        """Draw the column over the first one of its group, or over its rows, and return the figure."""
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the column over the first one of its group, or over its rows, and return the figure, that of ``ax``."""
         from rubnoise.api.pictures import drawn_columns
 
         place = self.beside
         along = (np.arange(self.size), "row") if place is None else (place.values, place.label)
-        return drawn_columns(along, [(self.values, self.label)])
+        return drawn_columns(along, [(self.values, self.label)], ax)
 
     def __repr__(self) -> str:
         if self.about is None or self.ndim != 1:
@@ -151,9 +152,9 @@ class Column(np.ndarray[Any, np.dtype[Any]]):
         return f"<{text}: {' '.join(map(_short, self[:3]))} ... {_short(self[-1])}>"
 
 
-def with_units(values: NDArray[Any], name: str, units: str) -> Column:
-    """Return an array as a column of which no more is known than its name and unit."""
-    return Column(values, Dataset(name=name, units=units, symbol="", long_name=""))
+def with_units(values: NDArray[Any], name: str, units: str, long_name: str = "") -> Column:
+    """Return an array as a column of which no more is known than its name, its unit and perhaps its meaning."""
+    return Column(values, Dataset(name=name, units=units, symbol="", long_name=long_name))
 
 
 def _rows_of(place: Place, index: Any) -> Column:

@@ -1,6 +1,7 @@
 """One junction of a run."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,10 @@ from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
 from rubnoise.tables import as_html
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +57,14 @@ class Junction:
         alive = (self.birth_distance <= distance) & (distance < self.death_distance)
         age = distance - self.birth_distance
         return np.where(alive, area_of(self.pulse, age, self.diameter, self.lateral_offset), 0.0)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw the area over the sliding distance, from birth to death, and return the figure, that of ``ax``."""
+        from rubnoise.api.pictures import drawn_columns
+
+        place = np.linspace(self.birth_distance, self.death_distance, 401)
+        along = (place, "sliding distance (um)")
+        return drawn_columns(along, [(self.area(place), f"area of junction {self.number} (um^2)")], ax)
 
     def _repr_html_(self) -> str:
         units = {column.name: column.units for column in schema.JUNCTIONS.columns}

@@ -7,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
+import numpy as np
+
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
@@ -31,7 +33,6 @@ AREA: Final = "area"
 OTHER_WORDS: Final = {
     "diameter": "sizes",
     "lifetimes": "life_distances",
-    "spectrum": "psd",
     "autocovariance": "acf",
     "hist": "histogram",
     "area": "trace",
@@ -62,6 +63,7 @@ def drawn(
 
     if what is None:
         what = "overview" if run.model().free is None else "load"
+    what = "psd" if what == "spectrum" else what
     if not isinstance(what, str) or what not in PICTURES:
         near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
         hint = f'; did you mean "{near}"?' if near else ""
@@ -146,13 +148,19 @@ def page_of_fit(found: InferenceResult, name: str, lines: list[str]) -> str:
     return page(found, name, lines)
 
 
-def drawn_columns(place: tuple[Any, str], curves: Sequence[tuple[Any, str]]) -> "Figure":
-    """Draw columns over their place, one below the other, each with its label, and return the figure."""
+def drawn_columns(place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: "Axes | None" = None) -> "Figure":
+    """Draw columns over their place, one below the other, each with its label, and return the figure.
+
+    With ``ax`` one column is drawn into these axes.
+    """
     from rubnoise.figures.style import BLUE, house_style, new_figure
 
     with house_style():
-        figure = new_figure(7.0, 1.2 + 1.8 * len(curves))
-        panes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+        if ax is None:
+            figure = new_figure(7.0, 1.2 + 1.8 * len(curves))
+            panes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+        else:
+            figure, panes = cast("Figure", ax.figure), np.array([ax])
         for axes, (values, label) in zip(panes, curves, strict=True):
             axes.plot(place[0], values, color=BLUE, linewidth=0.8)
             axes.set_ylabel(label)

@@ -5,9 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
-
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
@@ -22,8 +20,7 @@ if TYPE_CHECKING:
 class Record(Run):
     """A run kept in memory: ``record.trace["real_contact_area"]``, ``record.junction(17)``, ``record.plot("slider")``.
 
-    ``record["trace"]["real_contact_area"]`` is the numpy array itself, which cannot be changed; groups and columns are
-    named as in a file.
+    Groups and columns are named as in a file.
 
     >>> import rubnoise
     >>> record = rubnoise.simulate("paper/fig5", seed=7)
@@ -37,15 +34,6 @@ class Record(Run):
         """Take over a run in memory."""
         super().__init__(kept)
         self.scenario = kept.scenario
-
-    @property
-    def groups(self) -> dict[str, dict[str, NDArray[Any]]]:  # type: ignore[override]
-        """The columns of each group as they lie in memory."""
-        return self._reader.groups
-
-    def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
-        """Return the columns of one group as they lie in memory."""
-        return self._reader.groups[group]
 
     def reader(self) -> "KeptRun":
         """Return the rows and what their file would say."""

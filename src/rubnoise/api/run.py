@@ -12,19 +12,23 @@ from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
-from rubnoise.analysis.agreement import Agreement, from_attributes
+import numpy as np
+
+from rubnoise.analysis.agreement import from_attributes
 from rubnoise.api.column_group import (
     GROUP_HEADS,
-    SHORT,
     Columns,
+    column_alone,
     columns_by_group,
     group_rows,
-    homes_of,
     listed,
     names_alone,
+    no_column,
 )
+from rubnoise.api.columns import with_units
 from rubnoise.api.junction import Junction
 from rubnoise.api.keywords import shown
+from rubnoise.api.summary import Summary
 from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Attributes, Reader
 from rubnoise.record.rows import JunctionState, refuse_touches
@@ -66,8 +70,10 @@ class NoGroup(AttributeError, KeyError):  # noqa: N818  (says what is missing)
 class Run:
     """A run: an open result file, which is a context manager, or a `Record` in memory.
 
-    Opening reads its structure, asking for rows reads those rows. A column whose name stands in one group alone is an
-    attribute: ``run.diameter``, ``run.area``, ``run.force``.
+    Opening reads its structure, asking for rows reads those rows. Columns are attributes, and ``run["force"]`` is
+    ``run.force``. ``area``, ``count`` and ``distance`` are those of /trace; ``force``, ``time``, ``displacement`` and
+    ``velocity`` those of /slider, or without one those of /trace, at the sliding speed. Other columns have their own
+    name if it stands in one group alone.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -143,9 +149,9 @@ class Run:
         return stored(self.provenance["scenario_resolved"], f"{self._called}: the scenario in the file")
 
     @cached_property
-    def summary(self) -> list[Agreement]:
-        """The measured figures beside the exact ones."""
-        return from_attributes(self._reader.summary)
+    def summary(self) -> Summary:
+        """The measured figures beside the exact ones, a list that is shown as a table."""
+        return Summary(from_attributes(self._reader.summary))
 
     @property
     def attributes(self) -> Attributes:
@@ -159,10 +165,10 @@ class Run:
 
     def __dir__(self) -> list[str]:
         """Return the names that an editor completes, also of groups and columns, without methods for internal use."""
-        return sorted((set(super().__dir__()) - INSIDE) | set(self._groups) | names_alone(self._groups))
+        return sorted((set(super().__dir__()) - INSIDE) | set(self.names))
 
     def __getattr__(self, name: str) -> Any:
-        """Return a group, or a column whose name stands in one group alone."""
+        """Return a group, or a column that needs no group."""
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
         groups = self._groups
@@ -170,12 +176,19 @@ class Run:
             return groups[name]
         if name in GROUP_NAMES:
             raise NoGroup(f"the run has no {name}; it has {', '.join(groups)}", name=name, obj=self)
-        homes = homes_of(groups, name)
-        if len(homes) == 1:
-            return groups[homes[0]][SHORT.get(name, name)]
-        where = f"{name} stands in {' and '.join(homes)}" if homes else f"a run has no {name!r}"
-        hint = f"run.{homes[0]}.{name} is one of them" if homes else f"its groups are {', '.join(groups)}"
-        raise AttributeError(f"{where}; {hint}", name=name, obj=self)
+        found = column_alone(groups, name)
+        if found is None and name == "time" and (duration := self.model().tick_duration):
+            steps = np.arange(len(self.trace)) * duration
+            found = with_units(steps, "time", "s", "time, the sliding distance over the speed")
+        if found is None:
+            raise NoGroup(no_column(groups, name, self.names), name=name, obj=self)
+        return found
+
+    def __getitem__(self, name: str) -> Any:
+        """Return what the run has under a name: a group, a column or a figure such as ``run["scenario"]``."""
+        if not isinstance(name, str):
+            raise KeyError(f"a run has groups and columns by name: {', '.join(self.names)}")
+        return getattr(self, name)
 
     def __contains__(self, group: object) -> bool:
         """Whether the run has a group of this name."""
@@ -184,6 +197,15 @@ class Run:
     def __iter__(self) -> Iterator[str]:
         """Yield the names of the groups."""
         return iter(self._groups)
+
+    def keys(self) -> list[str]:
+        """Return the names of the groups."""
+        return list(self._groups)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of groups, and of columns that need no group."""
+        return [*self._groups, *sorted(names_alone(self._groups))]
 
     def junction(self, number: int) -> Junction:
         """Read and return one junction by its row number; raises IndexError without such a row, Refused for a touch."""
@@ -233,6 +255,9 @@ class Run:
         from rubnoise.api.estimates import spectrum_of
 
         return spectrum_of(self, quantity, segment)
+
+    spectrum = psd
+    """The same under the word of other programs."""
 
     def plot(
         self,
@@ -350,9 +375,10 @@ def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open rea
     """
     try:
         return Run(open_run(path))
-    except RunFileRefused:
+    except RunFileRefused as refused:
         from rubnoise.scenario.shipped import shipped_names
 
-        if str(path) in shipped_names():
-            raise RunFileRefused(f'{path}: is a scenario, not a result; rubnoise.simulate("{path}") runs it') from None
+        if str(path) in shipped_names() or "is a scenario" in str(refused):
+            calls = f'rubnoise.load("{path}") reads it, rubnoise.simulate("{path}") runs it'
+            raise RunFileRefused(f"{path}: is a scenario, not a result; {calls}") from None
         raise

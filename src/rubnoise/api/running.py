@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from operator import index
-from typing import Any, cast
+from typing import Any, cast, overload
 
 from rubnoise.api.record import Record
 from rubnoise.api.run import Run
@@ -67,9 +67,17 @@ def simulate(
     return Record(kept)
 
 
+@overload
+def run(scenario: Scenario | str | os.PathLike[str], path: None = None, **options: Any) -> Record: ...
+
+
+@overload
+def run(scenario: Scenario | str | os.PathLike[str], path: str | os.PathLike[str], **options: Any) -> Run: ...
+
+
 def run(
     scenario: Scenario | str | os.PathLike[str],
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | None = None,
     *,
     seed: int | None = None,
     force: bool = False,
@@ -80,7 +88,7 @@ def run(
     durable: bool = True,
     **unknown: Any,
 ) -> Run:
-    """Run a scenario into a result file and open it.
+    """Run a scenario into a result file and open it; without a path keep it in memory, as `simulate` does.
 
     ``seed`` replaces the seed of the scenario. ``force`` allows an existing file to be replaced, when the new one is
     complete. ``command`` is the command line that /provenance shows. ``watch`` is called at the start, before anything
@@ -95,6 +103,8 @@ def run(
     ...     run.provenance["seed"]
     7
     """
+    if path is None:
+        return simulate(scenario, seed, observe=observe, intervene=intervene, **unknown)
     _refuse(unknown)
     scenario = _seeded(load(scenario), seed)
     check_output(path, force=force, reads=scenario.files)

@@ -2,14 +2,17 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from rubnoise.api.keywords import shown
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario
 from rubnoise.scenario import build as build_scenario
 from rubnoise.scenario import load as load_file
 from rubnoise.scenario.layers import override_value
+from rubnoise.scenario.reading import in_full
 from rubnoise.scenario.shipped import named, shipped_names
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep import load_sweep as load_sweep_file
@@ -25,11 +28,15 @@ def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = (
     >>> rubnoise.load("paper/fig5", ["run.seed=7"]).run.seed
     7
     """
-    overrides = _listed(overrides)
+    overrides = in_full(_listed(overrides))
     if isinstance(source, Scenario):
         parted = (each.partition("=") for each in overrides)
         return source.replace({key.strip(): override_value(value) for key, _, value in parted}) if overrides else source
-    return load_file(named(_path(source)), overrides, sizes_of)
+    path = named(_path(source))
+    with suppress(OSError):  # which reading the file says better
+        if is_hdf5(path):
+            raise ScenarioRefused(f'{path}: is a result, not a scenario; rubnoise.open("{path}") reads it')
+    return load_file(path, overrides, sizes_of)
 
 
 def _listed(overrides: Any) -> Sequence[str]:
@@ -48,7 +55,7 @@ def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     >>> sweep.keys, len(rubnoise.expand(sweep))
     (('interface.mean_junction_count',), 5)
     """
-    return load_sweep_file(named(_path(source)), _listed(overrides), sizes_of)
+    return load_sweep_file(named(_path(source)), in_full(_listed(overrides)), sizes_of)
 
 
 def _path(source: Any) -> str | os.PathLike[str]:

@@ -8,6 +8,8 @@ from tempfile import mkdtemp
 from typing import Any, ClassVar, Self
 from weakref import finalize
 
+import numpy as np
+
 from rubnoise.api import keywords
 from rubnoise.api.scenarios import load, load_sweep, sizes_of
 from rubnoise.api.sweep_result import SweepResult, open_sweep
@@ -39,10 +41,11 @@ def sweep(
     The sweep is a Sweep, a file, or the name of one that comes with rubnoise. With ``grid``, such as
     ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
     (1 by default) make many runs of; a key of only one table needs no dots. Further keywords change keys of that
-    scenario, as in `Scenario.replace`. Without a folder its runs lie in a temporary one, which goes with the last copy
-    of the result, or with this process if it was pickled. ``jobs`` processes share the work, by default one for each
-    processor. Or an ``executor`` makes the runs: the client of a Dask cluster, or anything with ``submit(function,
-    *arguments)`` that returns a Future, which gets ``jobs`` calls at a time. ``shard`` "2/8" makes the second eighth.
+    scenario, as in `Scenario.replace`; several values, ``speed=["0.5 mm/s", "1 mm/s"]``, belong to the grid. Without a
+    folder its runs lie in a temporary one, which goes with the last copy of the result, or with this process if it was
+    pickled. ``jobs`` processes share the work, by default one for each processor. Or an ``executor`` makes the runs:
+    the client of a Dask cluster, or anything with ``submit(function, *arguments)`` that returns a Future, which gets
+    ``jobs`` calls at a time. ``shard`` "2/8" makes the second eighth.
     After a failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder
     of something else, or that holds the runs of another scenario, which ``force`` leaves there, or that has no room on
     its disk. Raises Refused if memory is too small for so many runs at once.
@@ -113,6 +116,9 @@ def _sweep_of(
     source: Source, grid: Mapping[str, Sequence[Any]] | None, replicates: int | None, over: Mapping[str, Any]
 ) -> Sweep:
     """Return the sweep; raises ScenarioRefused for a single scenario without a grid."""
+    several: dict[str, Any] = {name: each for name, each in over.items() if isinstance(each, list | tuple | np.ndarray)}
+    over = {name: value for name, value in over.items() if name not in several}
+    grid = {**several, **(grid or {})} if several else grid
     as_it_is = grid is None and replicates is None and not over
     if isinstance(source, Sweep):
         if not as_it_is:

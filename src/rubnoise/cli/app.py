@@ -33,6 +33,7 @@ HEADINGS: Final = {
         "check": "check.command",
         "run": "run.command",
         "sweep": "sweep.command",
+        "demo": "demo.command",
     },
     "Look at a result": {
         "info": "info.command",
@@ -72,7 +73,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         name="rubnoise",
         cls=Commands,
         help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
-        "Begin with: rubnoise run paper/fig5, rubnoise view fig5.h5, rubnoise plot fig5.h5.",
+        "Begin with: rubnoise demo, or with rubnoise run first/rubbing and what it prints.",
         no_args_is_help=True,
         pretty_exceptions_enable=False,
     )

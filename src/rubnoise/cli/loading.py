@@ -1,5 +1,7 @@
 """Open the input of a command: a scenario with its overrides and warnings, a sweep, or a finished result."""
 
+import json
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -11,12 +13,15 @@ from rubnoise.api.scenarios import sizes_of
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario import Scenario, load
-from rubnoise.scenario.layers import OptionOverride
+from rubnoise.scenario.layers import OptionOverride, override_value
+from rubnoise.scenario.reading import in_full
 from rubnoise.scenario.shipped import named
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 Loaded = TypeVar("Loaded", bound=Scenario | Sweep)
 
@@ -25,6 +30,31 @@ def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine:
     """Return all KEY=VALUE changes, with those of options for a single key."""
     named = (("--seed", "run.seed", seed), ("--engine", "run.engine", engine))
     return (*(changes or ()), *(OptionOverride(*each) for each in named if each[-1] is not None))
+
+
+def axes(over: Sequence[str] | None) -> tuple[str, ...]:
+    """Return changes that add each KEY=VALUE,VALUE,... to the grid of a sweep; raises Refused for another form.
+
+    Numbers without a unit have that of the last value; a list of TOML, ``diameter.law=["normal", "gamma"]``, is taken
+    as it is.
+    """
+    found = []
+    for each in over or ():
+        key, equals, text = each.partition("=")
+        values = override_value(text) if text.lstrip().startswith("[") else _listed(text)
+        if not equals or not isinstance(values, list) or not values:
+            raise Refused(f"--over: {each!r:.60} is no key with values; right form: --over sliding.speed=5,10,20mm/s")
+        (named,) = in_full([f"{key}=x"])
+        found.append(OptionOverride(f"--over {key}", f"sweep.grid.{named.partition('=')[0]}", json.dumps(values)))
+    return tuple(found)
+
+
+def _listed(text: str) -> list[float | str]:
+    """Return values between commas: numbers, texts, and quantities with the unit of the last one."""
+    parts = [part.strip() for part in text.split(",")]
+    unit = _NUMBER.sub("", parts[-1]).strip()
+    with_unit = bool(unit) and unit != parts[-1]
+    return [f"{part} {unit}" if with_unit and _NUMBER.fullmatch(part) else override_value(part) for part in parts]
 
 
 def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
@@ -46,7 +76,7 @@ def _loaded(read: Callable[..., Loaded], file: Path, changes: Sequence[str], *, 
     file = named(file)
     if is_result(file):
         raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
-    found = read(file, changes, sizes_of)
+    found = read(file, in_full(changes), sizes_of)
     if not quiet:
         for warning in found.warnings:
             print(warning, file=sys.stderr)

@@ -1,9 +1,12 @@
 """`rubnoise run`: a scenario file in, a result file out, and a few lines about it."""
 
+import os
 import sys
 import time
 from contextlib import suppress
 from pathlib import Path
+from shlex import quote
+from shutil import which
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -127,6 +130,17 @@ def _print_result(
     elif not quiet:
         print(sentence(f"{path}: {grouped(rows)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s"))
         print("\n".join(agreement_table(result.summary)))
+        named = quote(str(path))
+        print("next: " + "; ".join(f"{program()} {each} {named}" for each in ("plot", "view", "junctions")))
+
+
+def program() -> str:
+    """Return what a shell calls this program: rubnoise where that finds it, else its path."""
+    own = Path(sys.argv[0])
+    found = which("rubnoise")
+    if found is None and own.name == "rubnoise":
+        return quote(os.path.relpath(own))
+    return "rubnoise"
 
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:

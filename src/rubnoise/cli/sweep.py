@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @interrupted_at_once
 def command(
-    file: Annotated[Path, typer.Argument(help="A file with a table [sweep].", metavar="FILE")],
+    file: Annotated[Path, typer.Argument(help="A file with a table [sweep], or one run's for --over.", metavar="FILE")],
     *,
     folder: Annotated[
         Path | None,
@@ -43,6 +43,10 @@ def command(
         list[str] | None,
         typer.Option("--set", help="Change a key, e.g. --set sweep.replicates=40.", metavar="KEY=VALUE"),
     ] = None,
+    over: Annotated[
+        list[str] | None,
+        typer.Option(help="Values of a key, e.g. --over sliding.speed=5,10,20mm/s.", metavar="KEY=V,V"),
+    ] = None,
     engine: EngineName = None,
     force: Annotated[
         bool, typer.Option("--force", help="Leave the runs of other scenarios that are in the folder.")
@@ -55,13 +59,15 @@ def command(
     The same command resumes an interrupted sweep: it skips finished runs, and adds new points and replicates. Exit
     code 1 if a run failed.
 
+    Several --over make a grid, beside the file's own, whose key they replace; the file may be that of one run.
+
     Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
     """
     from rubnoise.api.sweep_result import open_sweep
-    from rubnoise.cli.loading import overrides, sweep_of
+    from rubnoise.cli.loading import axes, overrides, sweep_of
     from rubnoise.runs.sweep import carry_out
 
-    sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
+    sweep = sweep_of(file, (*overrides(changes, engine=engine), *axes(over)), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
     shown = on_terminal() and not quiet and not as_json
     if not quiet and not as_json:

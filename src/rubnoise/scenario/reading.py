@@ -260,6 +260,21 @@ def _set(table: dict[str, Any], key: str, value: Any) -> None:
         table[key] = value
 
 
+def in_full(changes: Sequence[str]) -> tuple[str, ...]:
+    """Return settings KEY=VALUE with the table of a key that has none, ``speed=2mm/s`` as ``sliding.speed=2mm/s``."""
+    return tuple(_in_full(each) for each in changes)
+
+
+def _in_full(change: str) -> str:
+    name, equals, value = change.partition("=")
+    name = name.strip()
+    known = any(name in keys_of(kind) for kind in SECTIONS.values())
+    if isinstance(change, layers.OptionOverride) or not equals or name in (*TOP, *SECTIONS) or not known:
+        return change
+    table, key = place_of(name, {}, f"--set {name}", value)
+    return f"{table}.{key}={value}"
+
+
 def place_of(name: str, values: Mapping[str, Any], said: str, value: Any = "") -> tuple[str, str]:
     """Return the table of a key, empty at the top, and the key in it; ``values`` are the tables of the scenario.
 

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from math import fsum, pi, sqrt
 from pathlib import Path as FilePath
@@ -45,6 +45,15 @@ class Scenario(sections.Document):
     too_large: str = field(default="", repr=False, compare=False)
     given: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
     files: tuple[str, ...] = field(default=(), repr=False, compare=False)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return the value of a key that only one of the scenario's tables has: ``scenario.speed``."""
+        tables = [getattr(self, each.name) for each in fields(self) if each.name in sections.SECTIONS]
+        homes = [each for each in tables if isinstance(each, Section) and name in keys_of(type(each))]
+        if len(homes) == 1:
+            return getattr(homes[0], name)
+        several = f"{name} is a key of several tables" if homes else f"a scenario has no {name!r}"
+        raise AttributeError(f"{several}; right form: scenario.sliding.speed", name=name, obj=self)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> "Scenario":
         """Return the scenario with other values of some keys, checked like a file.

@@ -79,6 +79,9 @@ class Exact:
         k = real_numbers(wavenumber, "wavenumber", "rad/um")
         return at_each(partial(spectral_density, self.model), k, "wavenumber", (0.0, 0.0))
 
+    psd = spectral_density
+    """The same under the word of other programs."""
+
     def autocovariance(self, lag: ArrayLike) -> Doubles:
         """Return R(tau) of the area in um^4 at lags in um, of any shape.
 

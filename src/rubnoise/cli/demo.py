@@ -1,0 +1,92 @@
+"""`rubnoise demo`: one contact from its run to its pictures and pages, in a folder of their own."""
+
+import os
+import sys
+import webbrowser
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+import rubnoise
+from rubnoise.cli.layout import sentence
+from rubnoise.cli.options import Quiet
+from rubnoise.cli.progress import announce_compilation, interrupted_at_once
+from rubnoise.errors import OutputRefused
+
+SCENARIO: Final = "first/rubbing"
+FILES: Final = {
+    "rubbing.h5": "the result: every junction's life, area, force and motion",
+    "rubbing.png": "a picture of it beside theory",
+    "rubbing.html": "a page to explore it: zoom, filter, and follow single junctions",
+    "rubbing_report.html": "a report to send to a colleague",
+    "lesson.html": "lessons about births and deaths, for a class",
+}
+"""What the folder holds at the end, and what each is."""
+
+
+@interrupted_at_once
+def command(
+    folder: Annotated[Path, typer.Argument(help="The folder; it is made if it is missing.", metavar="[FOLDER]")] = Path(
+        "rubnoise-demo"
+    ),
+    *,
+    no_open: Annotated[bool, typer.Option("--no-open", help="Do not open a browser.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a first contact, and draw, report, view and teach it, all into one folder.
+
+    The pages open in the browser, where there is one. The folder may hold an earlier demo, which is replaced, and
+    nothing else.
+
+    Example: rubnoise demo
+    """
+    from rubnoise.storage.output import whole_file
+
+    _make(folder)
+    result, picture, *pages = (folder / name for name in FILES)
+    if not quiet:
+        announce_compilation()
+    with rubnoise.run(SCENARIO, result, force=True, command=["rubnoise", "demo"]) as run:
+        run.plot().savefig(picture, dpi=150)
+    for path, text in zip(pages, _pages(result), strict=True):
+        with whole_file(path, force=True) as part:
+            part.write_text(text, encoding="utf-8")
+    if not quiet:
+        print("\n".join(sentence(f"{folder / name}: {what}") for name, what in FILES.items()))
+    if not no_open and _has_browser():
+        for path in pages:
+            webbrowser.open(path.resolve().as_uri())
+
+
+def _pages(result: Path) -> tuple[str, str, str]:
+    """Return the texts of the page to explore a result, of its report, and of the lesson about its scenario."""
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.cli.progress import stoppable
+    from rubnoise.figures.stretch import Stretch
+    from rubnoise.lesson.page import page
+    from rubnoise.lesson.settings import settings_of
+    from rubnoise.pages.report import run_report
+    from rubnoise.pages.run_view import RunView
+
+    scenario = rubnoise.example(SCENARIO)
+    with stoppable() as between, finished_run(result) as file:
+        view = RunView.of(Stretch.of(file), str(result)).page()
+        return view, run_report(file, between), page(scenario.title, settings_of(scenario))
+
+
+def _make(folder: Path) -> None:
+    """Make the folder; raises OutputRefused if it holds anything but an earlier demo, or cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        others = sorted(each.name for each in folder.iterdir() if each.name not in FILES)
+    except OSError as problem:
+        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
+    if others:
+        raise OutputRefused(f"{folder}: holds {others[0]}, which is none of a demo; name another folder")
+
+
+def _has_browser() -> bool:
+    """Return whether there is a desktop; a browser of text would take the terminal."""
+    desktop = sys.platform == "darwin" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return desktop and sys.stdout.isatty()
