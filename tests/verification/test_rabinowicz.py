@@ -68,18 +68,18 @@ def test_an_even_number_of_triangles_adds_up_to_a_constant(count: float) -> None
 
 def test_the_scenario_is_constant_over_its_whole_run() -> None:
     record = rubnoise.simulate(rubnoise.load(ANCESTORS / "rabinowicz.toml"))
-    area, slider = record.groups["trace"]["real_contact_area"], record.groups["slider"]
+    area, slider = record["trace"]["real_contact_area"], record["slider"]
     assert area.size > 250_000
     assert area.std() < 1e-12 * area.mean()
     assert abs(area.mean() - 200.0) < 1e-9
-    assert np.all(record.groups["trace"]["junction_count"] == 20)
+    assert np.all(record["trace"]["junction_count"] == 20)
     # Where it starts, in equilibrium with a constant force, the slider stays.
     assert np.ptp(slider["displacement"]) < 1e-9
     assert np.abs(slider["velocity"]).max() < 1e-5
 
 
 def test_the_scenario_with_lenses_is_left_with_its_ripple() -> None:
-    area = rubnoise.simulate(rubnoise.load(ANCESTORS / "rabinowicz_lens.toml")).groups["trace"]["real_contact_area"]
+    area = rubnoise.simulate(rubnoise.load(ANCESTORS / "rabinowicz_lens.toml"))["trace"]["real_contact_area"]
     assert area.std() / area.mean() == pytest.approx(ripple(20.0, LENS), rel=1e-3)
     assert area.std() / area.mean() == pytest.approx(0.000996, rel=1e-3)
 
@@ -200,7 +200,7 @@ def test_unequal_strengths_let_the_force_vary_over_a_constant_area() -> None:
     """Given the births, the force is a sum over independent strengths, of variance Var[psi] lam c_2 d^5 everywhere."""
     scenario = rubnoise.load(ANCESTORS / "rabinowicz_strengths.toml")
     run = scenario.model()
-    trace = rubnoise.simulate(scenario, seed=seed_of("strengths")).groups["trace"]
+    trace = rubnoise.simulate(scenario, seed=seed_of("strengths"))["trace"]
     assert trace["real_contact_area"].std() < 1e-12 * 200.0
     cv = 0.2
     expected = (cv * 2.0 / sqrt(60.0) * 250.0 * 200.0) ** 2

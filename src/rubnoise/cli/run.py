@@ -130,8 +130,11 @@ def _print_result(
     elif not quiet:
         print(sentence(f"{path}: {grouped(rows)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s"))
         print("\n".join(agreement_table(result.summary)))
-        named = quote(str(path))
-        print("next: " + "; ".join(f"{program()} {each} {named}" for each in ("plot", "view", "junctions")))
+        print(
+            "\n".join(
+                ["next:", *(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "view", "junctions"))]
+            )
+        )
 
 
 def program() -> str:
