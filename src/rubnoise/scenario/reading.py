@@ -15,7 +15,7 @@ from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
-from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput
+from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document, SampledOutput
 from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
@@ -143,10 +143,10 @@ def checked(
     given: Layers, read: ReadSizes | None = None, *, from_python: bool = False, more: Sequence[Problem] = ()
 ) -> Scenario:
     """Return the scenario of its layers; raises ScenarioRefused with everything wrong with it, and with ``more``."""
-    if keys.SWEEP in given.data:
+    if SWEEP in given.data:
         hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
         message = "a sweep is many runs, but this command needs one scenario"
-        many = given.problem((keys.SWEEP,), message, hint, place=given.key_place((keys.SWEEP,)))
+        many = given.problem((SWEEP,), message, hint, place=given.key_place((SWEEP,)))
         raise ScenarioRefused(report([*given.problems, many]))
     scenario, problems = examined(given, read, from_python=from_python)
     if scenario is None or more:

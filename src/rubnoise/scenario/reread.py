@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.errors import ScenarioRefused
-from rubnoise.scenario.keys import SWEEP
+from rubnoise.scenario.document import SWEEP
 from rubnoise.scenario.layers import from_text, from_text_over, from_values
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
@@ -44,14 +44,14 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
         raise ScenarioRefused(report([*given.problems, *wrong]))
     values, source = point_source(given, table, _indices(table, run))
     scenario = checked(given.topped(source, without=SWEEP), stored_sizes(run))
-    replicates = points_of([Case(values=values, scenario=scenario)], table.most_replicates)
+    replicates = points_of([Case(values=values, scenario=scenario)], table.settings.largest)
     seeds = frozenset(point.seed for point in replicates if self_contained)
     return Reread(resolved=scenario.resolved(), seeds=seeds, self_contained=self_contained)
 
 
 def _indices(table: Table, run: Mapping[str, Any]) -> tuple[int, ...]:
     """Return the number of the run's value on each axis; values side by side have one number."""
-    found = [_numbers(axis, run) for axis in table.grid]
+    found = [_numbers(axis, run) for axis in table.axes if axis not in table.side_by_side]
     if table.side_by_side:
         common = set.intersection(*(set(_numbers(axis, run)) for axis in table.side_by_side))
         found += [sorted(common)] * len(table.side_by_side)
