@@ -14,6 +14,9 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 STANDARD_INPUT: Final = "-"
+INDEX: Final = "index.h5"
+"""What the folder of a sweep has its index in."""
+
 MOST_INPUT_BYTES: Final = 1 << 32
 
 PIECE_BYTES = 1 << 20
@@ -29,7 +32,7 @@ class NotRegular(OSError):  # noqa: N818  (says what the path is)
         """Name the path, and what is there if it is a sweep."""
         name, reason = os.fspath(path), "is not a regular file"
         with suppress(OSError):  # a folder that may not be looked into
-            if Path(name, "index.h5").is_file():
+            if Path(name, INDEX).is_file():
                 reason = "is the folder of a sweep, not a file; rubnoise info says what is in it"
         super().__init__(errno.EINVAL, reason, name)
 

@@ -28,6 +28,9 @@ from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 
+RUNS: Final = "runs"
+"""The folder of the files, in that of the sweep."""
+
 SUFFIXES: Final[Mapping[Keep, str]] = {"runs": ".h5", "summary": ".npz"}
 
 Figures = Mapping[str, Any]
@@ -39,7 +42,7 @@ Arrays that are no CURVES are equal for all replicates of a point; the first one
 
 def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     """Return the path of the file of a run in the folder of its sweep."""
-    return folder / "runs" / f"{run_id}{SUFFIXES[keep]}"
+    return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
 def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], durable: bool, watch: Watch) -> Figures:

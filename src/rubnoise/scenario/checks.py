@@ -206,7 +206,7 @@ def _where_from(document: Document) -> str:
 
 def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     """Refuse a contact in which drawing again makes lives so long that memory cannot hold the junctions."""
-    alive = model.mean_junction_count * (model.sizes.moment(1) / model.calibrated_diameter)
+    alive = model.mean_live_junctions
     if alive > LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {LIVE_JUNCTIONS:.0e}"
         yield layers.problem(_COUNT, message, "fewer junctions or a smaller diameter.spread", forbids_run=True)

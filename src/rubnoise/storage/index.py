@@ -71,7 +71,7 @@ def index_bytes(index: Index) -> bytes:
 
     HDF5 makes it in memory, since it ends the process instead of raising if a disk is full.
     """
-    with h5py.File("index.h5", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
+    with h5py.File("index", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
         about = {"Conventions": CONVENTIONS, "format": INDEX_FORMAT, **index.texts, "NX_class": "NXroot"}
         for name, text in about.items():
             put_attribute(file.id, name, text)
