@@ -257,7 +257,7 @@ class SweepResult:
 
 
 def _columns(group: str, columns: Mapping[str, Filled]) -> Columns:
-    about = Group(name=group, long_name=f"the {group} of a sweep", length="curve", columns=(), plotted="")
+    about = Group(name=group, long_name=f"the {group} of a sweep", columns=(), plotted="")
     rows = len(next(iter(columns.values())).values)
     return Columns(about, {name: column.about for name, column in columns.items()}, rows, partial(_rows, columns))
 

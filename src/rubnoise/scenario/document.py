@@ -347,13 +347,6 @@ class Output(Section):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SampledOutput(Output):
-    """What is written, once the tick is known."""
-
-    tick: Quantity = needed(Measure((LENGTH,), possible=Range(1e-300, 1e12), plausible=Range(1e-6, 1e6)), "")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Run(Section):
     """Seed and engine."""
 

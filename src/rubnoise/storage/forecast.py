@@ -84,24 +84,6 @@ def expected(scenario: Scenario) -> Budget:
     return _budget(scenario, rows)
 
 
-MOST_TIMES, MOST_MORE = 4, 10**6
-"""Births are counted, 60 ns each, only if at most MOST_TIMES times the rows of a file plus MOST_MORE are expected.
-
-No run is that far off by chance."""
-
-
-def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
-    """Return how many rows a run has, to compare with its file; None if far more, or fewer ticks, are expected.
-
-    Raises ScenarioRefused for more rows, or more live junctions, than rubnoise can write.
-    """
-    likely = expected(scenario)
-    there = likely.junctions if rows.junctions is None else rows.junctions
-    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * there + MOST_MORE:
-        return None
-    return extent(scenario.model(), scenario.run.seed)
-
-
 def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
     """Return the budget of runs made one after the other, each with its number.
 
@@ -272,15 +254,10 @@ def free_memory_bytes() -> int | None:
 
 def _group_limits() -> Iterator[int]:
     """Yield the memory limits of the control groups around this process, which containers and batch queues set."""
-    for line in _text("proc/self/cgroup").splitlines():
-        _, controllers, name = line.split(":", 2)
-        if controllers and "memory" not in controllers.split(","):
-            continue
-        top, limit = ("memory", "memory.limit_in_bytes") if controllers else ("", "memory.max")
-        # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
-        inner = PurePosixPath(name.lstrip("/"))
-        texts = (_text(PurePosixPath("sys/fs/cgroup", top, each, limit)).strip() for each in (inner, *inner.parents))
-        yield from (int(text) for text in texts if text.isdecimal())
+    # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
+    inner = PurePosixPath(_text("proc/self/cgroup").partition("0::/")[2].strip())
+    texts = (_text(PurePosixPath("sys/fs/cgroup", each, "memory.max")).strip() for each in (inner, *inner.parents))
+    yield from (int(text) for text in texts if text.isdecimal())
 
 
 def _pages() -> tuple[int, int]:
