@@ -13,10 +13,9 @@ from functools import cache
 from pathlib import Path
 from typing import BinaryIO, Final
 
-STANDARD_INPUT: Final = "-"
-INDEX: Final = "index.h5"
-"""What the folder of a sweep has its index in."""
+from rubnoise.figure_names import INDEX
 
+STANDARD_INPUT: Final = "-"
 MOST_INPUT_BYTES: Final = 1 << 32
 
 PIECE_BYTES = 1 << 20
@@ -98,10 +97,7 @@ def size_of(path: str | os.PathLike[str]) -> int:
 
 def is_folder(path: Path) -> bool:
     """Whether a path is a folder; False without permission to look, since opening it then gives the error."""
-    try:
-        return path.is_dir()
-    except OSError:
-        return False
+    return os.path.isdir(path)  # noqa: PTH112  (pathlib's raises)
 
 
 @cache

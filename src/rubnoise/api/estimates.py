@@ -88,10 +88,7 @@ class PowerSpectrum(Table):
         return self.name
 
     def plot(self, name: str | None = None) -> "Figure":
-        """Draw a column, or the density with the exact one, if theory knows it, on logarithmic axes.
-
-        Returns the figure; raises KeyError for an unknown name.
-        """
+        """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
         from rubnoise.api.pictures import drawn_estimate
 
         if name is not None:

@@ -90,15 +90,12 @@ def command(
 
 def outcome_as_json(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> dict[str, Any]:
     """Return the outcome of a sweep, by name."""
-    from rubnoise.regular_file import INDEX
-    from rubnoise.storage.schema import STATES
-
     return {
         "folder": str(result.path),
-        "index": str(result.path / INDEX),
+        "index": str(result.path / "index.h5"),
         "points": len(sweep.cases),
         "runs": len(result.runs),
-        **{state: result.count(state) for state in STATES},
+        **{state: result.count(state) for state in ("done", "failed", "planned")},
         "failures": [asdict(failure) for failure in result.failures],
         "imprecise": [asdict(unmet) for unmet in imprecise],
         "warnings": list(sweep.warnings),
@@ -126,9 +123,7 @@ def format_failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
 
 def states_in_words(answer: Mapping[str, Any]) -> str:
     """Return how many runs are done, failed and planned."""
-    from rubnoise.storage.schema import STATES
-
-    return ", ".join(f"{grouped(answer[state])} {state}" for state in STATES if answer[state])
+    return ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
 
 
 def values_in_words(values: Mapping[str, Any]) -> str:

@@ -23,7 +23,6 @@ from rubnoise.pages.page import HERE, coded, written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.text import text_of
-from rubnoise.storage.schema import STATES
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.web_page import part, web_page
 
@@ -90,7 +89,9 @@ def sweep_report(sweep: SweepResult, between: Between) -> str:
     if not quantities or not sweep.count("done"):
         raise Refused("no run of this sweep is done yet; there is nothing to report")
     origin = sweep.attributes
-    states = ", ".join(f"{sweep.count(state):,} {state}" for state in STATES if sweep.count(state))
+    states = ", ".join(
+        f"{sweep.count(state):,} {state}" for state in ("done", "failed", "planned") if sweep.count(state)
+    )
     swept = ", ".join(key_label(key, sweep.runs[key].units) for key in sweep.keys)
     sections = [
         _section(

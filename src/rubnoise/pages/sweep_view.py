@@ -11,7 +11,6 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.pages.exact_curves import LIVES
 from rubnoise.pages.page import page
-from rubnoise.storage.schema import STATES
 
 MOST_RUNS: Final = 20_000
 MOST_BEGINNINGS: Final = 200
@@ -53,7 +52,7 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
         "name": name,
         "keys": list(sweep.keys),
         "figures": figures,
-        "states": {state: sweep.count(state) for state in STATES},
+        "states": {state: sweep.count(state) for state in ("done", "failed", "planned")},
         "failures": [{"run": each.run_id, "reason": each.reason} for each in sweep.failures[:MOST_BEGINNINGS]],
         "runs": [str(each) for each in sweep.runs["run_id"][:][rows]],
         "columns": {

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.run_summary import CURVES
 from rubnoise.errors import RunFileRefused, in_few
-from rubnoise.figure_names import FIGURE_NAMES
-from rubnoise.regular_file import INDEX
+from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, INDEX, PLANNED
 from rubnoise.runs.point_file import Figures, file_of
 from rubnoise.scenario.document import SECTIONS, Keep
 from rubnoise.scenario.fields import keys_of
@@ -23,7 +22,7 @@ from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.provenance import now, package_version
-from rubnoise.storage.schema import DONE, FAILED, PLANNED, Dataset
+from rubnoise.storage.schema import Dataset
 from rubnoise.units import RATIO, Quantity
 
 ABOUT: Final = ("run", "run_id", "point", "replicate", "seed", "file", "state", "reason")

@@ -19,7 +19,7 @@ from rubnoise.analysis.verification import verify
 from rubnoise.analysis.verifying.attributes import shown
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.errors import RunFileRefused
-from rubnoise.regular_file import INDEX
+from rubnoise.figure_names import DONE, FAILED, INDEX
 from rubnoise.runs.folder import run_files
 from rubnoise.runs.index import index_of, keys_in, scenario_at
 from rubnoise.runs.point_file import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
@@ -30,7 +30,6 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.output import PART
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.schema import DONE, FAILED
 
 SHOWN: Final = 10
 """How many names of one kind are listed; of others their number is."""

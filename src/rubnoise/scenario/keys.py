@@ -21,11 +21,11 @@ from rubnoise.scenario.document import (
     Sweeping,
     presence,
 )
-from rubnoise.scenario.fields import Key, Measure, Unfit, did_you_mean, keys_of, right_form
+from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
-from rubnoise.units import LENGTH, RATIO, Quantity
+from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
 GRID, ZIP = "grid", "zip"
@@ -176,7 +176,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             )
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
-        yield from _alternative_problems(layers, "slider")
+        for ways in ALTERNATIVES["slider"]:
+            yield from _one_of(layers, "slider", ways)
         yield from _tolerance_problems(layers, slider)
     if isinstance(layers.data.get("load"), dict):
         if "speed" not in sliding:
@@ -193,20 +194,16 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
 def _unsound_problems(layers: Layers) -> Iterator[Problem]:
     """Yield the problems of combinations from which no contact, law or pulse can be made."""
     if isinstance(layers.data.get("interface", {}), dict):
-        yield from _alternative_problems(layers, "interface")
+        for ways in ALTERNATIVES["interface"]:
+            yield from _one_of(layers, "interface", ways)
     yield from _offset_problems(layers)
     yield from _unequal_lists(layers)
     for name in ("diameter", "strength"):
         yield from _order_problems(layers, name)
 
 
-def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
-    """Refuse alternatives of which two are given, or none, or only a part of one."""
-    for ways in ALTERNATIVES[name]:
-        yield from _one_of(layers, name, ways)
-
-
 def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
+    """Refuse ways to say one thing of which two are given, or none, or only a part of one."""
     table = _table_or_empty(layers, name)
     given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
     if len(given) > 1:

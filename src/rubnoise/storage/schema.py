@@ -19,9 +19,6 @@ Scalar = float | int | str
 
 FORMAT: Final = "rubnoise-run"
 INDEX_FORMAT: Final = "rubnoise-sweep"
-DONE, FAILED, PLANNED = STATES = ("done", "failed", "planned")
-"""What the index of a sweep says of a run."""
-
 FORMAT_VERSION: Final = 2
 CONVENTIONS: Final = "CF-1.11"
 CHUNK_ROWS: Final = 65_536  # in a chunk of a compressed column: a file with others is refused
