@@ -14,9 +14,8 @@ import package_map
 from parts import filled, parts_of, table
 from scipy.stats import t as student
 
-from rubnoise.scenario.document import SECTIONS, TOP, presence
+from rubnoise.scenario.document import SECTIONS, TOP, Sweeping, presence
 from rubnoise.scenario.fields import TITLE_CHARACTERS, Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
-from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -28,14 +27,13 @@ NUMBER = re.compile(r"(?<=<!-- number: )(\w+)( -->).*?(?=<!-- / -->)")
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
 ROWS = {
     "junctions": "one per junction",
-    "ticks": "one per tick",
+    "trace": "one per tick",
     "slider": "one per tick; with two-way coupling, one per time of a tick",
     "load": "one per tick",
     "landmarks": "one per landmark",
     "balance": "one, for the end of the run",
-    "blocks": "one per block",
-    "curve": "one per point of the curve",
-    "table": "one per point of the table",
+    "life_curve": "one per point of the curve",
+    "life_table": "one per point of the table",
 }
 NEEDS: dict[Feature | None, str] = {
     None: "",
@@ -91,7 +89,7 @@ def _group(group: Group) -> Iterator[str]:
     yield f"### /{group.name}"
     yield ""
     present = _present(group)
-    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}." + (f" Present {present}." if present else "")
+    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.name]}." + (f" Present {present}." if present else "")
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
     yield ""
     yield table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))

@@ -1,17 +1,15 @@
 """How the kernels are compiled: without fastmath, to machine code that is kept on disk."""
 
-import pickle
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache, partial
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any, Final
 
 from numba import extending, float64, njit
-from numba.core.caching import IndexDataCacheFile
 from numba.core.runtime.nrt import rtsys
-from numba.core.serialize import dumps
 
 SOURCES = (
     "compiling.py",
@@ -23,20 +21,6 @@ SOURCES = (
     "surface/*.py",
 )
 """Files that are compiled into functions of other files."""
-
-UNREADABLE: Final = (
-    AttributeError,
-    ImportError,
-    EOFError,
-    pickle.UnpicklingError,
-    ValueError,
-    TypeError,
-    IndexError,
-    KeyError,
-)
-"""What reading a pickle raises that names what is gone."""
-
-SEAL_BYTES: Final = 16
 
 _DIVISION: Final = "numpy"
 """A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
@@ -54,7 +38,7 @@ def compiled(function: Any) -> Any:
 
     No fastmath: sums keep their order and products their rounding, since the bits are part of the result.
     """
-    return _kept(function, fastmath=False)
+    return _kept(function)
 
 
 def compiled_bare(function: Any) -> Any:
@@ -62,7 +46,7 @@ def compiled_bare(function: Any) -> Any:
 
     This saves counting references to its arrays, which takes as long as some hundred steps of arithmetic.
     """
-    return _kept(function, fastmath=False, **_BARE)
+    return _kept(function, **_BARE)
 
 
 def compiled_within(function: Any) -> Any:
@@ -87,6 +71,7 @@ def compiled_for_speed(function: Any) -> Any:
 
 
 def _kept(function: Any, **how: Any) -> Any:
+    """Compile with numba's own cache, which checks a function's own file, and let it check `SOURCES` too."""
     try:
         kernel: Any = njit(cache=True, error_model=_DIVISION, **how)(function)
     except RuntimeError:
@@ -94,10 +79,10 @@ def _kept(function: Any, **how: Any) -> Any:
         kernel = njit(error_model=_DIVISION, **how)(function)
         kernel._cache.load_overload = _nothing_kept  # noqa: SLF001  (numba has no public way)
         return kernel
-    cache = kernel._cache  # noqa: SLF001
-    cache.load_overload = partial(_kept_code, cache)
-    cache.save_overload = partial(_keep, cache.save_overload, cache.cache_path)
-    cache._cache_file = _KeptFile.like(cache._cache_file)  # noqa: SLF001
+    kept = kernel._cache  # noqa: SLF001
+    kept._cache_file._source_stamp = kept._cache_file._source_stamp, _stamp()  # noqa: SLF001
+    kept.load_overload = partial(_kept_code, kept)
+    kept.save_overload = partial(_keep, kept.save_overload, kept.cache_path)
     return kernel
 
 
@@ -105,14 +90,18 @@ BEFORE_COMPILING: Final[set[Callable[[], object]]] = set()
 """What is called before a kernel is compiled; if its code is kept, nothing is."""
 
 
-def _kept_code(cache: Any, signature: Any, context: Any) -> Any:
+def _kept_code(kept: Any, signature: Any, context: Any) -> Any:
     """Return the kept code of a function; None if there is none, and the function must be compiled.
 
     numba's own way begins with loading whatever it can compile, a third of a second that kept code does without.
     """
     rtsys.initialize(context)
-    with cache._guard_against_spurious_io_errors():  # noqa: SLF001
-        found = cache._load_overload(signature, context)  # noqa: SLF001
+    try:
+        found = kept._load_overload(signature, context)  # noqa: SLF001
+    except Exception:  # noqa: BLE001  (a pickle that was cut off, or that names what is gone, raises almost anything)
+        found = None
+        with suppress(OSError):
+            kept.flush()
     return _nothing_kept() if found is None else found
 
 
@@ -130,77 +119,29 @@ def _keep(save: Callable[[Any, Any], None], folder: str, signature: Any, code: A
     try:
         save(signature, code)
     except OSError as problem:
-        if _NOT_KEPT:
-            return
+        if not _NOT_KEPT:
+            reason = problem.strerror or problem
+            text = f"compiled code cannot be kept, and each process compiles it again: {folder}: {reason}"
+            warnings.warn(text, CodeNotKept, stacklevel=1)
         _NOT_KEPT.append(folder)
-        reason = problem.strerror or problem
-        text = f"compiled code cannot be kept, and each process compiles it again: {folder}: {reason}"
-        warnings.warn(text, CodeNotKept, stacklevel=1)
 
 
 _NOT_KEPT: Final[list[str]] = []
 
 
-class _KeptFile(IndexDataCacheFile):
-    """The files in which numba keeps the code of a function, each after a checksum of its content.
-
-    Numba checks only the function's own file, so it would use code with older versions of other functions in it, and it
-    runs code that a disk has damaged. Here code that is damaged, or from another version, is compiled again.
-    """
-
-    @classmethod
-    def like(cls, file: Any) -> "_KeptFile":
-        """Return the files of this class for the files that numba would use."""
-        name = file._index_name.removesuffix(".nbi")  # noqa: SLF001
-        return cls(file._cache_path, name, (file._source_stamp, _stamp()))  # noqa: SLF001
-
-    def _load_index(self) -> dict[Any, str]:
-        try:
-            stamp, overloads = self._read(self._index_path)
-        except OSError:
-            return {}
-        return overloads if stamp == self._source_stamp else {}
-
-    def _save_index(self, overloads: dict[Any, str]) -> None:
-        self._write(self._index_path, (self._source_stamp, overloads))
-
-    def _load_data(self, name: str) -> Any:
-        return self._read(str(Path(self._cache_path) / name))
-
-    def _save_data(self, name: str, data: Any) -> None:
-        self._write(str(Path(self._cache_path) / name), data)
-
-    def _read(self, path: str) -> Any:
-        """Return the content as it was written; raises OSError if it is not, which numba takes for missing code."""
-        content = Path(path).read_bytes()
-        if content[:SEAL_BYTES] != self._seal(content[SEAL_BYTES:]):
-            raise OSError(f"{path}: damaged")
-        try:
-            return pickle.loads(content[SEAL_BYTES:])  # noqa: S301  (it is as this program has written it)
-        except UNREADABLE as problem:
-            raise OSError(f"{path}: {problem}") from problem
-
-    def _write(self, path: str, what: Any) -> None:
-        content: bytes = dumps(what)  # type: ignore[no-untyped-call]
-        with self._open_for_write(path) as file:
-            file.write(self._seal(content) + content)
-
-    def _seal(self, content: bytes) -> bytes:
-        return blake2b(content, digest_size=SEAL_BYTES, key=self._version.encode()).digest()
-
-
 def is_kept(kernel: Any) -> bool:
     """Whether the code of a function in its present form is kept for later processes."""
-    file = getattr(kernel._cache, "_cache_file", None)  # noqa: SLF001
-    return file is not None and bool(file._load_index())  # noqa: SLF001
+    with suppress(Exception):  # an index that was cut off, as above
+        return bool(kernel._cache._cache_file._load_index())  # noqa: SLF001
+    return False
 
 
 @cache
-def _stamp() -> tuple[tuple[str, int, int], ...]:
-    """Return the names, sizes and times of the files whose functions are compiled into those of others."""
+def _stamp() -> str:
+    """Return a hash of the files whose functions are compiled into those of others."""
     folder = Path(__file__).parent
     files = sorted(path for pattern in SOURCES for path in folder.glob(pattern))
-    return tuple((path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files)
+    return blake2b(b"".join(path.read_bytes() for path in files)).hexdigest()
 
 
 def inlined(function: Any) -> Any:

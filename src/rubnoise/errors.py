@@ -26,6 +26,11 @@ LONGEST: Final = 1500
 _END: Final = 300
 
 
+def in_few(text: str) -> str:
+    """Return a text of at most LONGEST characters, in the middle of which some are left out."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - _END - 5]} ... {text[-_END:]}"
+
+
 class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedError" says it twice)
     """Wrong usage, invalid input, or an output that cannot be written, refused before the first event; exit code 2.
 
@@ -41,8 +46,7 @@ class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedE
 
     def __str__(self) -> str:
         """Return the message; the middle of a long one is left out, because the remedy is at the end."""
-        text = super().__str__()
-        return text if len(text) <= LONGEST else f"{text[: LONGEST - _END - 5]} ... {text[-_END:]}"
+        return in_few(super().__str__())
 
 
 class NoColumn(Refused):

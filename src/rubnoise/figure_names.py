@@ -1,7 +1,13 @@
-"""The figures of a summary: their names in words, their units, and the scenario key that each needs."""
+"""The figures of a summary, in words, with their units and the scenario key that each needs; and names in a sweep."""
 
 from dataclasses import dataclass
 from typing import Final
+
+INDEX: Final = "index.h5"
+"""What the folder of a sweep has its index in."""
+
+DONE, FAILED, PLANNED = STATES = ("done", "failed", "planned")
+"""What the index of a sweep says of a run."""
 
 AREA, COUNT, FORCE = "real contact area", "number of live junctions", "friction force"
 

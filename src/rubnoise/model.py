@@ -139,6 +139,11 @@ class Model:
         return 1.0 / self.births.mean
 
     @property
+    def mean_live_junctions(self) -> float:
+        """E[N] = lam 2 m_1, (pi/2) m_1 off the centre line (Little's law); of Poisson births N is Poisson."""
+        return self.birth_rate * self.pulse.mean_life * self.sizes.moment(1)
+
+    @property
     def tick_duration(self) -> float | None:
         """Time in s from one tick to the next, or None without a sliding speed."""
         return None if self.sliding_speed is None else self.tick / self.sliding_speed

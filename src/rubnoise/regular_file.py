@@ -13,6 +13,8 @@ from functools import cache
 from pathlib import Path
 from typing import BinaryIO, Final
 
+from rubnoise.figure_names import INDEX
+
 STANDARD_INPUT: Final = "-"
 MOST_INPUT_BYTES: Final = 1 << 32
 
@@ -29,7 +31,7 @@ class NotRegular(OSError):  # noqa: N818  (says what the path is)
         """Name the path, and what is there if it is a sweep."""
         name, reason = os.fspath(path), "is not a regular file"
         with suppress(OSError):  # a folder that may not be looked into
-            if Path(name, "index.h5").is_file():
+            if Path(name, INDEX).is_file():
                 reason = "is the folder of a sweep, not a file; rubnoise info says what is in it"
         super().__init__(errno.EINVAL, reason, name)
 
@@ -95,10 +97,7 @@ def size_of(path: str | os.PathLike[str]) -> int:
 
 def is_folder(path: Path) -> bool:
     """Whether a path is a folder; False without permission to look, since opening it then gives the error."""
-    try:
-        return path.is_dir()
-    except OSError:
-        return False
+    return os.path.isdir(path)  # noqa: PTH112  (pathlib's raises)
 
 
 @cache

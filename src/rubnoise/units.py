@@ -31,12 +31,16 @@ _COMMA = re.compile(r"(?<=[0-9]),(?=[0-9])")
 _BARE_POWER = re.compile(r"(?<=[A-Za-z\u00b5\u03bc])(-?[0-9])")
 
 
-class QuantityError(ValueError):
-    """A text is not a quantity of the wanted kind; ``hint`` is advice or the right form, if there is one."""
+class Unfit(ValueError):  # noqa: N818  (says what the value is)
+    """A value that does not fit its key; ``hint`` is advice or the right form, if there is one."""
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
         self.hint = hint
+
+
+class QuantityError(Unfit):
+    """A text is not a quantity of the wanted kind."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,7 +191,7 @@ def read_quantity(text: str, *kinds: Kind) -> Quantity:
     Raises QuantityError if the text is no such thing or its unit is of none of the ``kinds``.
     """
     number, unit_text = _split(text.strip(" "), kinds[0])
-    unit = _read_unit(unit_text, number)
+    unit = parse_unit(unit_text, number)
     kind = next((k for k in kinds if k.dimension == unit.dimension), None)
     if kind is None:
         wanted = " or ".join(_with_article(k) for k in kinds)
@@ -204,12 +208,8 @@ def read_quantity(text: str, *kinds: Kind) -> Quantity:
         raise QuantityError("too large a number") from None
 
 
-def parse_unit(text: str) -> Unit:
-    """Return the exact size and dimension of a unit; raises QuantityError if the text is not a unit."""
-    return _read_unit(text, "1")
-
-
-def _read_unit(text: str, number: str) -> Unit:
+def parse_unit(text: str, number: str = "1") -> Unit:
+    """Return the exact size and dimension of a unit; raises QuantityError, with advice for ``number`` of it."""
     if text in USUAL_UNITS:
         return USUAL_UNITS[text]
     if len(text) > MAX_UNIT_LENGTH:

@@ -8,13 +8,11 @@ from pathlib import Path
 import pytest
 
 from rubnoise.contact.laws import LAWS
-from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import json_schema, load, loads
-from rubnoise.scenario.document import SECTIONS, TOP
+from rubnoise.scenario.document import SECTIONS, TOP, Sweeping
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.problems import Place, Problem, in_order, report
 from rubnoise.scenario.sweep import load_either
-from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.scenario.text import SYNTAX_ERRORS, read_toml
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 
@@ -158,18 +156,6 @@ def test_a_key_that_is_given_twice_names_the_first() -> None:
     lines = [f'"k{number}" = 1' for number in range(400)] + ['"k1" = 1'] * 19
     found = read_toml("a.toml", "\n".join(lines)).problems
     assert {problem.hint for problem in found} == {"first given in line 2; keep one of the two"}
-
-
-def test_files_that_extend_one_another_are_bounded_together(tmp_path: Path) -> None:
-    for number in range(3):
-        text = f'format = 1\nextends = "{number + 1}.toml"\n'
-        (tmp_path / f"{number}.toml").write_text(text + ("#" * 99 + "\n") * 500, encoding="utf-8")
-    (tmp_path / "3.toml").write_text(BARE, encoding="utf-8")
-    assert load(tmp_path / "2.toml").title == load(tmp_path / "1.toml").title
-    with pytest.raises(
-        ScenarioRefused, match=r"1\.toml:2: error: extends: with it more than 128 kB extend one another"
-    ):
-        load(tmp_path / "0.toml")
 
 
 # The schema on file is the schema of the code, and says what is available and needed.

@@ -7,7 +7,8 @@ import pytest
 import rubnoise
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import loads
-from rubnoise.scenario.fields import Line, Unfit
+from rubnoise.scenario.fields import Line
+from rubnoise.units import Unfit
 from tests.frozen import Said
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
 

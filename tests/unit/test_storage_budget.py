@@ -289,19 +289,12 @@ def test_the_address_space_may_be_limited(machine: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("group", ["/job", "/job/inner", "/named/from/outside"])
-@pytest.mark.parametrize(
-    ("line", "place", "limit"),
-    [("0::", "", "memory.max"), ("9:name=systemd:/\n4:cpu,memory:", "memory/", "memory.limit_in_bytes")],
-    ids=["version 2", "version 1"],
-)
-def test_the_groups_around_a_process_limit_its_memory(
-    machine: Path, group: str, line: str, place: str, limit: str
-) -> None:
+def test_the_groups_around_a_process_limit_its_memory(machine: Path, group: str) -> None:
     """A container that is named from outside has its limit at the root."""
-    _write(machine, "proc/self/cgroup", f"{line}{group}\n")
-    folder = f"sys/fs/cgroup/{place}" + ("" if "outside" in group else "job/")
+    _write(machine, "proc/self/cgroup", f"0::{group}\n")
+    folder = "sys/fs/cgroup/" + ("" if "outside" in group else "job/")
     for text, left in (("max", 5000 * 1024), ("3000000", 3_000_000 - 700 * PAGE), ("1000000", 0)):
-        _write(machine, f"{folder}{limit}", f"{text}\n")
+        _write(machine, f"{folder}memory.max", f"{text}\n")
         assert free_memory_bytes() == left
 
 

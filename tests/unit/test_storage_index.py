@@ -109,10 +109,10 @@ def _newer(file: h5py.File) -> None:
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (_virtual, "/runs/real_contact_area_std is not stored as an index stores it"),
-        (_external, "/runs/point is not stored as an index stores it"),
-        (_linked, "/runs/other is no column"),
-        (_variable, "/runs/other is not stored as an index stores it"),
+        (_virtual, "/runs/real_contact_area_std is not stored as our files store it"),
+        (_external, "/runs/point is not stored as our files store it"),
+        (_linked, "/runs/other is missing"),
+        (_variable, "/runs/other is not stored as our files store it"),
         (_crowded, "/runs holds 309 objects"),
         (lambda file: file.pop("points"), "/points is missing"),
         (lambda file: file.attrs.pop("grid"), "attribute grid is missing"),

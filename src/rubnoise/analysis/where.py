@@ -11,7 +11,6 @@ import ast
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from math import isinf
 from typing import Any, Final
 
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import Refused
 from rubnoise.record.sink import Columns
+from rubnoise.scenario.fields import did_you_mean as nearest
 from rubnoise.scenario.problems import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Dataset
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
@@ -97,8 +97,9 @@ def did_you_mean(word: str, names: Iterable[str]) -> str:
     """Return advice for an unknown word: the nearest name, the names that contain it, or all names."""
     known = list(names)
     holding = [name for name in known if len(word) > 2 and word.lower() in name]
-    near = holding or get_close_matches(word.lower(), known, n=1)
-    return f"did you mean {' or '.join(near)}?" if near else f"one of {', '.join(known)}"
+    if holding:
+        return f"did you mean {' or '.join(holding)}?"
+    return nearest(word, tuple(known)) or f"one of {', '.join(known)}"
 
 
 class _Reader:

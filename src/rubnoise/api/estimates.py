@@ -87,10 +87,12 @@ class PowerSpectrum(Table):
     def _title(self) -> str:
         return self.name
 
-    def plot(self, _name: str | None = None) -> "Figure":
-        """Draw the density with the exact one, if theory knows it, on logarithmic axes, and return the figure."""
+    def plot(self, name: str | None = None) -> "Figure":
+        """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
         from rubnoise.api.pictures import drawn_estimate
 
+        if name is not None:
+            return Table.plot(self, name)
         curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
         labels = f"{self.names[0]} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
         return drawn_estimate(self.place[1:], curves, labels)

@@ -307,9 +307,7 @@ class Run:
 
     def model(self) -> "Model":
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
-        from rubnoise.scenario.reading import stored
-
-        return stored(self.provenance["scenario_resolved"]).model()
+        return self.scenario.model()
 
     def _file_of(self) -> "AbstractContextManager[ResultFile]":
         """Return the run as an open file."""

@@ -17,9 +17,10 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
+from rubnoise.figure_names import FAILED, INDEX, STATES
 from rubnoise.real_numbers import number_in
-from rubnoise.runs.index import ABOUT, INDEX, keys_in, scenario_at
-from rubnoise.runs.point_file import name_in, scenario_in
+from rubnoise.runs.index import ABOUT, keys_in, scenario_at
+from rubnoise.runs.point_file import file_of, name_in, scenario_in
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
@@ -120,7 +121,7 @@ class SweepResult:
         return [
             Failure(run_id=run_id, values=self.values[point], replicate=replicate, reason=reason)
             for state, run_id, point, replicate, reason in zip(*columns, strict=True)
-            if state == "failed"
+            if state == FAILED
         ]
 
     def count(self, state: str) -> int:
@@ -178,7 +179,7 @@ class SweepResult:
         rows = np.flatnonzero(self.runs["run_id"][:] == run_id)
         if not rows.size:
             raise KeyError(f"{self.path}: no run is named {run_id}")
-        if self.runs["file"][int(rows[0])] != (file := f"runs/{run_id}.h5"):
+        if self.runs["file"][int(rows[0])] != (file := file_of(Path(), run_id, "runs").as_posix()):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
         with ExitStack() as opened:
             run = opened.enter_context(open_result(self.path / file))
@@ -215,7 +216,7 @@ class SweepResult:
 
     def _listed(self) -> tuple[str, list[tuple[str, str]]]:
         """Return the numbers of points and runs, and the values of each key, as texts."""
-        states = ", ".join(f"{self.count(state):,} {state}" for state in ("done", "failed", "planned"))
+        states = ", ".join(f"{self.count(state):,} {state}" for state in STATES)
         values = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
         return f"{len(self.points):,} points, {states}", values
 
@@ -256,7 +257,7 @@ class SweepResult:
 
 
 def _columns(group: str, columns: Mapping[str, Filled]) -> Columns:
-    about = Group(name=group, long_name=f"the {group} of a sweep", length="curve", columns=(), plotted="")
+    about = Group(name=group, long_name=f"the {group} of a sweep", columns=(), plotted="")
     rows = len(next(iter(columns.values())).values)
     return Columns(about, {name: column.about for name, column in columns.items()}, rows, partial(_rows, columns))
 

@@ -166,7 +166,7 @@ def record_of(run: Run) -> dict[str, Any]:
     record = {
         "birth": _text(junctions["birth_distance"][:rows]),
         "diameter": _text(junctions["diameter"][:rows]),
-        "tick": float(run.scenario.output.tick),
+        "tick": run.scenario.physics.tick,
         "distance": distance,
         "note": _note(run, rows, distance, whole),
     }

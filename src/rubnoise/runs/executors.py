@@ -14,7 +14,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import KW_ONLY, dataclass
 from functools import cache, partial
 from importlib import import_module
-from operator import index
+from numbers import Integral
 from pathlib import Path
 from threading import Thread
 from typing import Any, Final
@@ -74,11 +74,11 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def local(jobs: int | None, runs: int | None = None) -> Workers:
+def local(jobs: Any, runs: int | None = None) -> Workers:
     """Return workers of this machine: by default one for each processor, no more than runs, and one is this process."""
-    if jobs is not None and not 1 <= index(jobs) <= MOST_JOBS:
-        raise Refused(f"jobs=: {jobs} is no number of processes from 1 to {MOST_JOBS}")
-    count = min(processors() if jobs is None else index(jobs), MOST_JOBS if runs is None else max(runs, 1))
+    if jobs is not None and not (isinstance(jobs, Integral) and 1 <= int(jobs) <= MOST_JOBS):
+        raise Refused(f"jobs=: {jobs!r:.40} is no number of processes from 1 to {MOST_JOBS}")
+    count = min(processors() if jobs is None else int(jobs), MOST_JOBS if runs is None else max(runs, 1))
     if count == 1:
         return Workers(Here, lambda: 1, here=True)
     return Workers(partial(_processes, count), lambda: count)

@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import Any, Final, Self
 
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
-from rubnoise.runs.point_file import name_in, scenario_of
+from rubnoise.runs.point_file import RUNS, name_in, scenario_of
 from rubnoise.scenario.points import Point, points_of, run_id
 from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep, in_words
 from rubnoise.storage.forecast import check_sweep_space, expected, together
-
-RUNS: Final = "runs"
 
 _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 _RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")

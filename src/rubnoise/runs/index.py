@@ -11,26 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.run_summary import CURVES
-from rubnoise.errors import RunFileRefused
-from rubnoise.figure_names import FIGURE_NAMES
+from rubnoise.errors import RunFileRefused, in_few
+from rubnoise.figure_names import DONE, FAILED, FIGURE_NAMES, INDEX, PLANNED
 from rubnoise.runs.point_file import Figures, file_of
-from rubnoise.scenario.document import SECTIONS
+from rubnoise.scenario.document import SECTIONS, Keep
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.scenario.sweep_table import Keep
 from rubnoise.storage.index import Filled, Index, read_index
 from rubnoise.storage.provenance import now, package_version
 from rubnoise.storage.schema import Dataset
 from rubnoise.units import RATIO, Quantity
 
-INDEX: Final = "index.h5"
-PLANNED: Final = "planned"
-DONE: Final = "done"
-FAILED: Final = "failed"
-LONGEST_REASON: Final = 500
 ABOUT: Final = ("run", "run_id", "point", "replicate", "seed", "file", "state", "reason")
 """The columns of runs that are neither swept keys nor figures."""
 
@@ -110,14 +104,10 @@ def _progress(
     names = [point.run_id for point in points]
     files = [file_of(Path(), name, keep).as_posix() if name in found and keep == "runs" else "" for name in names]
     yield _column("file", "result of the run, seen from this folder", files)
-    yield _column("state", "planned, done or failed", [state_of(name, found, failed) for name in names])
-    reasons = ["" if name in found else failed.get(name, "")[:LONGEST_REASON] for name in names]
+    states = [DONE if name in found else FAILED if name in failed else PLANNED for name in names]
+    yield _column("state", "planned, done or failed", states)
+    reasons = ["" if name in found else in_few(failed.get(name, "")) for name in names]
     yield _column("reason", "why it failed", reasons)
-
-
-def state_of(run_id: str, found: Mapping[str, Any], failed: Mapping[str, str]) -> str:
-    """Return whether a run is done, failed or planned."""
-    return DONE if run_id in found else FAILED if run_id in failed else PLANNED
 
 
 def _figures(runs: Sequence[Figures]) -> Iterator[Filled]:

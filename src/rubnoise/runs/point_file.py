@@ -17,9 +17,9 @@ from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
+from rubnoise.scenario.document import Keep
 from rubnoise.scenario.points import Point, name_of
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_table import Keep
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
@@ -27,6 +27,9 @@ from rubnoise.storage.output import whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
+
+RUNS: Final = "runs"
+"""The folder of the files, in that of the sweep."""
 
 SUFFIXES: Final[Mapping[Keep, str]] = {"runs": ".h5", "summary": ".npz"}
 
@@ -39,7 +42,7 @@ Arrays that are no CURVES are equal for all replicates of a point; the first one
 
 def file_of(folder: Path, run_id: str, keep: Keep) -> Path:
     """Return the path of the file of a run in the folder of its sweep."""
-    return folder / "runs" / f"{run_id}{SUFFIXES[keep]}"
+    return folder / RUNS / f"{run_id}{SUFFIXES[keep]}"
 
 
 def made(point: Point, *, folder: Path, keep: Keep, command: Sequence[str], durable: bool, watch: Watch) -> Figures:

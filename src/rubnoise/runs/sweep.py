@@ -15,12 +15,13 @@ from shlex import join
 from typing import Any, Final
 
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
+from rubnoise.figure_names import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
 from rubnoise.runs.executors import Workers
-from rubnoise.runs.folder import RUNS, Shard, check_folder, check_room, check_strangers
-from rubnoise.runs.index import INDEX, index_of, known_runs
-from rubnoise.runs.point_file import Figures, file_of, found, made
+from rubnoise.runs.folder import Shard, check_folder, check_room, check_strangers
+from rubnoise.runs.index import index_of, known_runs
+from rubnoise.runs.point_file import RUNS, Figures, file_of, found, made
 from rubnoise.runs.stopping_rule import AdaptiveReplicates, Unmet
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep

@@ -19,20 +19,20 @@ from rubnoise.analysis.verification import verify
 from rubnoise.analysis.verifying.attributes import shown
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.errors import RunFileRefused
-from rubnoise.runs.folder import RUNS, run_files
-from rubnoise.runs.index import DONE, FAILED, INDEX, index_of, keys_in, scenario_at
-from rubnoise.runs.point_file import SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
+from rubnoise.figure_names import DONE, FAILED, INDEX
+from rubnoise.runs.folder import run_files
+from rubnoise.runs.index import index_of, keys_in, scenario_at
+from rubnoise.runs.point_file import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import Filled, Index, read_index
+from rubnoise.storage.output import PART
 from rubnoise.storage.reader import open_run
 
 SHOWN: Final = 10
 """How many names of one kind are listed; of others their number is."""
-
-UNFINISHED: Final = ".part"
 
 
 @dataclass(slots=True, kw_only=True)
@@ -92,7 +92,7 @@ def _results(root: Path, regenerate: int, watch: Callable[[int, int], None]) -> 
     results = Results()
     right = set(run_files(root))
     there = (root / RUNS).iterdir() if (root / RUNS).is_dir() else ()
-    files = sorted(path for path in there if not path.name.startswith(".") and not path.name.endswith(UNFINISHED))
+    files = sorted(path for path in there if not path.name.startswith(".") and not path.name.endswith(PART))
     for number, path in enumerate(files):
         watch(number, len(files))
         if path.suffix not in SUFFIXES.values() or not path.is_file():
@@ -142,10 +142,10 @@ def _left_out(root: Path, results: Results) -> Iterator[LeftOut]:
     for (name, reason), count in sorted(results.left_out.items()):
         runs = f"{count:,} runs: " if count > 1 else "a run: "
         yield LeftOut(name=name, reason=runs + reason)
-    parts = [f"{RUNS}/{path.name}" for path in (root / RUNS).glob(f"*{UNFINISHED}")]
-    yield from _some(parts, "unfinished; the same sweep makes it", f"{RUNS}/*{UNFINISHED}")
+    parts = [f"{RUNS}/{path.name}" for path in (root / RUNS).glob(f"*{PART}")]
+    yield from _some(parts, "unfinished; the same sweep makes it", f"{RUNS}/*{PART}")
     names = [path.name for path in root.iterdir() if path.name not in {INDEX, RUNS}]
-    strays = [name for name in names if not name.startswith(".") and not name.endswith(UNFINISHED)]
+    strays = [name for name in names if not name.startswith(".") and not name.endswith(PART)]
     yield from _some(strays, "it is no file of the sweep", "others")
 
 

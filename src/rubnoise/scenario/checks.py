@@ -16,11 +16,7 @@ from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
-_AREA: Path = ("interface", "mean_real_contact_area")
-_LOAD: Path = ("interface", "load")
 _PATCH: Path = ("interface", "patch_area")
-_CALIBRATION: Path = ("interface", "calibration")
-_WIDTH: Path = ("birth", "cluster_width")
 RESULT_ROWS: Final = 2_000_000_000
 _FEW_ASPERITIES = 0.3
 _EXCITATION: Path = ("slider", "excitation")
@@ -80,7 +76,7 @@ def modelled(
     except NoMatchingDiameter as error:
         problems.append(_unmatched(layers, error))
     except PaperMeansLens as error:
-        problems.append(layers.problem(_CALIBRATION, str(error), 'calibration = "exact" or "matched"'))
+        problems.append(layers.problem(("interface", "calibration"), str(error), 'calibration = "exact" or "matched"'))
     else:
         tick = document.output.tick or default_tick(diameter)
         problems += _tick_problems(document, layers, tick, diameter)
@@ -119,7 +115,7 @@ def _resonance_problems(document: Document, layers: Layers, model: Model) -> Ite
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     """Refuse a load or a patch whose area or count is outside of the range that a scenario may give."""
     area, count = area_and_count(document.interface)
-    derived = ((_LOAD, area, AREAS, "um^2 of real contact area"), (_PATCH, count, COUNTS, "junctions"))
+    derived = ((("interface", "load"), area, AREAS, "um^2 of real contact area"), (_PATCH, count, COUNTS, "junctions"))
     for path, value, possible, what in derived:
         if value not in possible:
             yield layers.problem(path, f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}")
@@ -152,7 +148,7 @@ def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     births = model.births
     if isinstance(births, ScatteredBirths) and births.width > _MOST_SPACINGS * births.mean:
         message = f"{births.width:.3g} um is {births.width / births.mean:.3g} mean spacings of births"
-        yield layers.problem(_WIDTH, message, f"at most {_MOST_SPACINGS:g} spacings")
+        yield layers.problem(("birth", "cluster_width"), message, f"at most {_MOST_SPACINGS:g} spacings")
 
 
 def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -172,7 +168,7 @@ def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
         f"{error.factor:.7g} mean_junction_count * spread^2 = {error.minimum:.7g} um^2"
     )
     hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
-    return layers.problem(_AREA, message, hint)
+    return layers.problem(("interface", "mean_real_contact_area"), message, hint)
 
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:
@@ -206,7 +202,7 @@ def _where_from(document: Document) -> str:
 
 def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     """Refuse a contact in which drawing again makes lives so long that memory cannot hold the junctions."""
-    alive = model.mean_junction_count * (model.sizes.moment(1) / model.calibrated_diameter)
+    alive = model.mean_live_junctions
     if alive > LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {LIVE_JUNCTIONS:.0e}"
         yield layers.problem(_COUNT, message, "fewer junctions or a smaller diameter.spread", forbids_run=True)

@@ -6,7 +6,7 @@ Each type of value reads or refuses the value of a key, and describes it in the 
 import re
 import unicodedata
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from datetime import date, datetime, time
 from difflib import get_close_matches
@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario.text import toml_value
-from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, QuantityError, from_pint, is_of_pint, read_quantity
+from rubnoise.units import LENGTH, NUMBER, RATIO, Kind, Quantity, Unfit, is_of_pint, quantity_of, read_quantity
 
 TITLE_CHARACTERS: Final = 200
 
@@ -27,14 +27,6 @@ _HIDDEN = re.compile(
 )
 _BLANK = "\u2800"
 """A letter of Braille without a dot: it looks like a space."""
-
-
-class Unfit(ValueError):  # noqa: N818  (says what the value is)
-    """A value that does not fit its key; ``hint`` is advice or the right form."""
-
-    def __init__(self, message: str, hint: str = "") -> None:
-        super().__init__(message)
-        self.hint = hint
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,32 +67,21 @@ class Measure(Field):
 
     def of_python(self, value: Any) -> Quantity:
         """Return a quantity; a bare number is in working units, as it is never in a file."""
-        number = self._of_python(value)
-        return self.read(value) if number is None else self._within(number)
+        if is_of_pint(value) or isinstance(value, Quantity):
+            return self._within(quantity_of(value, *self.kinds))
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return self.read(value)
+        if reason := _no_double(value):
+            raise Unfit(reason)
+        # By way of Python's own type: a subclass may show itself otherwise.
+        exact = Fraction(repr(int(value) if isinstance(value, int) else float(value)))
+        return self._within(Quantity(exact, self.kinds[0]))
 
     def read(self, value: Any) -> Quantity:
         """Return the quantity that a text writes."""
         if not isinstance(value, str):
             raise self.refusal(value)
-        return self._within(self._parsed(read_quantity, value))
-
-    def _parsed(self, parse: Callable[..., Quantity], value: Any) -> Quantity:
-        try:
-            return parse(value, *self.kinds)
-        except QuantityError as error:
-            raise Unfit(str(error), error.hint) from None
-
-    def _of_python(self, value: Any) -> Quantity | None:
-        if is_of_pint(value):
-            return self._parsed(from_pint, value)
-        if isinstance(value, Quantity) and value.kind in self.kinds:
-            return value
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            return None
-        if reason := _no_double(value):
-            raise Unfit(reason)
-        # By way of Python's own type: a subclass may show itself otherwise.
-        return Quantity(Fraction(repr(int(value) if isinstance(value, int) else float(value))), self.kinds[0])
+        return self._within(read_quantity(value, *self.kinds))
 
     def refusal(self, value: Any) -> Unfit:
         """Return the refusal of a value that is not a text, with the right form."""

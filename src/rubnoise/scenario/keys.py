@@ -12,22 +12,28 @@ from rubnoise.scenario.document import (
     FORMAT,
     ONE_STRENGTH,
     SECTIONS,
+    SWEEP,
     TOP,
     Diameter,
     Document,
     Interface,
     Sliding,
+    Sweeping,
     presence,
 )
-from rubnoise.scenario.fields import Key, Measure, Unfit, did_you_mean, keys_of, right_form
+from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
-from rubnoise.units import LENGTH, RATIO, Quantity
+from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
-SWEEP = "sweep"
-"""The table of many runs, which is read apart: a scenario is one run."""
+GRID, ZIP = "grid", "zip"
+KNOWN: Final[Mapping[str, tuple[str, ...]]] = {
+    **{name: tuple(keys_of(section)) for name, section in SECTIONS.items()},
+    SWEEP: (*keys_of(Sweeping), GRID, ZIP),
+}
+"""The keys of each table, by its name."""
 
 ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
     "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
@@ -71,14 +77,15 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
     right: dict[str, Any] = {"format": FORMAT, "interface": Interface(), "sliding": _ANY_DISTANCE}
     for name, given in {**needed, **layers.data}.items():
         if name in TOP:
-            right |= _values(layers, (), {name: given}, problems, from_python=from_python)
+            right |= values_of(TOP, layers, (), {name: given}, problems, from_python=from_python)
         elif name not in SECTIONS:
-            problems.append(_unknown(layers, (name,)))
+            problems.append(unknown(layers, (name,)))
         elif isinstance(given, Mapping):
             problems += _out_of_place(layers, name, given, may_lack=name in broken)
             before = len(problems)
-            values = _values(layers, (name,), given, problems, from_python=from_python)
-            lacks = any(about.is_needed and key not in given for key, about in keys_of(SECTIONS[name]).items())
+            known = keys_of(SECTIONS[name])
+            values = values_of(known, layers, (name,), given, problems, from_python=from_python)
+            lacks = any(about.is_needed and key not in given for key, about in known.items())
             if lacks or len(problems) > before:
                 wrong.add(name)
             elif name not in wrong:
@@ -92,16 +99,22 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
 def _out_of_place(layers: Layers, name: str, given: Mapping[str, Any], *, may_lack: bool) -> Iterator[Problem]:
     """Yield the problems of keys that are unknown in a table, and of those that it lacks."""
     known = keys_of(SECTIONS[name])
-    yield from (_unknown(layers, (name, key)) for key in given if key not in known)
+    yield from (unknown(layers, (name, key)) for key in given if key not in known)
     lacking = [key for key, about in known.items() if about.is_needed and key not in given]
     yield from (missing(layers, (name, key)) for key in lacking if not may_lack)
 
 
-def _values(
-    layers: Layers, table: Path, given: Mapping[str, Any], problems: list[Problem], *, from_python: bool
+def values_of(
+    known: Mapping[str, Key],
+    layers: Layers,
+    table: Path,
+    given: Mapping[str, Any],
+    problems: list[Problem],
+    *,
+    from_python: bool = False,
 ) -> dict[str, Any]:
     """Return the values of the known keys of a table, without those that are refused, which join the problems."""
-    known, values = keys_of(SECTIONS[str(table[0])]) if table else TOP, {}
+    values = {}
     for key, value in given.items():
         about = known.get(key)
         if about is None or (value is None and about.default is None and not about.is_needed):
@@ -137,21 +150,19 @@ def _written(layers: Layers, path: Path) -> str:
     return form if table_is_there or len(path) == 1 else f"{form} in a table [{path[0]}]"
 
 
-def _unknown(layers: Layers, path: Path) -> Problem:
-    is_table = isinstance(layers.data.get(str(path[0])), dict) and len(path) == 1
-    what = f"unknown {'table' if is_table else 'key'}"
-    return layers.problem(path, what, _suggestion(path), place=layers.key_place(path))
-
-
-def _suggestion(path: Path) -> str:
-    """Suggest the nearest key of this table, or the table that has the key."""
-    word = str(path[-1])
-    homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in keys_of(section))
+def unknown(layers: Layers, path: Path) -> Problem:
+    """Return the problem of an unknown key or table, with the nearest known one, or the table that has the key."""
+    word, name = str(path[-1]), str(path[0])
+    what = f"unknown {'table' if len(path) == 1 and isinstance(layers.data.get(name), dict) else 'key'}"
+    homes = tuple(f"{section}.{word}" for section in SECTIONS if word in KNOWN[section])
+    if name == SWEEP:
+        homes = tuple(f"{SWEEP}.{GRID}.{home}" for home in homes[:2])
+    known = KNOWN[name] if len(path) > 1 and name in KNOWN else (*TOP, *KNOWN)
     if homes and homes != (".".join(map(str, path)),):
-        return f"did you mean {' or '.join(homes)}?"
-    inside = len(path) > 1 and path[0] in SECTIONS
-    known = tuple(keys_of(SECTIONS[str(path[0])])) if inside else (*TOP, *SECTIONS, SWEEP)
-    return did_you_mean(word, known) or f"known here: {', '.join(known)}"
+        hint = f"did you mean {' or '.join(homes)}?"
+    else:
+        hint = did_you_mean(word, known) or f"known here: {', '.join(known)}"
+    return layers.problem(path, what, hint, place=layers.key_place(path))
 
 
 def _rule_problems(layers: Layers) -> Iterator[Problem]:
@@ -165,7 +176,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             )
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
-        yield from _alternative_problems(layers, "slider")
+        for ways in ALTERNATIVES["slider"]:
+            yield from _one_of(layers, "slider", ways)
         yield from _tolerance_problems(layers, slider)
     if isinstance(layers.data.get("load"), dict):
         if "speed" not in sliding:
@@ -182,20 +194,16 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
 def _unsound_problems(layers: Layers) -> Iterator[Problem]:
     """Yield the problems of combinations from which no contact, law or pulse can be made."""
     if isinstance(layers.data.get("interface", {}), dict):
-        yield from _alternative_problems(layers, "interface")
+        for ways in ALTERNATIVES["interface"]:
+            yield from _one_of(layers, "interface", ways)
     yield from _offset_problems(layers)
     yield from _unequal_lists(layers)
     for name in ("diameter", "strength"):
         yield from _order_problems(layers, name)
 
 
-def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
-    """Refuse alternatives of which two are given, or none, or only a part of one."""
-    for ways in ALTERNATIVES[name]:
-        yield from _one_of(layers, name, ways)
-
-
 def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, needed: bool = True) -> Iterator[Problem]:
+    """Refuse ways to say one thing of which two are given, or none, or only a part of one."""
     table = _table_or_empty(layers, name)
     given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
     if len(given) > 1:

@@ -2,8 +2,9 @@
 
 import os
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal, Self
 
@@ -15,9 +16,6 @@ from rubnoise.scenario.problems import Path, Place, Problem
 from rubnoise.scenario.shipped import by_name, shipped_names
 from rubnoise.scenario.text import FILE_BYTES, LINE_CHARACTERS, Places, Source, read_toml
 from rubnoise.units import is_of_pint
-
-CHAIN_BYTES: Final = 128 * 1024
-"""Of a file and those that it extends, together: what a reader does with them takes its time for each byte."""
 
 EXTENDS_DEPTH: Final = 8
 _MOST_PARTS: Final = 4
@@ -68,7 +66,7 @@ class Layers:
 
     def topped(self, source: Source, *, without: str) -> "Layers":
         """Return these layers with another one on top, and without a table."""
-        data = _merged([self.data, source.data])
+        data = _merged(self.data, source.data)
         kept = {key: value for key, value in data.items() if key != without}
         return replace(self, sources=(*self.sources, source), data=kept)
 
@@ -104,7 +102,7 @@ def _values(values: Mapping[str, Any], name: str) -> Source:
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
     # In a report the requested file comes first, then what it extends, then the settings.
     sources = (*files, *(_setting(text, len(files) + n) for n, text in enumerate(overrides)))
-    merged = _merged(source.data for source in sources)
+    merged: dict[str, Any] = reduce(_merged, (source.data for source in sources), {})
     return Layers(
         main=files[-1],
         sources=sources,
@@ -172,8 +170,6 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
             return sources, _not_extended(sources[0], str(refusal))
         if os.path.realpath(path) in seen:
             return sources, _not_extended(sources[0], "extends a file that extends this one")
-        if sum(len(each.encode()) for each in (text, *(source.text for source in sources))) > CHAIN_BYTES:
-            return sources, _not_extended(sources[0], f"with it more than {CHAIN_BYTES // 1024} kB extend one another")
         if len(sources) > EXTENDS_DEPTH:
             return sources, _not_extended(sources[0], f"more than {EXTENDS_DEPTH} files extend one another")
         sources.insert(0, read_toml(os.path.normpath(path), text, rank=len(sources)))
@@ -215,21 +211,14 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    merged: dict[str, Any] = {}
-    for layer in layers:
-        _merge(merged, layer)
-    return merged
-
-
-def _merge(below: dict[str, Any], above: Mapping[str, Any]) -> None:
+def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with those of another layer on top."""
+    found = dict(below)
     for key, value in above.items():
-        if not isinstance(value, Mapping):
-            below[key] = value
-            continue
-        if not isinstance(below.get(key), dict):
-            below[key] = {}
-        _merge(below[key], value)
+        there = found.get(key)
+        inside = there if isinstance(there, Mapping) else {}
+        found[key] = _merged(inside, value) if isinstance(value, Mapping) else value
+    return found
 
 
 def gives(data: Any, path: Path) -> bool:

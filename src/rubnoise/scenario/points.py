@@ -1,7 +1,7 @@
 """The points of a sweep: scenarios ready to run, each with its seed and its name."""
 
 import json
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
@@ -45,23 +45,22 @@ class Point:
 
 def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[Point, ...]:
     """Return the runs of every case from replicate ``first`` on, the replicates of a case one after another."""
-    return tuple(point for case in cases for point in _points(case, range(first, replicates)))
-
-
-def _points(case: Case, replicates: range) -> Iterator[Point]:
-    """Yield replicates of a case; their common text is made once."""
-    scenario, resolved = case.scenario, case.scenario.resolved()
-    words = _seed_words(resolved)
-    for replicate in replicates:
-        seed = _derived(scenario.run.seed, words, replicate)
-        run = replace(scenario.run, seed=seed)
-        yield Point(
-            values=case.values,
-            replicate=replicate,
-            run_id=name_of(resolved, seed),
-            seed=seed,
-            scenario=replace(scenario, run=run),
-        )
+    found = []
+    for case in cases:
+        scenario, resolved = case.scenario, case.scenario.resolved()
+        words = _seed_words(resolved)
+        for replicate in range(first, replicates):
+            seed = _derived(scenario.run.seed, words, replicate)
+            found.append(
+                Point(
+                    values=case.values,
+                    replicate=replicate,
+                    run_id=name_of(resolved, seed),
+                    seed=seed,
+                    scenario=replace(scenario, run=replace(scenario.run, seed=seed)),
+                )
+            )
+    return tuple(found)
 
 
 def _seed_words(resolved: Mapping[str, Any]) -> tuple[int, ...]:

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import fields, replace
 from hashlib import sha256
@@ -15,13 +15,13 @@ from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
-from rubnoise.scenario.document import SECTIONS, TOP, Document, SampledOutput
-from rubnoise.scenario.fields import Sizes, Unfit, did_you_mean, keys_of
+from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document
+from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
-from rubnoise.scenario.problems import Path, Problem, in_order, report
+from rubnoise.scenario.problems import Problem, in_order, report
 from rubnoise.scenario.scenario import TOLERANCE, Scenario
-from rubnoise.units import Quantity
+from rubnoise.units import Quantity, Unfit
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]
 """What returns the diameters (um) of a file and of a column in it; it raises Refused, NoColumn for the column."""
@@ -33,19 +33,6 @@ _STANDS_IN = (1.0,)  # for values that could not be read: what else is wrong wit
 def hash_of(values: Sequence[float]) -> str:
     """Return the SHA-256 of diameters in um, as little-endian doubles in the order of the file."""
     return sha256(np.array(values, dtype="<f8").tobytes()).hexdigest()
-
-
-def stored_sizes(*resolved: Mapping[str, Any]) -> ReadSizes:
-    """Return a function that takes diameters from resolved scenarios, by file and column, instead of the files."""
-    tables = [scenario[_TABLE] for scenario in resolved]
-    kept = {(os.path.normpath(each["file"]), each.get("column")): each["values"] for each in tables if "file" in each}
-
-    def read(path: str, column: str | None) -> Sequence[float]:
-        if (values := kept.get((os.path.normpath(path), column))) is None:
-            raise Refused(f"{path}: no values of it are kept")
-        return [float(value) for value in values]
-
-    return read
 
 
 def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Problem]]:
@@ -62,7 +49,8 @@ def with_values(given: Layers, read: ReadSizes | None) -> tuple[Layers, list[Pro
     if "values" in table:
         return given, _unlike(given, table)
     values, problems = _sizes_of_file(given, table, read)
-    return _filled(given, values), problems
+    filled = {"hash": hash_of(values), **table, "values": list(values)}
+    return replace(given, data={**given.data, _TABLE: filled}), problems
 
 
 def _sizes_of_file(
@@ -102,11 +90,6 @@ def _unlike(given: Layers, table: Mapping[str, Any]) -> list[Problem]:
     return [given.problem((_TABLE, "hash"), f"the values beside it have {found}, not {table['hash']}", hint)]
 
 
-def _filled(given: Layers, values: Sequence[float]) -> Layers:
-    table = {"hash": hash_of(values), **given.data[_TABLE], "values": list(values)}
-    return replace(given, data={**given.data, _TABLE: table})
-
-
 def load(path: str | os.PathLike[str], overrides: Sequence[str] = (), read: ReadSizes | None = None) -> Scenario:
     """Return the scenario of a TOML file, with overrides of the form `KEY=VALUE` on top.
 
@@ -143,10 +126,10 @@ def checked(
     given: Layers, read: ReadSizes | None = None, *, from_python: bool = False, more: Sequence[Problem] = ()
 ) -> Scenario:
     """Return the scenario of its layers; raises ScenarioRefused with everything wrong with it, and with ``more``."""
-    if keys.SWEEP in given.data:
+    if SWEEP in given.data:
         hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
         message = "a sweep is many runs, but this command needs one scenario"
-        many = given.problem((keys.SWEEP,), message, hint, place=given.key_place((keys.SWEEP,)))
+        many = given.problem((SWEEP,), message, hint, place=given.key_place((SWEEP,)))
         raise ScenarioRefused(report([*given.problems, many]))
     scenario, problems = examined(given, read, from_python=from_python)
     if scenario is None or more:
@@ -177,7 +160,7 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
     slider, values = document.slider, {each.name: getattr(document, each.name) for each in fields(document)}
     if slider is not None and slider.coupling == "two-way" and slider.tolerance is None:
         values["slider"] = replace(slider, tolerance=TOLERANCE)
-    values["output"] = SampledOutput(tick=tick, compression=document.output.compression)
+    values["output"] = replace(document.output, tick=tick)
     return Scenario(
         **values,
         name=given.main.name,
@@ -220,44 +203,33 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
     values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
     # The seed and the engine may have been changed since the file was read.
     values["run"] = dict(scenario.resolved()["run"])
-    places = [(*place_of(name, values, "replace", value), value) for name, value in changes.items()]
-    named = {key for _, key, _ in places}
-    for table, key, value in places:
-        if not table:
-            _set(values, key, value)
-        elif value is None and table not in values:
-            continue
+    changed: dict[tuple[str, str], Any] = {}
+    for name, value in changes.items():
+        table, key = place_of(name, values, "replace", value)
+        if table or not isinstance(value, Mapping):
+            changed[table, key] = value
         else:
+            values.setdefault(key, {})
+            changed |= {(key, inner): each for inner, each in value.items()}
+    for (table, key), value in changed.items():
+        inside = values
+        if table:
             there = values.get(table)
-            values[table] = dict(there) if isinstance(there, Mapping) else {}
-            for other in EITHER.get((table, key), ()) if value is not None else ():
-                if other not in named:
-                    values[table].pop(other, None)
-            _set(values[table], key, value)
+            if value is None and there is None:
+                continue
+            inside = values[table] = dict(there) if isinstance(there, Mapping) else {}
+        if value is None:
+            inside.pop(key, None)
+            continue
+        for other in EITHER.get((table, key), ()):
+            if (table, other) not in changed:
+                inside.pop(other, None)
+        inside[key] = value
     given = layers.from_values(values, "<python>")
     # A quantity that is changed needs a unit, as in a file.
-    without_unit = keys.without_unit(given, {path for place in places for path in _paths(*place)})
-    changed = checked(given, from_python=True, more=without_unit)
-    return replace(changed, text=changed.to_toml())
-
-
-def _paths(table: str, key: str, value: Any) -> Iterator[Path]:
-    """Yield each changed key with its table; for a whole table, each of its keys."""
-    if table:
-        yield table, key
-    elif isinstance(value, Mapping):
-        yield from ((key, inner) for inner in value)
-
-
-def _set(table: dict[str, Any], key: str, value: Any) -> None:
-    if value is None:
-        table.pop(key, None)
-    elif isinstance(value, Mapping):
-        there = table.get(key)
-        whole = {**(there if isinstance(there, Mapping) else {}), **value}
-        table[key] = {name: each for name, each in whole.items() if each is not None}
-    else:
-        table[key] = value
+    without_unit = keys.without_unit(given, changed.keys())
+    made = checked(given, from_python=True, more=without_unit)
+    return replace(made, text=made.to_toml())
 
 
 def in_full(changes: Sequence[str]) -> tuple[str, ...]:

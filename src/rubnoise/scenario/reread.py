@@ -5,14 +5,16 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.errors import ScenarioRefused
-from rubnoise.scenario.keys import SWEEP
-from rubnoise.scenario.layers import from_text, from_text_over, from_values
+from rubnoise.scenario.document import SECTIONS, SWEEP
+from rubnoise.scenario.fields import Field, keys_of
+from rubnoise.scenario.layers import from_text, from_text_over
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
-from rubnoise.scenario.reading import checked, examined, stored_sizes
+from rubnoise.scenario.reading import checked
 from rubnoise.scenario.sweep import point_source
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
 from rubnoise.scenario.text import read_toml
+from rubnoise.units import Unfit
 
 NAME: Final = "scenario_toml"
 
@@ -35,40 +37,48 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
     ``run`` is the resolved scenario of the run. Raises ScenarioRefused if the text is not a scenario, or its sweep
     has no such point.
     """
+
+    def sizes(_path: str, _column: str | None) -> Sequence[float]:
+        return [float(value) for value in run["diameter"].get("values", ())]
+
     self_contained = "extends" not in read_toml(NAME, text).data
     given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
     if SWEEP not in given.data:
-        return Reread(resolved=checked(given, stored_sizes(run)).resolved(), self_contained=self_contained)
+        return Reread(resolved=checked(given, sizes).resolved(), self_contained=self_contained)
     table, wrong = read_table(given)
     if given.problems or wrong:
         raise ScenarioRefused(report([*given.problems, *wrong]))
     values, source = point_source(given, table, _indices(table, run))
-    scenario = checked(given.topped(source, without=SWEEP), stored_sizes(run))
-    replicates = points_of([Case(values=values, scenario=scenario)], table.most_replicates)
+    scenario = checked(given.topped(source, without=SWEEP), sizes)
+    replicates = points_of([Case(values=values, scenario=scenario)], table.settings.largest)
     seeds = frozenset(point.seed for point in replicates if self_contained)
     return Reread(resolved=scenario.resolved(), seeds=seeds, self_contained=self_contained)
 
 
 def _indices(table: Table, run: Mapping[str, Any]) -> tuple[int, ...]:
     """Return the number of the run's value on each axis; values side by side have one number."""
-    found = [_numbers(axis, run) for axis in table.grid]
-    if table.side_by_side:
-        common = set.intersection(*(set(_numbers(axis, run)) for axis in table.side_by_side))
-        found += [sorted(common)] * len(table.side_by_side)
+    found = [_numbers(axis, run) for axis in table.axes]
+    zipped = [numbers for axis, numbers in zip(table.axes, found, strict=True) if axis in table.side_by_side]
+    common = set.intersection(*zipped) if zipped else set()
+    chosen = []
     for axis, numbers in zip(table.axes, found, strict=True):
-        if not numbers:
+        if not (fitting := common if axis in table.side_by_side else numbers):
             section, key = map(str, axis.path)
             raise ScenarioRefused(f"{NAME}: {axis.key}: none of its values is that of the run, {run[section].get(key)}")
-    return tuple(numbers[0] for numbers in found)
+        chosen.append(min(fitting))
+    return tuple(chosen)
 
 
-def _numbers(axis: Axis, run: Mapping[str, Any]) -> list[int]:
-    return [number for number, value in enumerate(axis.values) if _is_of(axis, value, run)]
-
-
-def _is_of(axis: Axis, value: Any, run: Mapping[str, Any]) -> bool:
-    """Whether a run has the given value of a key."""
+def _numbers(axis: Axis, run: Mapping[str, Any]) -> set[int]:
+    """Return the numbers of the values that a run has."""
     section, key = map(str, axis.path)
-    changed = from_values({**run, section: {**run.get(section, {}), key: value}}, NAME)
-    scenario, _ = examined(changed)
-    return scenario is not None and scenario.resolved()[section].get(key) == run[section].get(key)
+    kind, here = keys_of(SECTIONS[section])[key].kind, run.get(section, {}).get(key)
+    of_run = None if here is None else _read(kind, here)
+    return {number for number, value in enumerate(axis.values) if of_run is not None and _read(kind, value) == of_run}
+
+
+def _read(kind: Field, value: Any) -> Any:
+    try:
+        return kind.of_python(value)
+    except Unfit:
+        return None

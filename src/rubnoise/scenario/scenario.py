@@ -37,7 +37,6 @@ class Scenario(sections.Document):
     (1000.0, 300.0, 1)
     """
 
-    output: sections.SampledOutput
     name: str
     text: str
     warnings: tuple[str, ...]
@@ -120,7 +119,7 @@ class Scenario(sections.Document):
         Quantities are written in working units in full; read again, it is the same scenario to the last bit.
         """
         tables = {
-            name: _explicit(section)
+            name: {key: _plain(value) for key in keys_of(type(section)) if (value := getattr(section, key)) is not None}
             for name in sections.SECTIONS
             if isinstance(section := getattr(self, name, None), Section)
         }
@@ -145,11 +144,6 @@ def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
         tables = isinstance(value, Mapping) and value
         found |= {f"{name}.{key}": each for key, each in value.items()} if tables else {name: value}
     return found
-
-
-def _explicit(section: Section) -> dict[str, Any]:
-    values = {name: getattr(section, name) for name in keys_of(type(section))}
-    return {name: _plain(value) for name, value in values.items() if value is not None}
 
 
 def _plain(value: Any) -> Any:
@@ -215,13 +209,15 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)
     area, count = area_and_count(interface)
     free = document.load is not None and document.load.motion == "free"
+    births = BIRTHS[document.birth.law]
+    own = {each.name: float(getattr(document.birth, each.name)) for each in births.keys}
     return Model(
         mean_real_contact_area=area,
         mean_junction_count=count,
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
         sizes=law_for(diameter, spread_of(document.diameter)),
-        births=births_of(document.birth, pulse.mean_life * diameter / count),
+        births=cast(BirthLaw, births.make(mean_spacing=pulse.mean_life * diameter / count, **own)),
         strengths=law_for(float(strength.mean), spread_of(strength)) if strength else None,
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
@@ -234,13 +230,6 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         separation=_separation(document.load, interface) if document.load and not free else None,
         free=_free(document.load, interface) if document.load and free else None,
     )
-
-
-def births_of(birth: sections.Birth, spacing: float) -> BirthLaw:
-    """Return the law of births with a mean spacing in um."""
-    entry = BIRTHS[birth.law]
-    own = {each.name: float(getattr(birth, each.name)) for each in entry.keys}
-    return cast(BirthLaw, entry.make(mean_spacing=spacing, **own))
 
 
 def _separation(load: sections.Load, interface: sections.Interface) -> Separation:

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from inspect import cleandoc
 from typing import Any
 
-from rubnoise.scenario.document import SECTIONS, TOP, Document, presence
+from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document, Sweeping, presence
 from rubnoise.scenario.fields import Key, Section, keys_of
-from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES, SWEEP
-from rubnoise.scenario.sweep_table import Sweeping, known_keys
+from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES
+from rubnoise.scenario.sweep_table import known_keys
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -58,7 +58,7 @@ def _sweep() -> dict[str, Any]:
 def _lists() -> dict[str, Any]:
     """Return the tables of a scenario with a list of values for every key."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in SECTIONS}
-    for name, _, key in (known.partition(".") for known in known_keys()):
+    for name, key in (known.split(".") for known in known_keys()):
         items = {"$ref": f"#/$defs/{SECTIONS[name].__name__}/properties/{key}"}
         tables[name][key] = {"type": "array", "minItems": 1, "items": items}
     return _object_with({name: _object_with(keys) for name, keys in tables.items() if keys})

@@ -11,13 +11,13 @@ from typing import Any
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
-from rubnoise.scenario.keys import SWEEP
+from rubnoise.scenario.document import SWEEP, Keep, Sweeping
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.points import Case, Point, points_of, run_id
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_table import Keep, Precision, Table, read_table
+from rubnoise.scenario.sweep_table import Precision, Table, read_table
 from rubnoise.scenario.text import Source
 from rubnoise.tables import fields_as_text
 
@@ -25,43 +25,35 @@ _NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
 _SHOWN_CHARACTERS = 40
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Examined:
-    """A checked point: its swept values, its scenario if it has one, and its problems."""
-
-    values: Mapping[str, Any]
-    scenario: Scenario | None
-    problems: Sequence[Problem]
+Examined = tuple[Mapping[str, Any], Scenario | None, Sequence[Problem]]
+"""A checked point: its swept values, its scenario if it has one, and its problems."""
 
 
-def gathered(points: Sequence[Examined]) -> list[Problem]:
-    """Return the problems of all points; problems that differ only in numbers are joined.
+def gathered(points: Sequence[Examined]) -> Iterator[Problem]:
+    """Yield the problems of all points; problems that differ only in numbers are joined.
 
     A problem of every point, or of every point with a certain value, is reported as for a single scenario; any other
     problem names the first point that has it and counts the others.
     """
-    alike: dict[tuple[object, ...], list[tuple[Problem, Examined]]] = {}
-    for point in points:
-        for problem in dict.fromkeys(point.problems):
+    alike: dict[tuple[object, ...], list[tuple[Problem, Mapping[str, Any]]]] = {}
+    for values, _, problems in points:
+        for problem in dict.fromkeys(problems):
             kind = _NUMBERS.sub("#", problem.message)
-            alike.setdefault((problem.path, problem.place, problem.severity, kind), []).append((problem, point))
-    return [_reported(found, points) for found in alike.values()]
+            alike.setdefault((problem.path, problem.place, problem.severity, kind), []).append((problem, values))
+    for found in alike.values():
+        problem, first = found[0]
+        everywhere = sum(values.get(problem.key) == first.get(problem.key) for values, _, _ in points)
+        if len(found) == everywhere and all(other.message == problem.message for other, _ in found):
+            yield problem
+        else:
+            more = len(found) - 1
+            others = f", and at {more:,} more point{'s' if more > 1 else ''}" if more else ""
+            yield replace(problem, message=f"{problem.message}, at {in_words(first)}{others}")
 
 
 def in_words(values: Mapping[str, Any]) -> str:
     """Return swept values in printed form: `interface.mean_junction_count = 20, ...`."""
     return ", ".join(f"{key} = {str(value)[:_SHOWN_CHARACTERS]}" for key, value in values.items())
-
-
-def _reported(found: Sequence[tuple[Problem, Examined]], points: Sequence[Examined]) -> Problem:
-    problem, first = found[0]
-    everywhere = sum(point.values.get(problem.key) == first.values.get(problem.key) for point in points)
-    if len(found) == everywhere and all(other.message == problem.message for other, _ in found):
-        return problem
-    where = in_words(first.values)
-    more = len(found) - 1
-    others = f", and at {more:,} more point{'s' if more > 1 else ''}" if more else ""
-    return replace(problem, message=f"{problem.message}, at {where}{others}")
 
 
 _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
@@ -156,19 +148,24 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         alone = f"{given.main.name}: no sweep: it has no table [sweep]; {ways}"
         raise ScenarioRefused(report(given.problems) or alone)
     table, wrong = read_table(given)
-    read = read and cache(read)  # a file is read once, not at every point
-    most = _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None
-    looked_at = [_examined(given, table, indices, read) for indices in islice(table.choices(), most)]
-    found = gathered(looked_at)
-    if wrong:
-        # What is missing may be meant by a key of the sweep that is not right yet.
-        found = [problem for problem in found if not problem.is_missing]
+    settings, read = table.settings, read and cache(read)  # a file is read once, not at every point
+    points: list[Examined] = []
+    for indices in islice(table.choices(), _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None):
+        values, source = point_source(given, table, indices)
+        points.append((values, *examined(given.topped(source, without=SWEEP), read)))
+    # What is missing may be meant by a key of the sweep that is not right yet.
+    found = [problem for problem in gathered(points) if not (wrong and problem.is_missing)]
     problems = [*given.problems, *wrong, *found]
-    cases = [Case(values=each.values, scenario=each.scenario) for each in looked_at if each.scenario is not None]
-    if not wrong and len(cases) == len(looked_at):
-        problems += [*_repeated(given, cases), *_without_quantity(given, table.precision, cases)]
+    cases = [Case(values=values, scenario=scenario) for values, scenario, _ in points if scenario is not None]
+    if not wrong and len(cases) == len(points):
+        problems += [*_repeated(given, cases), *_without_quantity(given, settings, cases)]
     if any(problem.severity == "error" for problem in problems):
         raise ScenarioRefused(report(problems))
+    precision = None
+    if settings.precision is not None:
+        precision = Precision(
+            relative=settings.precision, quantity=settings.quantity, most_replicates=settings.most_replicates
+        )
     return Sweep(
         name=given.main.name,
         text=given.main.text,
@@ -176,17 +173,11 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         keys=tuple(axis.key for axis in table.axes),
         side_by_side=tuple(axis.key for axis in table.side_by_side),
         cases=tuple(cases),
-        replicates=table.settings.replicates,
-        keep=table.settings.keep,
-        precision=table.precision,
+        replicates=settings.replicates,
+        keep=settings.keep,
+        precision=precision,
         warnings=tuple(map(str, in_order(problems))),
     )
-
-
-def _examined(given: Layers, table: Table, indices: tuple[int, ...], read: ReadSizes | None) -> Examined:
-    values, source = point_source(given, table, indices)
-    scenario, problems = examined(given.topped(source, without=SWEEP), read)
-    return Examined(values=values, scenario=scenario, problems=problems)
 
 
 def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
@@ -201,14 +192,14 @@ def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
             return
 
 
-def _without_quantity(given: Layers, precision: Precision | None, cases: Sequence[Case]) -> Iterator[Problem]:
+def _without_quantity(given: Layers, settings: Sweeping, cases: Sequence[Case]) -> Iterator[Problem]:
     """Refuse a precision of a quantity that a point does not have."""
-    needs = QUANTITIES[precision.quantity].needs if precision else ""
-    lacking = next((case for case in cases if needs and getattr(case.scenario, needs) is None), None)
-    if precision and lacking:
-        message = f"{precision.quantity} is no quantity of a run without [{needs}]"
-        yield given.problem((SWEEP, "quantity"), message, f"a table [{needs}]")
-    one_way = precision is not None and QUANTITIES[precision.quantity].one_way
-    if precision and one_way and any(case.scenario.physics.is_two_way for case in cases):
-        message = f"{precision.quantity} is no quantity of a run with two-way coupling"
+    if settings.precision is None:
+        return
+    name, about = settings.quantity, QUANTITIES[settings.quantity]
+    if about.needs and any(getattr(case.scenario, about.needs) is None for case in cases):
+        message = f"{name} is no quantity of a run without [{about.needs}]"
+        yield given.problem((SWEEP, "quantity"), message, f"a table [{about.needs}]")
+    if about.one_way and any(case.scenario.physics.is_two_way for case in cases):
+        message = f"{name} is no quantity of a run with two-way coupling"
         yield given.problem((SWEEP, "quantity"), message, "velocity_std is one")

@@ -4,21 +4,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import ceil, fsum, inf, isfinite, prod, sqrt
-from typing import Any, Final, Literal
+from typing import Any, Final
 
-from rubnoise.figure_names import QUANTITIES
-from rubnoise.scenario.document import SECTIONS
-from rubnoise.scenario.fields import Choice, Number, Range, Section, Unfit, did_you_mean, key, keys_of
-from rubnoise.scenario.keys import SWEEP
+from rubnoise.scenario import keys
+from rubnoise.scenario.document import FEWEST, SECTIONS, SWEEP, SWEEP_RUNS, Sweeping
+from rubnoise.scenario.fields import did_you_mean, keys_of
+from rubnoise.scenario.keys import GRID, ZIP
 from rubnoise.scenario.layers import Layers, gives
 from rubnoise.scenario.problems import Path, Problem
 
 SWEEP_POINTS: Final = 10_000
 """A point takes a millisecond to check, and all are checked before the first runs."""
-
-SWEEP_RUNS: Final = 100_000
-FEWEST: Final = 8
-"""Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""
 
 _SPARE: Final = 1.1
 _AT_LEAST: Final = 0.125
@@ -58,54 +54,17 @@ class Precision:
         return min(self.most_replicates, ceil(have * max(needed, 1.0 + _AT_LEAST)))
 
 
-Keep = Literal["runs", "summary"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sweeping(Section):
-    """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary."""
-
-    replicates: int = key(
-        Number(Range(1, SWEEP_RUNS), whole=True),
-        f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or more.",
-        1,
-    )
-    keep: Keep = key(  # noqa: RUF009
-        Choice(("runs", "summary")),
-        "runs: a result file for each run; summary: only its figures and curves, without traces.",
-        "runs",
-    )
-    precision: float | None = key(
-        Number(Range(1e-6, 1.0)),
-        "Target for the relative standard error of the quantity's mean; runs are added to meet it.",
-        sample=0.005,
-    )
-    quantity: str = key(
-        Choice(tuple(QUANTITIES)), "The figure of a run that must reach this precision.", "real_contact_area_std"
-    )
-    most_replicates: int = key(
-        Number(Range(FEWEST, SWEEP_RUNS), whole=True),
-        "Most runs of a point, even if it does not reach the precision.",
-        1000,
-    )
-
-
 _ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
 
 
-def _settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Sweeping, list[Problem]]:
-    """Return the settings of a `[sweep]` table, with defaults in place of invalid values, and all problems."""
-    values: dict[str, Any] = {}
-    problems = []
-    for name, about in keys_of(Sweeping).items():
-        try:
-            values |= {name: about.kind.read(table[name])} if name in table else {}
-        except Unfit as unfit:
-            problems.append(layers.problem((SWEEP, name), str(unfit), unfit.hint))
-    settings = Sweeping(**values)
+def _settings(layers: Layers, table: Mapping[str, Any], problems: list[Problem]) -> Sweeping:
+    """Return the settings of a `[sweep]` table, with defaults in place of invalid values, which join the problems."""
+    wrong: list[Problem] = []
+    settings = Sweeping(**keys.values_of(keys_of(Sweeping), layers, (SWEEP,), table, wrong))
     if settings.precision is not None and "replicates" not in table:
         settings = replace(settings, replicates=FEWEST)
-    return settings, problems or list(_at_odds(layers, table, settings))
+    problems += wrong or _at_odds(layers, table, settings)
+    return settings
 
 
 def _at_odds(layers: Layers, table: Mapping[str, Any], settings: Sweeping) -> Iterator[Problem]:
@@ -123,8 +82,6 @@ def _at_odds(layers: Layers, table: Mapping[str, Any], settings: Sweeping) -> It
         yield layers.problem((SWEEP, "most_replicates"), "fewer than the replicates to begin with", hint)
 
 
-GRID, ZIP = "grid", "zip"
-TOP_KEYS = (*keys_of(Sweeping), GRID, ZIP)
 NOT_SWEPT: dict[Path, str] = {
     ("run", "seed"): "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each",
 }
@@ -152,42 +109,25 @@ class Axis:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """The valid part of a `[sweep]` table: the axes of grid and zip in the order written."""
+    """The valid part of a `[sweep]` table: its axes, those of grid first, in the order written; and its settings."""
 
-    grid: tuple[Axis, ...] = ()
-    side_by_side: tuple[Axis, ...] = ()
+    axes: tuple[Axis, ...] = ()
     settings: Sweeping = field(default_factory=Sweeping)
 
     @property
-    def most_replicates(self) -> int:
-        """Largest number of runs of a point."""
-        return self.settings.replicates if self.settings.precision is None else self.settings.most_replicates
+    def side_by_side(self) -> tuple[Axis, ...]:
+        """The axes whose values go in parallel."""
+        return tuple(axis for axis in self.axes if axis.table == ZIP)
 
     @property
-    def precision(self) -> Precision | None:
-        """What each point is to reach; without it the number of replicates is fixed."""
-        if self.settings.precision is None:
-            return None
-        quantity, most = self.settings.quantity, self.settings.most_replicates
-        return Precision(relative=self.settings.precision, quantity=quantity, most_replicates=most)
-
-    @property
-    def axes(self) -> tuple[Axis, ...]:
-        """All axes."""
-        return (*self.grid, *self.side_by_side)
-
-    @property
-    def point_count(self) -> int:
-        """The number of points, without replicates."""
-        return self._rows * prod(len(axis.values) for axis in self.grid)
-
-    @property
-    def _rows(self) -> int:
-        return min((len(axis.values) for axis in self.side_by_side), default=1)
+    def lengths(self) -> list[int]:
+        """The number of values of each axis of the grid, and that of the values in parallel."""
+        together = min((len(axis.values) for axis in self.side_by_side), default=1)
+        return [*(len(axis.values) for axis in self.axes if axis.table == GRID), together]
 
     def choices(self) -> Iterator[tuple[int, ...]]:
         """Yield for every point the number of its value on each axis; the last key varies fastest."""
-        for *firsts, row in product(*(range(len(axis.values)) for axis in self.grid), range(self._rows)):
+        for *firsts, row in product(*map(range, self.lengths)):
             yield (*firsts, *(row for _ in self.side_by_side))
 
 
@@ -196,30 +136,21 @@ def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
     table = layers.data[SWEEP]
     if not isinstance(table, dict):
         return Table(), [layers.problem((SWEEP,), "needs a table", "a line [sweep] with its keys below")]
-    problems = [_unknown(layers, name) for name in table if name not in TOP_KEYS]
-    settings, wrong = _settings(layers, table)
-    problems += wrong
-    axes: dict[str, tuple[Axis, ...]] = {}
+    problems = [keys.unknown(layers, (SWEEP, name)) for name in table if name not in keys.KNOWN[SWEEP]]
+    settings = _settings(layers, table, problems)
+    axes: list[Axis] = []
     for name in (GRID, ZIP):
         found = list(_keys(layers, name, table.get(name, {})))
         problems += [each for each in found if isinstance(each, Problem)]
-        axes[name] = _as_written(layers, [each for each in found if isinstance(each, Axis)])
-    read = Table(grid=axes[GRID], side_by_side=axes[ZIP], settings=settings)
+        axes += _as_written(layers, [each for each in found if isinstance(each, Axis)])
+    read = Table(axes=tuple(axes), settings=settings)
     problems += [*_lengths(layers, read), *_doubles(layers, read), *_overruled(layers, read)]
     return read, problems or list(_excess(layers, read))
 
 
-def _unknown(layers: Layers, name: str) -> Problem:
-    path = (SWEEP, name)
-    homes = [f"{SWEEP}.{GRID}.{key}" for key in known_keys() if name in key.split(".")]
-    hint = f"did you mean {' or '.join(homes[:2])}?" if homes else did_you_mean(name, TOP_KEYS)
-    hint = hint or f"known here: {', '.join(TOP_KEYS)}"
-    return layers.problem(path, "unknown key", hint, place=layers.key_place(path))
-
-
 def known_keys() -> tuple[str, ...]:
     """Return every key that may be swept, with dots."""
-    paths = ((name, key) for name, section in SECTIONS.items() for key in keys_of(section))
+    paths = ((name, key) for name in SECTIONS for key in keys.KNOWN[name])
     return tuple(".".join(path) for path in paths if path not in NOT_SWEPT)
 
 
@@ -239,7 +170,7 @@ def _axis(layers: Layers, name: str, path: Path, values: Any) -> Axis | Problem:
     key = ".".join(map(str, path))
     if path in NOT_SWEPT:
         return layers.problem(place, "is not swept", NOT_SWEPT[path], place=layers.key_place(place))
-    if len(path) == 1 or path[1] not in keys_of(SECTIONS[str(path[0])]):
+    if len(path) == 1 or path[1] not in keys.KNOWN[str(path[0])]:
         return layers.problem(place, "unknown key", _suggestion(key), place=layers.key_place(place))
     if not isinstance(values, list):
         return layers.problem(place, "needs a list of values", f"a list in brackets: {key} = [..., ...]")
@@ -279,7 +210,7 @@ def _lengths(layers: Layers, table: Table) -> Iterator[Problem]:
 
 
 def _doubles(layers: Layers, table: Table) -> Iterator[Problem]:
-    gridded = {axis.path for axis in table.grid}
+    gridded = {axis.path for axis in table.axes if axis.table == GRID}
     for axis in table.side_by_side:
         if axis.path in gridded:
             message, place = "swept in [sweep.grid] and in [sweep.zip]", layers.key_place(axis.swept_path)
@@ -297,7 +228,8 @@ def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
 
 
 def _excess(layers: Layers, table: Table) -> Iterator[Problem]:
-    points, runs = table.point_count, table.point_count * table.most_replicates
+    points = prod(table.lengths)
+    runs = points * table.settings.largest
     if points > SWEEP_POINTS or runs > SWEEP_RUNS:
         message = (
             f"too many: {points:,} points, {runs:,} runs with replicates; "

@@ -24,12 +24,8 @@ and each position of a tick range."""
 
 def working_bytes(model: Model, engine: Engine) -> int:
     """Return the memory that a run needs besides its program: one block and one tick range, however long the run is."""
-    drawn, alive = births_drawn_at_once(model), _alive(model)
+    drawn, alive = births_drawn_at_once(model), model.mean_live_junctions
     played = min(drawn, model.birth_rate * model.distance) + alive
     positions = min(LARGEST_TICK_RANGE, (model.tick_count + 1) * cells_per_tick(model))
     junctions = DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + ALIVE_BYTES[engine] * alive
     return round(junctions + POSITION_BYTES * positions)
-
-
-def _alive(model: Model) -> float:
-    return model.birth_rate * model.pulse.mean_life * model.sizes.moment(1)

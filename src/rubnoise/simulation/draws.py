@@ -282,7 +282,7 @@ def _alive_off_centre(model: Model, seed: int) -> tuple[Doubles, Doubles, Double
     asperity is uniform in the disc of radius d about the other. Its coordinate across the motion is the offset, so that
     long lives are found more often, and the age is uniform over the life.
     """
-    count = _poisson(seed, model.birth_rate * model.pulse.mean_life * model.sizes.moment(1))
+    count = _poisson(seed, model.mean_live_junctions)
     diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
     offset = diameter * _across_a_disc(seed, count)
     birth = -(2.0 * half_life(diameter, offset)) * uniforms(seed, Stream.START_AGES, 0, count)

@@ -20,6 +20,7 @@ from rubnoise.simulation.extent import Engine, extent
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.output import part_of
 from rubnoise.theory.cumulants import force_cumulants
+from rubnoise.theory.live_count import expected_junction_rows
 from rubnoise.theory.motion import response
 
 FAR: Final = 10.0
@@ -74,37 +75,13 @@ def expected(scenario: Scenario) -> Budget:
     scenario.check_size()
     model = scenario.model()
     rows = Extent(
-        junctions=_likely_junctions(model) if model.free is None else None,
+        junctions=round(expected_junction_rows(model)) if model.free is None else None,
         ticks=model.tick_count + 1,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way or model.free is not None else 0,
         load=0 if model.held is None else model.tick_count + 1,
     )
     return _budget(scenario, rows)
-
-
-def _likely_junctions(model: Model) -> int:
-    """Return the expected number of rows of /junctions; of free motion, the number at constant separation."""
-    alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
-    return round(model.birth_rate * model.distance + alive)
-
-
-MOST_TIMES, MOST_MORE = 4, 10**6
-"""Births are counted, 60 ns each, only if at most MOST_TIMES times the rows of a file plus MOST_MORE are expected.
-
-No run is that far off by chance."""
-
-
-def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
-    """Return how many rows a run has, to compare with its file; None if far more, or fewer ticks, are expected.
-
-    Raises ScenarioRefused for more rows, or more live junctions, than rubnoise can write.
-    """
-    likely = expected(scenario)
-    there = likely.junctions if rows.junctions is None else rows.junctions
-    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * there + MOST_MORE:
-        return None
-    return extent(scenario.model(), scenario.run.seed)
 
 
 def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
@@ -190,7 +167,7 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
     # Rows that grow, and all of a compressed file, lie beside the part until they are copied into it.
     beside = size if scenario.output.compression == "gzip" else columns - expected_bytes(rows, features)
     return Budget(
-        junctions=_likely_junctions(model) if rows.junctions is None else rows.junctions,
+        junctions=round(expected_junction_rows(model)) if rows.junctions is None else rows.junctions,
         ticks=rows.ticks,
         result_bytes=size,
         disk_bytes=size + beside,
@@ -210,7 +187,7 @@ def rows_at_most(model: Model, rows: Extent) -> Extent:
     touches summits at most four times as often as at constant separation, about, and leaves each once.
     """
     if model.free is not None:
-        touches = 4 * _likely_junctions(model) + 1000
+        touches = 4 * round(expected_junction_rows(model)) + 1000
         return replace(rows, junctions=touches, landmarks=2 * touches)
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or model.strengths is None or rows.slider is not None:
@@ -277,15 +254,10 @@ def free_memory_bytes() -> int | None:
 
 def _group_limits() -> Iterator[int]:
     """Yield the memory limits of the control groups around this process, which containers and batch queues set."""
-    for line in _text("proc/self/cgroup").splitlines():
-        _, controllers, name = line.split(":", 2)
-        if controllers and "memory" not in controllers.split(","):
-            continue
-        top, limit = ("memory", "memory.limit_in_bytes") if controllers else ("", "memory.max")
-        # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
-        inner = PurePosixPath(name.lstrip("/"))
-        texts = (_text(PurePosixPath("sys/fs/cgroup", top, each, limit)).strip() for each in (inner, *inner.parents))
-        yield from (int(text) for text in texts if text.isdecimal())
+    # Inside a container the name may belong to the host's tree: folders that are missing say nothing.
+    inner = PurePosixPath(_text("proc/self/cgroup").partition("0::/")[2].strip())
+    texts = (_text(PurePosixPath("sys/fs/cgroup", each, "memory.max")).strip() for each in (inner, *inner.parents))
+    yield from (int(text) for text in texts if text.isdecimal())
 
 
 def _pages() -> tuple[int, int]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
 from rubnoise.storage.format import LIBRARY_VERSIONS, put_attribute, text_bytes
-from rubnoise.storage.objects import has_hard_link, naming_damage, read_attribute, sound_group
+from rubnoise.storage.objects import naming_damage, own_dataset, read_attribute, sound_group
 from rubnoise.storage.reader import SIGNATURE, refusing
 from rubnoise.storage.schema import CONVENTIONS, HASH, INDEX_FORMAT, Dataset
 
@@ -71,7 +71,7 @@ def index_bytes(index: Index) -> bytes:
 
     HDF5 makes it in memory, since it ends the process instead of raising if a disk is full.
     """
-    with h5py.File("index.h5", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
+    with h5py.File("index", "w", driver="core", backing_store=False, libver=LIBRARY_VERSIONS) as file:
         about = {"Conventions": CONVENTIONS, "format": INDEX_FORMAT, **index.texts, "NX_class": "NXroot"}
         for name, text in about.items():
             put_attribute(file.id, name, text)
@@ -154,14 +154,9 @@ def _columns(file: h5py.File) -> dict[str, dict[str, h5py.Dataset]]:
 
 def _sound(owner: h5py.Group, name: str) -> h5py.Dataset:
     """Return a dataset whose rows all lie in the file itself."""
-    dataset = owner[name] if has_hard_link(owner, name) else None
-    if not isinstance(dataset, h5py.Dataset) or not dataset.ndim:
-        raise RunFileRefused(f"{owner.name}/{name} is no column")
-    # The layout before the size: that of a virtual dataset may be found in other files only.
-    creation = dataset.id.get_create_plist()
-    plain = creation.get_layout() == h5py.h5d.CONTIGUOUS and not creation.get_external_count()
-    if not plain or dataset.dtype.kind not in "fiS":
-        raise RunFileRefused(f"{owner.name}/{name} is not stored as an index stores it")
+    dataset, creation = own_dataset(owner, name)
+    if creation.get_layout() != h5py.h5d.CONTIGUOUS or not dataset.ndim or dataset.dtype.kind not in "fiS":
+        raise RunFileRefused(f"{owner.name}/{name} is not stored as our files store it")
     if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= owner.file.id.get_filesize():
         raise RunFileRefused(f"{owner.name}/{name} has rows that are not in the file")
     return dataset

@@ -67,8 +67,8 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
 
 def row_count(group: Group, extent: Extent) -> int:
     """Return the number of rows that a group has before a run: 0 if its rows grow."""
-    fixed = {"curve": CURVE_ROWS, "table": TABLE_ROWS}
-    return fixed[group.length] if group.length in fixed else extent.rows(group.name) or 0
+    fixed = {"life_curve": CURVE_ROWS, "life_table": TABLE_ROWS}
+    return fixed.get(group.name) or extent.rows(group.name) or 0
 
 
 def grows(group: Group, extent: Extent) -> bool:

@@ -100,20 +100,25 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
     return found
 
 
+def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.PropDCID]:
+    """Return a dataset and how it is stored; raises RunFileRefused unless it lies in the file itself."""
+    dataset = owner[name] if has_hard_link(owner, name) else None
+    if not isinstance(dataset, h5py.Dataset):
+        raise RunFileRefused(f"{owner.name}/{name} is missing")
+    # The layout before the shape: that of a virtual dataset may be found in other files only.
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
+        raise RunFileRefused(f"{owner.name}/{name} is not stored as our files store it")
+    return dataset, creation
+
+
 def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h5py.Dataset, Place]:
     """Return the dataset of a column and the place of its rows, if type, shape and storage are those of the schema.
 
     Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
     shuffle and deflate, more rows than the file's bytes can hold.
     """
-    path = f"{owner.name}/{column.name}"
-    dataset = owner[column.name] if has_hard_link(owner, column.name) else None
-    if not isinstance(dataset, h5py.Dataset):
-        raise RunFileRefused(f"{path} is missing")
-    # The layout before the shape: that of a virtual dataset may be found in other files only.
-    creation = dataset.id.get_create_plist()
-    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
-        raise RunFileRefused(f"{path} is not stored as a run file stores it")
+    path, (dataset, creation) = f"{owner.name}/{column.name}", own_dataset(owner, column.name)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
     if creation.get_layout() == h5py.h5d.CONTIGUOUS:
@@ -122,7 +127,7 @@ def sound_dataset(owner: h5py.Group, column: Dataset, file_size: int) -> tuple[h
     else:
         offset, whole = 0, _is_packed_whole(dataset, creation, file_size)
     if not whole:
-        raise RunFileRefused(f"{path} is not stored as a run file stores it")
+        raise RunFileRefused(f"{path} is not stored as our files store it")
     return dataset, Place(offset=offset, rows=dataset.size, dtype=column.dtype)
 
 

@@ -22,6 +22,9 @@ from rubnoise.storage.disk import lock
 PATIENCE_SECONDS: Final = 0.3
 """Longer than a copy of a process that has ended keeps its lock."""
 
+PART: Final = ".part"
+"""The end of the name of a file that is not whole yet."""
+
 NO_ROOM: Final = frozenset((errno.ENOSPC, errno.EDQUOT))
 CANNOT_RESERVE: Final = frozenset((errno.EOPNOTSUPP, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL))
 
@@ -47,7 +50,7 @@ def part_of(path: str | os.PathLike[str]) -> Path:
     if os.fspath(path).endswith("/"):
         raise OutputRefused(f"{path}: names a folder; name a file")
     final = Path(path).absolute()
-    return final.with_name(f"{final.name}.part")
+    return final.with_name(f"{final.name}{PART}")
 
 
 def check_output(path: str | os.PathLike[str], *, force: bool, reads: Iterable[str | os.PathLike[str]] = ()) -> Path:

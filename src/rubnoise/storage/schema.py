@@ -115,7 +115,6 @@ class Group:
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "slider", "load", "landmarks", "balance", "curve", "table"]
     columns: tuple[Dataset, ...]
     plotted: str
     needs: tuple[Feature, ...] = ()
@@ -139,7 +138,6 @@ _TOUCHES: Final = "every touch of a summit, from contact made to contact lost, c
 JUNCTIONS: Final = Group(
     name="junctions",
     long_name="whole life of every junction, in order of birth",
-    length="junctions",
     plotted="diameter",
     grows=("free",),
     instead=(("free", _TOUCHES, "diameter"),),
@@ -176,7 +174,6 @@ JUNCTIONS: Final = Group(
 TRACE: Final = Group(
     name="trace",
     long_name="the contact at every tick of sliding distance",
-    length="ticks",
     plotted="real_contact_area",
     columns=(
         Dataset("distance", "um", "s", "sliding distance"),
@@ -199,7 +196,6 @@ _PHASE: Final = Dataset(
 SLIDER: Final = Group(
     name="slider",
     long_name="motion of the slider, uniform in time",
-    length="slider",
     needs=("slider",),
     grows=("slider",),
     plotted="displacement",
@@ -218,7 +214,6 @@ LOAD: Final = Group(
     name="load",
     long_name="the slider as it rises and falls under its load, to which both friction_force belong; /junctions,"
     " real_contact_area and junction_count are those at the mean separation",
-    length="load",
     needs=("load",),
     plotted="separation",
     instead=(("free", "the slider as it rises and falls under its load, free to leave its contact", "separation"),),
@@ -242,7 +237,6 @@ LOAD: Final = Group(
 LANDMARKS: Final = Group(
     name="landmarks",
     long_name="where the slider sticks, breaks away and turns round",
-    length="landmarks",
     needs=("two-way", "free"),
     grows=("two-way", "free"),
     plotted="displacement",
@@ -277,7 +271,6 @@ LANDMARKS: Final = Group(
 BALANCE: Final = Group(
     name="balance",
     long_name="where a two-way run ends, and integrals over its whole motion",
-    length="balance",
     needs=("two-way",),
     plotted="displacement",
     columns=(
@@ -302,7 +295,6 @@ BALANCE: Final = Group(
 LIFE_CURVE: Final = Group(
     name="life_curve",
     long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
-    length="curve",
     lacks=("offset", "free"),
     plotted="area_fraction",
     columns=(
@@ -314,7 +306,6 @@ LIFE_CURVE: Final = Group(
 LIFE_TABLE: Final = Group(
     name="life_table",
     long_name="area of any junction: diameter^2 times what lies between the four rows around its u and offset_fraction",
-    length="table",
     needs=("offset",),
     plotted="area_fraction",
     columns=(

@@ -26,7 +26,7 @@ _QUANTILES = 1 << 15  # sizes at even probabilities over which a share of births
 
 def mean_count(model: Model) -> float:
     """Return E[N] = lam 2 m_1, (pi/2) m_1 off the centre line (Little's law); of Poisson births N is Poisson."""
-    return model.birth_rate * model.pulse.mean_life * model.sizes.moment(1)
+    return model.mean_live_junctions
 
 
 def length_biased_mean_diameter(model: Model) -> float:
