@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 LOCKS = {
-    "run": ("run",),
+    "run": ("run", "sync"),
     "test": ("run", "sync", "test"),
     "test --all": ("run", "sync", "test", "all"),
     "lint": ("run", "sync", "test"),
@@ -38,7 +38,7 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
   test [ARGUMENTS]   the tests, with every argument passed on to pytest; test --all adds slow ones
   lint               ruff and mypy
   check NAME         a long guard, named below; arguments behind the name go to it
-  sync [all]         only install: what pictures and tables need too; with all, everything that test --all needs
+  sync [all]         only install, what pictures and tables need too; with all, everything that test --all needs
   bench [ARGUMENTS]  speed and errors beside everything else a user could pick; bench --quick takes a minute or two
   docs [FOLDER]      the site with all pages, the lesson and examples, into site/ or another folder
 """

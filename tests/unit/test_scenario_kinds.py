@@ -356,3 +356,56 @@ def test_a_law_of_births_takes_its_own_keys_and_no_others(law: str) -> None:
 def test_clusters_wider_than_ten_thousand_spacings_are_refused() -> None:
     wide = f'{BARE}[birth]\nlaw = "clustered"\ncluster_size = 3\ncluster_width = "1 m"\n'
     assert "birth.cluster_width: 1e+06 um is 1.83e+06 mean spacings of births" in refusal(wide)
+
+
+CONTACT_OF_FIFTEEN = (
+    'format = 1\n[interface]\nmean_junction_count = 15\n[diameter]\nmean = "5 um"\n[sliding]\ndistance = "2 mm"\n'
+)
+
+
+@pytest.mark.parametrize(
+    "sizes",
+    ["", 'law = "normal"\nspread = "60 %"\n', 'law = "normal"\nspread = "4 um"\n', 'law = "gamma"\nspread = "80 %"\n'],
+    ids=["fixed", "redrawn", "absolute", "gamma"],
+)
+def test_fifteen_junctions_of_five_um_are_fifteen_and_five_and_their_area_follows(sizes: str) -> None:
+    model = loads(CONTACT_OF_FIFTEEN.replace('mean = "5 um"\n', f'mean = "5 um"\n{sizes}')).model()
+    assert model.sizes.moment(1) == pytest.approx(5.0, rel=1e-13)
+    assert model.birth_rate * 2.0 * model.sizes.moment(1) == pytest.approx(15.0, rel=1e-13)
+    one = model.sizes.moment(3) / (3.0 * model.sizes.moment(1))  # of a lens, found alive
+    assert model.mean_real_contact_area == pytest.approx(15.0 * one, rel=1e-12)
+    assert model.stationary_mean_area == pytest.approx(15.0 * one, rel=1e-12)
+
+
+def test_beside_an_area_the_count_follows_and_the_scenario_reads_back() -> None:
+    made = loads(CONTACT_OF_FIFTEEN.replace("mean_junction_count = 15", 'load = "0.2 N"\nhardness = "1 GPa"'))
+    assert made.model().mean_junction_count == pytest.approx(24.0, rel=1e-14)
+    assert "calibration" not in made.resolved()["interface"]
+    assert loads(made.to_toml()).model() == made.model()
+
+
+def test_the_later_of_a_mean_and_an_area_counts() -> None:
+    made = rubnoise.load("first/rubbing", ["diameter.mean=5um"])
+    assert (made.diameter.mean, made.interface.mean_real_contact_area) == (5.0, None)
+    assert made.replace(speed="3 mm/s").diameter.mean == 5.0
+    again = made.replace(mean_real_contact_area="100 um^2")
+    assert (again.diameter.mean, again.interface.mean_real_contact_area) == (None, 100.0)
+    assert again.replace({"diameter.mean": "4 um"}).interface.mean_real_contact_area is None
+    loaded = rubnoise.load("load/fig5_load", ["diameter.mean=5um"])
+    assert (loaded.interface.load, loaded.interface.mean_junction_count) == (200_000.0, None)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("= 15\n", '= 15\nmean_real_contact_area = "200 um^2"\n', "keep two of the three"),
+        ("mean_junction_count = 15", 'patch_area = "10 um^2"', "keep exactly one of the two"),
+        ("= 15\n", '= 15\ncalibration = "exact"\n', "leave the calibration out"),
+        ("mean_junction_count = 15", "", "missing"),
+        ('mean = "5 um"', 'mean = "5 um"\nlaw = "empirical"\nvalues = [4.0, 5.0]', "mean of its own"),
+        ('mean = "5 um"', 'mean = "5 um"\nspread = "5 kg"', "a length or a ratio is needed"),
+    ],
+)
+def test_what_does_not_go_with_a_mean_diameter_is_refused(old: str, new: str, said: str) -> None:
+    with pytest.raises(ScenarioRefused, match=said):
+        loads(CONTACT_OF_FIFTEEN.replace(old, new))

@@ -63,8 +63,8 @@ def print_examples() -> None:
 
     titles = shipped_titles()
     width = max(map(len, titles), default=0)
-    for name, title in titles.items():
-        print(f"{name:<{width}}  {title}".rstrip())
+    for name in sorted(titles, key=lambda each: not each.startswith("first/")):
+        print(f"{name:<{width}}  {titles[name]}".rstrip())
 
 
 def print_schema() -> None:

@@ -17,7 +17,7 @@ def command(
     file: Annotated[
         Path | None,
         typer.Argument(
-            help="A scenario file, or a result to replay; default: the paper's Figure 5.", metavar="SCENARIO|RUN.h5"
+            help="A scenario file, or a result to replay; default: first/rubbing.", metavar="SCENARIO|RUN.h5"
         ),
     ] = None,
     *,
@@ -28,14 +28,14 @@ def command(
 
     It is one file that a browser opens from anywhere, without a network.
 
-    Example: rubnoise teach scenarios/paper/fig5.toml -o lesson.html
+    Example: rubnoise teach scenarios/first/rubbing.toml -o lesson.html
     """
     from rubnoise.lesson.page import page
     from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario.shipped import shipped
     from rubnoise.storage.output import check_output, whole_file
 
-    source = file or shipped("paper/fig5.toml")
+    source = file or shipped("first/rubbing.toml")
     check_output(output, force=force, reads=[source])
     scenario, record = _scenario_and_junctions(source)
     text = page(scenario.title or source.stem, settings_of(scenario), record)

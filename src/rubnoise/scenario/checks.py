@@ -114,7 +114,7 @@ def _resonance_problems(document: Document, layers: Layers, model: Model) -> Ite
 
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     """Refuse a load or a patch whose area or count is outside of the range that a scenario may give."""
-    area, count = area_and_count(document.interface)
+    area, count = area_and_count(document)
     derived = ((("interface", "load"), area, AREAS, "um^2 of real contact area"), (_PATCH, count, COUNTS, "junctions"))
     for path, value, possible, what in derived:
         if value not in possible:
@@ -136,7 +136,7 @@ def _excitation_problems(document: Document, layers: Layers, wrong: Collection[s
     if slider.excitation == "base" and document.diameter.law != "fixed":
         message = "excitation by the base is known for equal diameters alone"
         yield layers.problem(_EXCITATION, message, 'diameter.law = "fixed"')
-    count = 0.0 if "interface" in wrong else area_and_count(document.interface)[1]
+    count = 0.0 if "interface" in wrong else area_and_count(document)[1]
     if slider.excitation == "base" and count > _FEW_ASPERITIES and slider.heights != "sum":
         message = f"{count:g} asperities at once: a rigid body rides on the highest"
         hint = f'at most {_FEW_ASPERITIES:g}, or slider.heights = "sum" if sums are wanted'
@@ -155,7 +155,7 @@ def _free_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     """Refuse a free slider on so many junctions that it never leaves them."""
     if document.load is None or document.load.motion != "free":
         return
-    _, count = area_and_count(document.interface)
+    _, count = area_and_count(document)
     if count > MOST_LIVE:
         message = f"{count:.3g} junctions in contact: free motion is computed up to {MOST_LIVE:g}"
         hint = 'load.motion = "first-order", which is right for so many'

@@ -36,7 +36,7 @@ class Interface(Section):
         Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
         "Mean real contact area A_rm; or else load and hardness.",
         sample="200 um^2",
-        form='mean_real_contact_area = "200 um^2" or load and hardness',
+        form='mean_real_contact_area = "200 um^2", or load and hardness, or diameter.mean',
     )
     load: Quantity | None = key(
         Measure((FORCE,), possible=Range(1e-12, 1e18), plausible=Range(1e-3, 1e12)),
@@ -98,9 +98,14 @@ def _with_parameters(table: type[Section], centre: str) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Diameter(Section):
-    """The distribution of junction diameters about the calibrated diameter d_m."""
+    """The distribution of junction diameters, about its own mean or about the calibrated diameter d_m."""
 
     law: str = key(Choice(tuple(LAWS)), f"{_listed('fixed')}.", "fixed")
+    mean: Quantity | None = key(
+        Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e5)),
+        "Mean diameter d_m as drawn, beside either mean_junction_count or an area; the other follows.",
+        sample="5 um",
+    )
     spread: Quantity | None = key(
         Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
         f"Standard deviation: a length, or a percentage of d_m; not for {_without_spread('fixed')}.",

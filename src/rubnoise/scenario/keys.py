@@ -41,6 +41,7 @@ ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
 }
 """Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
 
+_OWN_SCALE: Final = ("empirical", "power")
 DAMPINGS: Final = (("damping",), ("damping_ratio",))
 _ANY_DISTANCE: Final = Sliding(distance=Quantity(Fraction(1), LENGTH))
 LOSSES: Final = tuple((key,) for key in FREE_MOTION)
@@ -93,6 +94,10 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
         elif given is not None or presence(name) != "optional":
             wrong.add(name)
             problems.append(layers.problem((name,), "needs a table", f"a line [{name}] with its keys below"))
+    both = {"interface", "diameter"}
+    if wrong & both and "mean" in _table_or_empty(layers, "diameter"):
+        wrong |= both  # area or count follow from the diameter
+        right |= {"interface": Interface(), "diameter": Diameter()}
     return Document(**right), wrong, problems
 
 
@@ -193,7 +198,9 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
 
 def _unsound_problems(layers: Layers) -> Iterator[Problem]:
     """Yield the problems of combinations from which no contact, law or pulse can be made."""
-    if isinstance(layers.data.get("interface", {}), dict):
+    if "mean" in _table_or_empty(layers, "diameter"):
+        yield from _mean_problems(layers)
+    elif isinstance(layers.data.get("interface", {}), dict):
         for ways in ALTERNATIVES["interface"]:
             yield from _one_of(layers, "interface", ways)
     yield from _offset_problems(layers)
@@ -214,6 +221,28 @@ def _one_of(layers: Layers, name: str, ways: tuple[tuple[str, ...], ...], *, nee
         yield from (missing(layers, (name, key), f"missing; {given[0]} needs it") for key in lacking)
     elif needed:
         yield missing(layers, (name, ways[0][0]))
+
+
+def _mean_problems(layers: Layers) -> Iterator[Problem]:
+    """Check what stands beside a mean diameter: either a count or an area, and a law without a scale of its own."""
+    interface, (areas, _) = _table_or_empty(layers, "interface"), ALTERNATIVES["interface"]
+    given = [key for way in areas for key in way if key in interface]
+    path, law = ("diameter", "mean"), _value(layers, "diameter", "law")
+    if law in _OWN_SCALE:
+        yield layers.problem(path, f'the law "{law}" has a mean of its own', "leave the mean out")
+    if "patch_area" in interface:
+        message = "a mean diameter says how large a junction is"
+        yield layers.problem(("interface", "patch_area"), message, "keep exactly one of the two")
+    elif given and "mean_junction_count" in interface:
+        message = f"beside mean_junction_count and {given[0]} the mean diameter is already said"
+        yield layers.problem(path, message, "keep two of the three")
+    elif given:
+        yield from _one_of(layers, "interface", areas)
+    elif "mean_junction_count" not in interface:
+        yield missing(layers, ("interface", "mean_junction_count"))
+    if "calibration" in interface:
+        message = "a mean diameter needs no calibration"
+        yield layers.problem(("interface", "calibration"), message, "leave the calibration out")
 
 
 def _loss_problems(layers: Layers) -> Iterator[Problem]:

@@ -115,6 +115,6 @@ def _without_defaults(section: str, table: dict[str, Any]) -> dict[str, Any]:
 def _without_calibration(resolved: Mapping[str, Any]) -> Mapping[str, Any]:
     interface = resolved["interface"]
     same_as_exact = {"exact", "matched"} if resolved["diameter"]["law"] == "fixed" else {"exact"}
-    if interface["calibration"] not in same_as_exact:
+    if interface.get("calibration", "exact") not in same_as_exact:
         return resolved
     return {**resolved, "interface": {key: value for key, value in interface.items() if key != "calibration"}}

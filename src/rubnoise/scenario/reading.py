@@ -20,7 +20,7 @@ from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Problem, in_order, report
-from rubnoise.scenario.scenario import TOLERANCE, Scenario
+from rubnoise.scenario.scenario import AREA_KEYS, TOLERANCE, Scenario, sized
 from rubnoise.units import Quantity, Unfit
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]
@@ -141,6 +141,7 @@ def examined(
     given: Layers, read: ReadSizes | None = None, *, from_python: bool = False
 ) -> tuple[Scenario | None, list[Problem]]:
     """Return the scenario of its layers, or None, and all errors and warnings."""
+    given = sized(given)
     formats = keys.format_problems(given)
     if any(problem.message != "missing" for problem in formats):
         return None, [*given.problems, *formats]  # the other keys may well be right in that format
@@ -225,11 +226,25 @@ def replaced(scenario: Scenario, changes: Mapping[Any, Any]) -> Scenario:
             if (table, other) not in changed:
                 inside.pop(other, None)
         inside[key] = value
+    _keep_two_of_three(values, changed)
     given = layers.from_values(values, "<python>")
     # A quantity that is changed needs a unit, as in a file.
     without_unit = keys.without_unit(given, changed.keys())
     made = checked(given, from_python=True, more=without_unit)
     return replace(made, text=made.to_toml())
+
+
+def _keep_two_of_three(values: dict[str, Any], changed: Mapping[tuple[str, str], Any]) -> None:
+    """Take away the area that a new mean diameter replaces beside a count, or the mean that a new area replaces."""
+    interface, diameter = (values.get(name) for name in ("interface", "diameter"))
+    if not isinstance(interface, dict) or not isinstance(diameter, dict) or "mean_junction_count" not in interface:
+        return
+    new = [key for key in AREA_KEYS if ("interface", key) in changed]
+    if ("diameter", "mean") in changed and not new:
+        for key in (*AREA_KEYS, "calibration"):
+            interface.pop(key, None)
+    elif new and ("diameter", "mean") not in changed:
+        diameter.pop("mean", None)
 
 
 def in_full(changes: Sequence[str]) -> tuple[str, ...]:

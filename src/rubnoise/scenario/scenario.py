@@ -11,13 +11,13 @@ from typing import Any, Final, Literal, cast
 
 from rubnoise.contact.births import BIRTHS, BirthLaw
 from rubnoise.contact.calibration import calibrated_diameter
-from rubnoise.contact.laws import LAWS, Spread, law_for
+from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.off_centre import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.fields import Section, keys_of, ratio_of
-from rubnoise.scenario.layers import Layers
+from rubnoise.scenario.layers import Layers, gives
 from rubnoise.scenario.problems import Path
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
@@ -119,7 +119,11 @@ class Scenario(sections.Document):
         Quantities are written in working units in full; read again, it is the same scenario to the last bit.
         """
         tables = {
-            name: {key: _plain(value) for key in keys_of(type(section)) if (value := getattr(section, key)) is not None}
+            name: {
+                key: _plain(value)
+                for key in keys_of(type(section))
+                if (value := getattr(section, key)) is not None and not (key == "calibration" and self.diameter.mean)
+            }
             for name in sections.SECTIONS
             if isinstance(section := getattr(self, name, None), Section)
         }
@@ -155,6 +159,7 @@ def _plain(value: Any) -> Any:
 
 TOLERANCE: Final = 1e-9
 """Of a two-way motion, if the file has none."""
+_ROUNDING: Final = 1e-14
 
 
 def diameter_of(document: sections.Document) -> float:
@@ -162,17 +167,40 @@ def diameter_of(document: sections.Document) -> float:
 
     Raises NoMatchingDiameter if `matched` has no solution, PaperMeansLens for `paper` with another pulse.
     """
-    area, count = area_and_count(document.interface)
+    if document.diameter.mean is not None:
+        return float(document.diameter.mean)
+    area, count = area_and_count(document)
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)
     return calibrated_diameter(document.interface.calibration, area, count, spread_of(document.diameter), pulse)
 
 
-def area_and_count(interface: sections.Interface) -> tuple[float, float]:
-    """Return A_rm in um^2 and N_jm, as given or from W/H and the area of one patch; exact and rounded once."""
+def area_and_count(document: sections.Document) -> tuple[float, float]:
+    """Return A_rm in um^2 and N_jm: as given, from W/H, the area of one patch or a mean diameter; rounded once."""
+    interface = document.interface
     area, load, hardness = interface.mean_real_contact_area, interface.load, interface.hardness
-    whole = area.exact if area is not None else cast(Quantity, load).exact / cast(Quantity, hardness).exact
     count, patch = interface.mean_junction_count, interface.patch_area
+    if area is None and load is None and count is not None:
+        return count * _mean_junction_area(document), count
+    whole = area.exact if area is not None else cast(Quantity, load).exact / cast(Quantity, hardness).exact
+    if count is None and patch is None:
+        return float(whole), float(whole) / _mean_junction_area(document)
     return float(whole), float(whole / cast(Quantity, patch).exact) if count is None else count
+
+
+def _mean_junction_area(document: sections.Document) -> float:
+    """Return the mean area in um^2 of a live junction, c_1 E[d^3] / (L E[d]), of sizes with a mean diameter."""
+    pulse, sizes = pulse_of(document.pulse.shape, document.pulse.offset), sizes_of(document, diameter_of(document))
+    return pulse.life_integral(1) / pulse.mean_life * sizes.moment(3) / sizes.moment(1)
+
+
+def sizes_of(document: sections.Document, diameter: float) -> Law:
+    """Return the law of sizes about d_m in um; with a mean diameter about a centre that gives it, as drawn."""
+    spread, centre = spread_of(document.diameter), diameter
+    sizes = law_for(centre, spread)
+    while document.diameter.mean is not None and abs(sizes.moment(1) / diameter - 1.0) > _ROUNDING:
+        centre *= diameter / sizes.moment(1)
+        sizes = law_for(centre, spread)
+    return sizes
 
 
 def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
@@ -207,7 +235,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
     """Return the model of a complete document for its calibrated diameter in um and its tick."""
     interface, sliding, strength = document.interface, document.sliding, document.strength
     pulse = pulse_of(document.pulse.shape, document.pulse.offset)
-    area, count = area_and_count(interface)
+    area, count = area_and_count(document)
     free = document.load is not None and document.load.motion == "free"
     births = BIRTHS[document.birth.law]
     own = {each.name: float(getattr(document.birth, each.name)) for each in births.keys}
@@ -216,7 +244,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         mean_junction_count=count,
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
-        sizes=law_for(diameter, spread_of(document.diameter)),
+        sizes=sizes_of(document, diameter),
         births=cast(BirthLaw, births.make(mean_spacing=pulse.mean_life * diameter / count, **own)),
         strengths=law_for(float(strength.mean), spread_of(strength)) if strength else None,
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
@@ -286,6 +314,35 @@ FREE_MOTION: Final = ("restitution", "impact_damping")
 """Keys of a slider that leaves its contact."""
 
 
+AREA_KEYS: Final = ("mean_real_contact_area", "load", "hardness", "patch_area")
+"""Keys of the interface for which a mean diameter stands."""
+
+
+def sized(layers: Layers) -> Layers:
+    """Return layers without what a later layer says in another way: an area, or the mean diameter.
+
+    Beside a count one of them is enough. A load that weighs needs its load, so there the count goes.
+    """
+    interface, diameter = (layers.data.get(name) for name in ("interface", "diameter"))
+    if not isinstance(interface, dict) or not isinstance(diameter, dict) or "mean" not in diameter:
+        return layers
+    areas = [key for key in AREA_KEYS if key in interface]
+    if not areas or not ("mean_junction_count" in interface or "patch_area" in areas):
+        return layers
+    ranks = {id(source): rank for rank, source in enumerate(layers.sources)}
+    mean = ranks[id(layers.source_of(("diameter", "mean")))]
+    area = max(ranks[id(layers.source_of(("interface", key)))] for key in areas)
+    if mean == area:
+        return layers
+    dropped = ("mean_junction_count", "patch_area") if "load" in layers.data else (*areas, "calibration")
+    data = deepcopy(layers.data)
+    for key in dropped if mean > area else ():
+        data["interface"].pop(key, None)
+    if area > mean:
+        del data["diameter"]["mean"]
+    return replace(layers, data=data)
+
+
 def completed(layers: Layers) -> Layers:
     """Return layers with the default contact for a table [load], if the file does not give it."""
     if not isinstance(layers.data.get("load"), dict):
@@ -293,6 +350,8 @@ def completed(layers: Layers) -> Layers:
     data = deepcopy(layers.data)
     for (table, key), value in CONTACT.items():
         given = data.setdefault(str(table), {})
+        if key == "calibration" and gives(data, ("diameter", "mean")):
+            continue
         if isinstance(given, dict) and (key != "spread" or given.get("law") == CONTACT["diameter", "law"]):
             given.setdefault(str(key), value)
     return replace(layers, data=data)

@@ -9,6 +9,7 @@ from rubnoise.scenario.fields import Key, Section, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES
 from rubnoise.scenario.sweep_table import known_keys
 
+_NO_MEAN = ("calibration", "patch_area")  # what does not go with a mean diameter
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
@@ -80,7 +81,16 @@ def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, An
     with_slider = {"required": ["strength"], "properties": {"sliding": {"required": ["speed"]}}}
     weighing = {"interface": {"required": ["load", "hardness"]}, "sliding": {"required": ["speed"]}}
     dependent = {"slider": with_slider, "load": {"properties": weighing}}
-    return {"required": required, "properties": properties, "dependentSchemas": dependent}
+    areas, counts = ALTERNATIVES["interface"]
+    with_mean = _one_of((*areas, counts[0])) | {"not": {"anyOf": [{"required": [each]} for each in _NO_MEAN]}}
+    return {
+        "required": required,
+        "properties": properties,
+        "dependentSchemas": dependent,
+        "if": {"properties": {"diameter": {"required": ["mean"]}}, "required": ["diameter"]},
+        "then": {"properties": {"interface": with_mean}},
+        "else": {"properties": {"interface": properties.pop("interface")}},
+    }
 
 
 def _one_of(ways: tuple[tuple[str, ...], ...]) -> dict[str, Any]:
