@@ -73,7 +73,7 @@ def _words(text: str) -> str:
 
 def test_brackets_in_help_are_no_styles(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    assert "A file with a table [sweep]. [required]" in call("sweep", "--help").out
+    assert "A file with a table [sweep], or one run's for --over. [required]" in call("sweep", "--help").out
     assert "For a file with a table [sweep], check and list every point" in call("check", "--help").out
     assert Text.from_markup(literal(r"[a] \[b] [bold]c[/] [1] [K] [")).plain == r"[a] \[b] [bold]c[/] [1] [K] ["
 

@@ -107,7 +107,7 @@ run.trace.columns -> .names
 run.junctions[17] -> run.junction(17)
 run.junction(-1) -> junctions 0 to
 rubnoise.open("paper/fig5") -> rubnoise.simulate
-run.plot("spectra") -> "psd"
+run.plot("spectrums") -> there are
 run.to_dataframe() -> run.to_pandas()
 run.describe() -> run.summary
 run.forse -> force
