@@ -16,7 +16,6 @@ from rubnoise.scenario import loads
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap, without_form
 from rubnoise.surface.normal_motion import filtered_variance, gap_slope
-from rubnoise.surface.reading import read_surface
 from rubnoise.surface.sliding import patches, slide
 from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.theory.load import load_motion, overlap_scale
@@ -602,7 +601,7 @@ COUNTED = [
 @pytest.mark.parametrize(("name", "rows"), COUNTED)
 def test_patches_of_measured_scans(name, rows):
     pytest.importorskip("SurfaceTopography")
-    scan = without_form(read_surface(SCANS / name), "polynomial")
+    scan = rubnoise.Surface.read(SCANS / name, form="polynomial").map
     rough = scan.heights - ndimage.gaussian_filter(scan.heights, min(scan.heights.shape) / 16)
     for points, (one, pair) in rows.items():
         smooth = ndimage.gaussian_filter(rough, points) if points else rough

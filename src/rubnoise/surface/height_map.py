@@ -12,6 +12,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 
 FEWEST_POINTS: Final = 16  # a side, below which a map has no spectrum
+LONGEST: Final = 1e6  # a side in um: no instrument has so large a map, so that its unit is wrong
+STEEPEST: Final = 10.0  # rms slope: 84 degrees
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -64,6 +66,11 @@ class HeightMap:
         """Return the map turned by 180 degrees about its normal, as a partner for a surface that slides on itself."""
         return replace(self, heights=self.heights[::-1, ::-1], name=f"{self.name} turned by 180 degrees")
 
+    def transposed(self) -> Self:
+        """Return the map with its second index along the sliding."""
+        done = (*self.history, "turned to slide along its second index")
+        return replace(self, heights=self.heights.T.copy(), spacing=self.spacing[::-1], history=done)
+
     def on_grid_of(self, other: "HeightMap") -> Doubles:
         """Return heights at the points of another map, over the part that both cover from the first corner on."""
         if self.heights.shape == other.heights.shape and np.allclose(self.spacing, other.spacing, rtol=1e-6):
@@ -73,6 +80,23 @@ class HeightMap:
             np.arange(min(there, int((here - 1) * own / step) + 1)) * (step / own) for here, there, own, step in grids
         ]
         return ndimage.map_coordinates(self.heights, np.meshgrid(*points, indexing="ij"), order=3, mode="mirror")
+
+
+def check_sense(surface: HeightMap) -> None:
+    """Raises Refused for a map larger or steeper than a measured one can be, whose units or values are wrong."""
+    if (longest := max(surface.size)) > LONGEST * (1.0 + 1e-9):
+        raise Refused(
+            f"{surface.name}: is {1e-6 * longest:.4g} m long, and no scan is longer than 1 m: give the unit of its"
+            ' lengths; right form: unit="um"'
+        )
+    steps = zip(surface.spacing, (0, 1), strict=True)
+    slope = max(float(np.sqrt(np.square(np.diff(surface.heights, axis=axis)).mean())) / step for step, axis in steps)
+    if slope > STEEPEST:
+        raise Refused(
+            f"{surface.name}: has an rms slope of {slope:.3g} from point to point, and no surface has more than"
+            f' {STEEPEST:g}: give the unit of its heights, height_unit="um", or leave out values that stand for'
+            " missing points"
+        )
 
 
 _MOST_FITTED: Final = 20_000  # points by which a sphere or a cylinder is fitted
