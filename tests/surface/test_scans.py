@@ -84,7 +84,7 @@ REFUSED = {
     "short.txt": (MATRIX[:-9], SIZED, "line 32: has 39 numbers, other rows 40"),
     "twice.xyz": (written(np.r_[POINTS, POINTS[:1]]), {"unit": "um"}, "two points at one place"),
     "random.xyz": (written(RNG.random((50, 3))), {"unit": "um"}, "even grid|a grid of"),
-    "two.asc": (READ["two.asc"][0], {"channel": "C"}, "channel=: C is none with heights; these are: A, B"),
+    "two.asc": (READ["two.asc"][0], {"channel": "C"}, "channel=: C names no heights in it; these do: A, B"),
     "no.x3p": (b"PK\x05\x06" + bytes(18), {}, "main.xml is missing"),
     "words.txt": ("no surface\n" * 9, {}, "has no rows of numbers"),
     "size.txt": (MATRIX, {"unit": "um", "size": "40 um x 32 um x 2 um"}, "size=: .* is neither one length nor two"),

@@ -91,7 +91,7 @@ def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) ->
     chosen = told.channel or reader.default_channel.channel_id
     if chosen not in channels or not channels[chosen].is_height_channel:
         heights = ", ".join(each for each, channel in channels.items() if channel.is_height_channel)
-        raise Refused(f"{name}: channel=: {chosen} is none with heights; these are: {heights}")
+        raise Refused(f"{name}: channel=: {chosen} names no heights in it; these do: {heights}")
     if len(channels) > 1:
         history = (*history, f"channel {chosen} of {', '.join(channels)}")
     if channels[chosen].physical_sizes is not None:

@@ -18,7 +18,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.surface.waves import Waves
 
-_CELLS: Final = 8192  # of the table of the inner integral: error below 1e-11 of the value at rho = 1
+_CELLS: Final = 1 << 18  # of the table of the inner integral, straight between them: error below 1e-11
 _RING: Final = 0.8  # where the ring of waves begins that a change of the cut-off changes, over the cut-off frequency
 
 
@@ -130,15 +130,13 @@ class GaussianContact:
 
     @cached_property
     def _integral(self) -> Doubles:
-        """Table of g = int_0^rho phi2(u, u; r) dr with its slope, at even steps of v = sqrt((1 - rho)/2) from 0 to 1.
+        """Table of g = int_0^rho phi2(u, u; r) dr at even steps of v = sqrt((1 - rho)/2) from 0 to 1.
 
         g = Q(u) (1 - Q(u)) - 2 T(u, v/sqrt(1 - v^2)), T of Owen (1956); in v there is no root at rho = 1.
         """
         v = np.linspace(0.0, 1.0, _CELLS + 1)
-        left = np.maximum(1.0 - v * v, 1e-300)
-        value = ndtr(self.level) * ndtr(-self.level) - 2.0 * owens_t(self.level, v / np.sqrt(left))
-        slope = -np.exp(-0.5 * self.level**2 / left) / (pi * np.sqrt(left))
-        return np.stack((value, slope / _CELLS), axis=1)
+        ratio = v / np.sqrt(np.maximum(1.0 - v * v, 1e-300))
+        return np.asarray(ndtr(self.level) * ndtr(-self.level) - 2.0 * owens_t(self.level, ratio))
 
     @cached_property
     def _chances(self) -> tuple[float, float, Doubles]:
@@ -246,9 +244,9 @@ def moved_products(one: Doubles, other: Doubles) -> Doubles:
 
 @compiled
 def _sum_over_lags(track: Doubles, slider: Doubles, shift: int, table: Doubles) -> float:
-    """Return the sum over (x, y) of g(C1(x + shift, y) + C2(x, y)), correlations over sigma^2, by cubics."""
+    """Return the sum over (x, y) of g(C1(x + shift, y) + C2(x, y)), correlations over sigma^2."""
     along, across = slider.shape
-    cells = table.shape[0] - 1
+    cells = table.size - 1
     total = 0.0
     for i in range(along):
         moved = (i + shift) % along
@@ -257,10 +255,6 @@ def _sum_over_lags(track: Doubles, slider: Doubles, shift: int, table: Doubles) 
             square = 0.5 * (1.0 - track[moved, j] - slider[i, j])
             place = cells * np.sqrt(min(max(square, 0.0), 1.0))
             cell = min(int(place), cells - 1)
-            x = place - cell
-            y = 1.0 - x
-            row += y * y * ((1.0 + 2.0 * x) * table[cell, 0] + x * table[cell, 1]) + x * x * (
-                (3.0 - 2.0 * x) * table[cell + 1, 0] - y * table[cell + 1, 1]
-            )
+            row += table[cell] + (place - cell) * (table[cell + 1] - table[cell])
         total += row
     return total

@@ -7,15 +7,12 @@ Source: Rice (1944) for the slope of a Gaussian field's excursion area.
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, pi, sqrt
-from typing import Final
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.surface.gaussian import GaussianContact, moved_products
 from rubnoise.theory.load import level
-
-_FINER: Final = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +45,7 @@ def normal_motion(contact: GaussianContact, *, load: float, speed: float, mass: 
     scale = contact.height_scale / contact.real_contact_area
     resonance = sqrt(load / (contact.height_scale * mass)) / speed  # in rad per um of sliding
     lags, moving = contact.curve
-    fine = np.linspace(0.0, lags[-1], _FINER * lags.size)
+    fine = np.linspace(0.0, lags[-1], 8 * lags.size)
     area = CubicSpline(lags, moving, bc_type=((1, 0.0), "not-a-knot"))(fine)
     gap = filtered_variance(fine, area, resonance, ratio)
     # What has decayed long before the slider answers is better known by R than by -R'', whose integral is 0.
