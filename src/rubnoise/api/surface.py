@@ -4,6 +4,7 @@ import os
 import re
 from dataclasses import dataclass, field
 from math import nan, sqrt
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -63,7 +64,7 @@ class Surface:
             size=None if size is None else _two_lengths("size", size),
             channel=channel,
         )
-        return cls._of_scan(read_scan(path, told), form, turn=turn)
+        return cls._of_scan(read_scan(Path(path), told), form, turn=turn)
 
     @classmethod
     def of(

@@ -1,7 +1,8 @@
 """Scans from files of 42 instruments and formats by SurfaceTopography, and from text; or from its objects."""
 
-import os
+import re
 import warnings
+from contextlib import redirect_stderr
 from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
@@ -40,19 +41,20 @@ class Scan:
     history: tuple[str, ...] = ()
 
 
-def read_scan(path: str | os.PathLike[str], told: Told) -> Scan:
+def read_scan(path: Path, told: Told) -> Scan:
     """Return the map of a file; raises Refused for one without size or unit, with few points, or of another kind."""
-    name, library = os.fspath(path), _library()
+    library = _library()
     for unit in (told.unit, told.height_unit):
         length_scale(unit or "um", "unit=")  # also if the file names its own
     try:
-        with np.errstate(all="ignore"):
-            return _read(library, Path(name), told)
+        with np.errstate(all="ignore"), redirect_stderr(StringIO()):  # where readers print
+            return _read(library, path, told)
     except Refused:
         raise
     except Exception as problem:  # a reader may raise anything about a damaged file
-        reason = " ".join(str(getattr(problem, "strerror", None) or problem).replace("`", "").split())[:200]
-        raise Refused(f"{name}: is no surface that can be read: {reason}") from problem
+        said = re.sub(r"'?<\S+ object at \w+>'?", "", str(getattr(problem, "strerror", None) or problem))
+        reason = " ".join(said.replace("`", "").split())[:200]
+        raise Refused(f"{path}: is no surface that can be read: {reason}") from problem
 
 
 def _read(library: Any, path: Path, told: Told) -> Scan:
@@ -60,10 +62,10 @@ def _read(library: Any, path: Path, told: Told) -> Scan:
     if (held := size_of(path)) > MOST_BYTES:
         raise Refused(f"{path}: has {held:,} bytes; up to {MOST_BYTES:,} are read")
     fitting = [each for each in library.IO.readers if path.suffix.lower()[1:] in (each.file_extensions() or ())]
-    is_text = not fitting or bool({"xyz", "asc"} & {each.format() for each in fitting})
-    text, history = decoded(path.read_bytes()) if is_text else ("", ())
-    if not text:
-        return _of_channel(_opened(library, path, fitting), path.name, told, history)
+    others = [each for each in fitting if each.format() not in ("xyz", "asc")]
+    text, history = decoded(path.read_bytes()) if others != fitting or not fitting else (None, ())
+    if text is None:
+        return _of_channel(_opened(library, path, others), path.name, told, history)
     head, values, clean = table_of(text, path.name)
     if (found := points_of(head, values)) is None:
         return _of_channel(library.open_topography(StringIO(clean), "asc"), path.name, told, history)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
-from rubnoise.storage.text_heads import head_of
+from rubnoise.storage.text_heads import head_of, is_unit
 
 MOST_VALUES: Final = 1 << 26  # points of a map that is read
 _NEAR: Final = 0.1  # of a step: how far a point may lie off the grid
@@ -18,12 +18,12 @@ _MISSED: Final = re.compile(r"(?<!\w)(?:nan|bad|inf(?:inite)?)(?!\w)", re.IGNORE
 _ROW: Final = re.compile(r"(?=.*(?:\d|nan))[\s\d.,;+-]*(?:(?:[eEdD](?=[+-]?\d)|nan)[\s\d.,;+-]*)*")
 
 
-def decoded(raw: bytes) -> tuple[str, tuple[str, ...]]:
-    """Return a text in UTF-8, UTF-16 or Windows-1252, with a note on the last two; an empty one for other bytes."""
+def decoded(raw: bytes) -> tuple[str | None, tuple[str, ...]]:
+    """Return a text in UTF-8, UTF-16 or Windows-1252, with a note on the last two; None for other bytes."""
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         return raw.decode("utf-16", "replace"), ("read as UTF-16",)
     if _CONTROL.search(raw, 0, 1 << 16):
-        return "", ()
+        return None, ()
     try:
         return raw.decode("utf-8-sig"), ()
     except UnicodeDecodeError:
@@ -54,15 +54,18 @@ def table_of(text: str, name: str) -> tuple[str, Doubles, str]:
         cell = str(problem).split("'")[1]
         line = next(at for at in rows if cell in lines[at].split()) + 1
         raise Refused(f"{name}: line {line}: {cell} is no number; right form: 1.5") from None
-    head = [f"# {line}" for line in lines[: rows[0]]]
+    head = [f"# {line}" if at in lengths else line for at, line in enumerate(lines[: rows[0]])]
     return "\n".join(head), values, "\n".join([*head, *lines[rows[0] :]])
 
 
 def points_of(head: str, values: Doubles) -> tuple[Doubles, str, str] | None:
     """Return x, y, z in columns with the units of places and heights; None without three columns or such names."""
     width = values.shape[1]
-    cells = (re.split(r"[;,\t]|\s{2,}", line.strip("#% \t")) for line in reversed(head.splitlines()))
-    heads = next(([head_of(cell) for cell in each] for each in cells if len(each) == width), [])
+    lines = [line.strip("#% \t").replace('"', "") for line in reversed(head.splitlines())]
+    cells = [each for line in lines for each in (re.split(r"[;,\t]|\s{2,}", line), line.split()) if len(each) == width]
+    if len(cells) > 1 and all(is_unit(unit.strip("[] ")) for unit in cells[0]):
+        cells[0] = [f"{name} ({unit.strip('[] ')})" for name, unit in zip(cells[1], cells[0], strict=True)]
+    heads = [head_of(cell) for cell in cells[0]] if cells else []
     names = [each.name.lower() for each in heads]
     named = {"x", "y", "z"} <= set(names)
     if not (width == 3 or named):
@@ -79,24 +82,22 @@ def gridded(points: Doubles, name: str) -> tuple[Doubles, tuple[float, float]]:
     shape = int(along.max()) + 1, int(across.max()) + 1
     if shape[0] * shape[1] > MOST_VALUES:
         raise Refused(f"{name}: its points need a grid of {shape[0]:,} x {shape[1]:,}; up to {MOST_VALUES:,} are read")
-    places = np.ravel_multi_index((along, across), shape)
-    if np.unique(places).size < places.size:
+    taken, heights = np.zeros(shape, dtype=bool), np.full(shape, np.nan)
+    taken[along, across], heights[along, across] = True, points[:, 2]
+    if taken.sum() < len(points):
         raise Refused(f"{name}: has two points at one place; leave out one of them")
-    heights = np.full(shape, np.nan)
-    heights.flat[places] = points[:, 2]
     return heights, (step, other)
 
 
 def _on_axis(values: Doubles, name: str, axis: str) -> tuple[Integers, float]:
     """Return the numbers of even steps at which values lie, a tenth of a step beside at most, and the step."""
-    different = np.unique(values)
-    gaps = np.diff(different)
-    if not gaps.size or not np.isfinite(different[-1]):
+    ordered = np.sort(values)
+    gaps, span = np.diff(ordered), float(ordered[-1] - ordered[0])
+    if not (0.0 < span < np.inf):
         raise Refused(f"{name}: {axis} is not a place of each point; a list needs x, y and z, that of a map")
-    apart = different[np.append(True, gaps > _NEAR * gaps.max())]
-    span = float(different[-1] - different[0])
+    apart = ordered[np.append(True, gaps > _NEAR * gaps.max())]
     step = span / round(span / float(np.median(np.diff(apart))))
-    places = (values - different[0]) / step
+    places = (values - ordered[0]) / step
     off = np.abs(places - np.rint(places))
     if (worst := int(off.argmax())) and off[worst] > _NEAR:
         raise Refused(f"{name}: {axis} = {values[worst]:g} lies on no even grid, whose step would be {step:.4g}")
