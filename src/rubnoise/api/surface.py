@@ -16,7 +16,7 @@ from rubnoise.real_numbers import with_unit
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.scan import Scan, Told, from_topography, length_scale, read_scan, write_scan
 from rubnoise.surface.height_map import FORMS, HeightMap, check_sense, without_form
-from rubnoise.surface.sliding import SlidingContact, slide
+from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import FORCE, LENGTH, STRESS
@@ -168,23 +168,28 @@ class Surface:
         """
         if cutoff is None:
             raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
-        return slide(
-            self.map,
-            self.map.turned() if slider is None else slider.map,
+        other = self.map.turned() if slider is None else slider.map
+        return SlidingContact(
+            scans=(self.map, other),
             load=_needed("load", load, FORCE),
             hardness=_needed("hardness", hardness, STRESS),
             cutoff=_needed("cutoff", cutoff, LENGTH),
             longest=_length("longest", longest),
-            slider_length=_length("slider_length", slider_length),
+            slider_length=_length("slider_length", slider_length) or other.size[0],
         )
 
     def count_over_cutoff(
         self, slider: "Surface | None" = None, *, share: float = 0.01, longest: Any = None
     ) -> tuple[Doubles, Doubles]:
         """Return cut-offs in um and N_jm at each, at a share of the area in contact."""
-        other, most = self.map.turned() if slider is None else slider.map, _length("longest", longest)
+        other = self.map.turned() if slider is None else slider.map
         return SlidingContact(
-            self.map, other, share * other.area, 1.0, 0.0, most, other.size[0], (self.map, other)
+            scans=(self.map, other),
+            load=share * other.area,
+            hardness=1.0,
+            cutoff=2.0 * max(*self.map.spacing, *other.spacing),
+            longest=_length("longest", longest),
+            slider_length=other.size[0],
         ).count_over_cutoff()
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:

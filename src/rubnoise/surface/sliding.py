@@ -63,21 +63,33 @@ def patches(heights: Doubles, share: float, spacing: tuple[float, float]) -> Pat
     )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SlidingContact:
-    """A slider on a track under a load: ``track`` and ``slider`` are maps with their waves cut, ``scans`` whole.
+    """A slider on a track under a load: ``scans`` are both maps, ``track`` and ``slider`` those with their waves cut.
 
-    ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um.
+    ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um. Raises Refused for
+    cut-offs outside of a scan, a slider shorter than its scan, a load above hardness times nominal area.
     """
 
-    track: HeightMap
-    slider: HeightMap
+    scans: tuple[HeightMap, HeightMap] = field(repr=False)
     load: float
     hardness: float
     cutoff: float
-    longest: float | None
+    longest: float | None = None
     slider_length: float
-    scans: tuple[HeightMap, HeightMap] = field(repr=False)
+    track: HeightMap = field(init=False)
+    slider: HeightMap = field(init=False)
+
+    def __post_init__(self) -> None:
+        length, width = self.scans[1].size
+        if self.slider_length < length * (1.0 - 1e-9):
+            scanned = f"less than the length of its scan, {length:.6g} um"
+            raise Refused(f"slider_length=: {self.slider_length:.6g} um is {scanned}")
+        if self.load >= (most := self.hardness * self.slider_length * width):
+            limit = f"the hardness times the nominal area, {most:.6g} uN"
+            raise Refused(f"load=: {self.load:.6g} uN is not below {limit}: lower the load, or take a larger scan")
+        for role, scan in zip(("track", "slider"), self.scans, strict=True):
+            object.__setattr__(self, role, band_limited(scan, self.cutoff, self.longest))
 
     @property
     def nominal_area(self) -> float:
@@ -135,8 +147,7 @@ class SlidingContact:
             raise Refused(f"{track.name}: has no waves between two points, {shortest:.4g} um, and {top:.4g} um")
         steps = np.arange(float(int(2.0 * np.log2(top / shortest)) + 1))
         cutoffs = np.asarray(shortest * 2.0 ** (0.5 * steps), dtype=np.float64)
-        limited = [band_limited(each, shortest, self.longest) for each in self.scans]
-        whole = replace(self, track=limited[0], slider=limited[1]).gaussian
+        whole = replace(self, cutoff=shortest).gaussian
         return cutoffs, np.array([whole.count_at(float(each)) for each in cutoffs])
 
     @property
@@ -251,31 +262,3 @@ class SlidingContact:
             rates = f"{ours:.4g} of the speed in the scenario, {exact:.4g} on the surfaces ({louder:+.1f} dB)"
             said.append(f"normal motion under a constant load: {rates}")
         return tuple(said)
-
-
-def slide(
-    track: HeightMap,
-    slider: HeightMap,
-    *,
-    load: float,
-    hardness: float,
-    cutoff: float,
-    longest: float | None = None,
-    slider_length: float | None = None,
-) -> SlidingContact:
-    """Return the contact of a slider on a track, ``load`` in uN, ``hardness`` in MPa, lengths in um.
-
-    Raises Refused for cut-offs outside of a scan, a slider shorter than its scan, a load above hardness times nominal
-    area.
-    """
-    length, width = slider.size
-    reach = length if slider_length is None else slider_length
-    if reach < length * (1.0 - 1e-9):
-        raise Refused(f"slider_length=: {reach:.6g} um is less than the length of its scan, {length:.6g} um")
-    most = hardness * reach * width
-    if load >= most:
-        limit = f"the hardness times the nominal area, {most:.6g} uN"
-        raise Refused(f"load=: {load:.6g} uN is not below {limit}: lower the load, or take a larger scan")
-    scans = track, slider
-    one, other = (band_limited(each, cutoff, longest) for each in scans)
-    return SlidingContact(one, other, load, hardness, cutoff, longest, reach, scans)
