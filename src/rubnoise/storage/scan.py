@@ -43,12 +43,11 @@ class Scan:
 
 def read_scan(path: Path, told: Told) -> Scan:
     """Return the map of a file; raises Refused for one without size or unit, with few points, or of another kind."""
-    library = _library()
-    for unit in (told.unit, told.height_unit):
-        length_scale(unit or "um", "unit=")  # also if the file names its own
+    for keyword in ("unit", "height_unit"):
+        length_scale(getattr(told, keyword) or "um", f"{keyword}=")  # also if the file names its own
     try:
         with np.errstate(all="ignore"), redirect_stderr(StringIO()):  # where readers print
-            return _read(library, path, told)
+            return _read(_library(), path, told)
     except Refused:
         raise
     except Exception as problem:  # a reader may raise anything about a damaged file
@@ -91,9 +90,9 @@ def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) ->
     """Return the wanted channel of a file, which is named if there are more."""
     channels = {each.channel_id: each for each in reader.channels}
     chosen = told.channel or reader.default_channel.channel_id
-    if chosen not in channels or not channels[chosen].is_height_channel:
-        heights = ", ".join(each for each, channel in channels.items() if channel.is_height_channel)
-        raise Refused(f"{name}: channel=: {chosen} names no heights in it; these do: {heights}")
+    heights = [each for each, channel in channels.items() if channel.is_height_channel]
+    if chosen not in heights:
+        raise Refused(f"{name}: channel=: {chosen} names no heights in it; these do: {', '.join(heights)}")
     if len(channels) > 1:
         history = (*history, f"channel {chosen} of {', '.join(channels)}")
     if channels[chosen].physical_sizes is not None:
