@@ -16,8 +16,7 @@ from rubnoise.scenario import loads
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap, without_form
 from rubnoise.surface.normal_motion import filtered_variance, gap_slope
-from rubnoise.surface.reading import read_surface
-from rubnoise.surface.sliding import patches, slide
+from rubnoise.surface.sliding import SlidingContact, patches
 from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.theory.load import load_motion, overlap_scale
 from tests.cli.terminal import call
@@ -414,6 +413,12 @@ def test_a_surface_replaces_no_file_unless_forced(tmp_path):
     assert (tmp_path / "one.nc").read_bytes() != before
 
 
+def contact_of(*scans, cutoff):
+    """A contact with 1 % of the slider's area in contact."""
+    length, width = scans[1].size
+    return SlidingContact(scans=scans, load=0.01 * length * width, hardness=1.0, cutoff=cutoff, slider_length=length)
+
+
 def test_arrays_and_their_faults():
     heights = np.random.default_rng(0).normal(size=(40, 50))
     made = rubnoise.Surface.of(heights, spacing=("0.5 um", "200 nm"), unit="nm")
@@ -429,7 +434,7 @@ def test_arrays_and_their_faults():
     with pytest.raises(rubnoise.Refused, match="spacing="):
         rubnoise.Surface.of(heights)
     with pytest.raises(rubnoise.Refused, match="no waves"):
-        slide(*2 * [HeightMap(heights=np.ones((64, 64)), spacing=(1.0, 1.0))], load=1.0, hardness=1.0, cutoff=4.0)
+        contact_of(*2 * [HeightMap(heights=np.ones((64, 64)), spacing=(1.0, 1.0))], cutoff=4.0)
 
 
 def test_maps_of_different_grids_meet_on_the_sliders():
@@ -439,8 +444,7 @@ def test_maps_of_different_grids_meet_on_the_sliders():
     laid = coarse.on_grid_of(fine)
     assert laid.shape == (511, 511)
     assert np.abs(laid - fine.heights[:511, :511])[8:-8, 8:-8].max() < 0.01
-    same = slide(fine, fine.turned(), load=2.6e6, hardness=1000.0, cutoff=16.0)
-    mixed = slide(coarse, fine.turned(), load=2.6e6, hardness=1000.0, cutoff=16.0)
+    same, mixed = (contact_of(each, fine.turned(), cutoff=16.0) for each in (fine, coarse))
     assert mixed.gaussian.junction_count == pytest.approx(same.gaussian.junction_count, rel=0.02)
     assert mixed.gaussian.relative_std == pytest.approx(same.gaussian.relative_std, rel=0.05)
     assert mixed.counted.patch_count == pytest.approx(
@@ -602,7 +606,7 @@ COUNTED = [
 @pytest.mark.parametrize(("name", "rows"), COUNTED)
 def test_patches_of_measured_scans(name, rows):
     pytest.importorskip("SurfaceTopography")
-    scan = without_form(read_surface(SCANS / name), "polynomial")
+    scan = rubnoise.Surface.read(SCANS / name, form="polynomial").map
     rough = scan.heights - ndimage.gaussian_filter(scan.heights, min(scan.heights.shape) / 16)
     for points, (one, pair) in rows.items():
         smooth = ndimage.gaussian_filter(rough, points) if points else rough

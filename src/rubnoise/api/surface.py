@@ -1,8 +1,10 @@
 """Measured surfaces in Python: read a scan, slide it on another, and keep the scenario of their noise."""
 
 import os
+import re
 from dataclasses import dataclass, field
 from math import nan, sqrt
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -12,9 +14,9 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
 from rubnoise.storage.output import whole_file
-from rubnoise.surface.height_map import FORMS, HeightMap, without_form
-from rubnoise.surface.reading import from_topography, length_scale, read_surface, to_file
-from rubnoise.surface.sliding import SlidingContact, slide
+from rubnoise.storage.scan import Scan, Told, from_topography, length_scale, read_scan, write_scan
+from rubnoise.surface.height_map import FORMS, HeightMap, check_sense, without_form
+from rubnoise.surface.sliding import SlidingContact
 from rubnoise.surface.waves import Waves, band_limited, self_affine
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import FORCE, LENGTH, STRESS
@@ -38,13 +40,31 @@ class Surface:
     map: HeightMap = field(repr=False)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], *, form: str = "tilt", unit: str | None = None) -> Self:
-        """Read the first map of a file in one of 42 formats; see `rubnoise.surface.reading.read_surface`.
+    def read(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        form: str = "tilt",
+        unit: str | None = None,
+        height_unit: str | None = None,
+        size: Any = None,
+        channel: str | None = None,
+        turn: bool = False,
+    ) -> Self:
+        """Read a map of a file in one of 42 formats, or of text: rows of x, y and z, or a matrix of heights.
 
         ``form`` is removed: "none", "tilt", "polynomial", "cylinder" or "sphere". ``unit`` is that of all lengths if
-        the file names none. Raises Refused for what cannot be read.
+        the file names none, ``height_unit`` that of heights, ``size`` that of a matrix, such as "128 um x 64 um", the
+        length of its rows first. ``channel`` names one of several maps, ``turn`` slides along the second index.
+        Raises Refused for what cannot be read, and for a map longer than 1 m or steeper than 10.
         """
-        return cls(without_form(read_surface(path, unit), _form(form)))
+        told = Told(
+            unit=unit,
+            height_unit=height_unit,
+            size=None if size is None else _two_lengths("size", size),
+            channel=channel,
+        )
+        return cls._of_scan(read_scan(Path(path), told), form, turn=turn)
 
     @classmethod
     def of(
@@ -56,16 +76,21 @@ class Surface:
         length such as "0.5 um", or two of them, along and across the sliding. Raises Refused for what is no map.
         """
         if hasattr(source, "heights") and hasattr(source, "physical_sizes"):
-            return cls(without_form(from_topography(source, name, unit), _form(form)))
+            return cls._of_scan(from_topography(source, name, Told(unit=unit)), form)
         heights, own = with_unit(source, name, unit or "")
         if spacing is None or not own:
             raise Refused('an array of heights needs spacing= and unit=; right form: spacing="0.5 um", unit="nm"')
-        steps = tuple(spacing) if isinstance(spacing, list | tuple) else (spacing, spacing)
-        if len(steps) != 2:
-            raise Refused(f"spacing=: {keywords.shown(spacing)} is neither one length nor two")
-        along, across = (_length("spacing", step) for step in steps)
         scaled = heights * length_scale(own, name)
-        return cls(without_form(HeightMap(heights=scaled, spacing=(along, across), name=name), _form(form)))
+        return cls._of_scan(Scan(heights=scaled, spacing=_two_lengths("spacing", spacing), name=name), form)
+
+    @classmethod
+    def _of_scan(cls, scan: Scan, form: str, *, turn: bool = False) -> Self:
+        whole = HeightMap(
+            heights=scan.heights, spacing=scan.spacing, periodic=scan.periodic, name=scan.name, history=scan.history
+        )
+        check_sense(whole)
+        known = str(keywords.choice("form", form, tuple(FORMS)))
+        return cls(without_form(whole.transposed() if turn else whole, known))
 
     @classmethod
     def synthesise(
@@ -143,29 +168,34 @@ class Surface:
         """
         if cutoff is None:
             raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
-        return slide(
-            self.map,
-            self.map.turned() if slider is None else slider.map,
+        other = self.map.turned() if slider is None else slider.map
+        return SlidingContact(
+            scans=(self.map, other),
             load=_needed("load", load, FORCE),
             hardness=_needed("hardness", hardness, STRESS),
             cutoff=_needed("cutoff", cutoff, LENGTH),
             longest=_length("longest", longest),
-            slider_length=_length("slider_length", slider_length),
+            slider_length=_length("slider_length", slider_length) or other.size[0],
         )
 
     def count_over_cutoff(
         self, slider: "Surface | None" = None, *, share: float = 0.01, longest: Any = None
     ) -> tuple[Doubles, Doubles]:
         """Return cut-offs in um and N_jm at each, at a share of the area in contact."""
-        other, most = self.map.turned() if slider is None else slider.map, _length("longest", longest)
+        other = self.map.turned() if slider is None else slider.map
         return SlidingContact(
-            self.map, other, share * other.area, 1.0, 0.0, most, other.size[0], (self.map, other)
+            scans=(self.map, other),
+            load=share * other.area,
+            hardness=1.0,
+            cutoff=2.0 * max(*self.map.spacing, *other.spacing),
+            longest=_length("longest", longest),
+            slider_length=other.size[0],
         ).count_over_cutoff()
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the map as netCDF, in the form that SurfaceTopography reads; refuses an existing file unless forced."""
         with whole_file(path, force=force) as part:
-            to_file(self.map, part)
+            write_scan(part, self.heights, self.map.size, periodic=self.map.periodic)
 
     def __repr__(self) -> str:
         lines = [f"  {name:<13} {value:.4g}" for name, value in self.roughness().items()]
@@ -181,8 +211,13 @@ class Surface:
         return f"{self.map.name}: {points} points over {along:.4g} um x {across:.4g} um"
 
 
-def _form(form: str) -> str:
-    return str(keywords.choice("form", form, tuple(FORMS)))
+def _two_lengths(keyword: str, value: Any) -> tuple[float, float]:
+    """Return two lengths in um, of "128 um x 64 um", of a pair, or of one length for both."""
+    sides = re.split(r" *[x\u00d7] *", value.strip()) if isinstance(value, str) else value
+    both = tuple(sides) if isinstance(sides, list | tuple) else (sides,)
+    if len(both) not in (1, 2):
+        raise Refused(f"{keyword}=: {keywords.shown(value)} is neither one length nor two")
+    return _needed(keyword, both[0], LENGTH), _needed(keyword, both[-1], LENGTH)
 
 
 def _length(keyword: str, value: Any) -> Any:

@@ -22,7 +22,8 @@ Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
 
 _SYNTHETIC: Final = ("points", "spacing", "roughness", "hurst", "rolloff", "seed")
 _SCENARIO: Final = ("speed", "distance", "mass", "damping_ratio")
-_SCANS: Final = ("load", "hardness", "longest", "form", "unit", "slider_length", "report", *_SCENARIO)
+_READ: Final = ("unit", "height_unit", "size", "channel", "turn")
+_SCANS: Final = ("load", "hardness", "longest", "form", *_READ, "slider_length", "report", *_SCENARIO)
 """Options of a synthetic surface, of the scenario, and of all that scans are for."""
 
 _LAGS: Final = 200
@@ -45,6 +46,12 @@ def command(
         Form, typer.Option(help="Form to remove: none, tilt, polynomial, cylinder, sphere.", metavar="FORM")
     ] = Form.tilt,
     unit: Annotated[str | None, typer.Option(help="Unit of a scan that names none: um.", metavar="UNIT")] = None,
+    height_unit: Annotated[str | None, typer.Option(help="Unit of its heights, if another.", metavar="UNIT")] = None,
+    size: Annotated[
+        str | None, typer.Option(help='Size of a bare matrix: "128 um x 128 um".', metavar="LENGTHS")
+    ] = None,
+    channel: Annotated[str | None, typer.Option(help="Which map of a file with several.", metavar="NAME")] = None,
+    turn: Annotated[bool, typer.Option("--turn", help="Slide along the second index of the scans.")] = False,
     slider_length: Annotated[
         str | None, typer.Option(help="Length of a slider longer than its scan.", metavar="LENGTH")
     ] = None,
@@ -105,7 +112,8 @@ def command(
         return
     if scans is None or len(scans) not in (1, 2):
         raise typer.BadParameter("one scan or two are needed: the track, then the slider")
-    surfaces = [Surface.read(path, form=form.value, unit=unit) for path in scans]
+    told: dict[str, Any] = {"unit": unit, "height_unit": height_unit, "size": size, "channel": channel, "turn": turn}
+    surfaces = [Surface.read(path, form=form.value, **told) for path in scans]
     slider = surfaces[1] if len(surfaces) == 2 else None
     _ask_for_needed(surfaces[0], slider, cutoff, load, hardness, longest)
     contact = surfaces[0].slide(

@@ -12,6 +12,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 
 FEWEST_POINTS: Final = 16  # a side, below which a map has no spectrum
+LONGEST, STEEPEST = 1e6, 10.0  # side in um and rms slope of a scan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,8 +31,7 @@ class HeightMap:
     def __post_init__(self) -> None:
         """Raises Refused for invalid maps: too few points, a spacing of 0, a height that is not a number."""
         if self.heights.ndim != 2 or min(self.heights.shape) < FEWEST_POINTS:
-            shape = " x ".join(map(str, self.heights.shape))
-            fewest = f"{FEWEST_POINTS} x {FEWEST_POINTS}"
+            shape, fewest = " x ".join(map(str, self.heights.shape)), f"{FEWEST_POINTS} x {FEWEST_POINTS}"
             raise Refused(f"{self.name}: has {shape} points; a map of {fewest} or more is needed")
         if not all(0.0 < step < np.inf for step in self.spacing):
             raise Refused(f"{self.name}: its points are {self.spacing} um apart; two lengths above 0 are needed")
@@ -64,15 +64,30 @@ class HeightMap:
         """Return the map turned by 180 degrees about its normal, as a partner for a surface that slides on itself."""
         return replace(self, heights=self.heights[::-1, ::-1], name=f"{self.name} turned by 180 degrees")
 
+    def transposed(self) -> Self:
+        """Return the map with its second index along the sliding."""
+        done = (*self.history, "turned to slide along its second index")
+        return replace(self, heights=self.heights.T.copy(), spacing=self.spacing[::-1], history=done)
+
     def on_grid_of(self, other: "HeightMap") -> Doubles:
         """Return heights at the points of another map, over the part that both cover from the first corner on."""
         if self.heights.shape == other.heights.shape and np.allclose(self.spacing, other.spacing, rtol=1e-6):
             return self.heights
-        grids = zip(self.heights.shape, other.heights.shape, self.spacing, other.spacing, strict=True)
-        points = [
-            np.arange(min(there, int((here - 1) * own / step) + 1)) * (step / own) for here, there, own, step in grids
-        ]
+        grids = zip(self.heights.shape, other.heights.shape, np.divide(other.spacing, self.spacing), strict=True)
+        points = [np.arange(min(there, int((here - 1) / step) + 1)) * step for here, there, step in grids]
         return ndimage.map_coordinates(self.heights, np.meshgrid(*points, indexing="ij"), order=3, mode="mirror")
+
+
+def check_sense(surface: HeightMap) -> None:
+    """Raises Refused for a map longer or steeper than a measured one can be: its units or some heights are wrong."""
+    if (longest := max(surface.size)) > LONGEST:
+        metres = f"{1e-6 * longest:.4g} m long, and no scan is longer than {1e-6 * LONGEST:g} m"
+        raise Refused(f'{surface.name}: is {metres}: give the unit of its lengths; right form: unit="um"')
+    rises = [np.sqrt(np.square(np.diff(surface.heights, axis=axis)).mean()) for axis in (0, 1)]
+    if (slope := float(max(np.divide(rises, surface.spacing)))) > STEEPEST:
+        steep = f"has an rms slope of {slope:.3g}, and no surface has more than {STEEPEST:g}"
+        remedy = 'give the unit of its heights, height_unit="um", or leave out values that stand for missing points'
+        raise Refused(f"{surface.name}: {steep}: {remedy}")
 
 
 _MOST_FITTED: Final = 20_000  # points by which a sphere or a cylinder is fitted
@@ -117,18 +132,19 @@ def _curved(surface: HeightMap, start: Doubles, form: str) -> Doubles:
     fewer = [slice(None, None, max(1, int(each.size / np.sqrt(_MOST_FITTED)))) for each in places]
     x, y = places[0][:, None], places[1][None, :]
     wanted = surface.heights[tuple(fewer)] / unit
-    # The curvature of the polynomial along its steepest direction is a start for both.
-    second = [np.gradient(np.gradient(start, axis=i), axis=i).mean() / step**2 for i, step in enumerate(steps)]
-    bend = max(second, key=abs) / unit
-    fits = [
-        least_squares(
-            lambda p: (_shape(p, x[fewer[0]], y[:, fewer[1]], unit / scale, form) - wanted).ravel(),
-            [float(wanted.mean()), bend, 0.0, 0.0, angle, 0.0],
-            x_scale=[1.0, abs(bend) or 1.0, 1.0, 1.0, 1.0, 1.0],
-        )
-        for angle in ((0.0,) if form == "sphere" else np.pi * np.array([0.0, 0.25, 0.5, 0.75]))
+    # The largest curvature of the polynomial and its direction are a start for both.
+    second = [
+        [np.gradient(slope, step, axis=i).mean() for i, step in enumerate(steps)]
+        for slope in np.gradient(start / unit, *steps)
     ]
-    return unit * _shape(min(fits, key=lambda fit: fit.cost).x, x, y, unit / scale, form)
+    bends, axes = np.linalg.eigh(second)
+    bend, (along, across) = max(zip(bends.tolist(), axes.T, strict=True), key=lambda each: abs(each[0]))
+    found = least_squares(
+        lambda p: (_shape(p, x[fewer[0]], y[:, fewer[1]], unit / scale, form) - wanted).ravel(),
+        [float(wanted.mean()), bend, 0.0, 0.0, np.arctan2(across, along), 0.0],
+        x_scale=[1.0, abs(bend) or 1.0, 1.0, 1.0, 1.0, 1.0],
+    )
+    return unit * _shape(found.x, x, y, unit / scale, form)
 
 
 def _shape(p: Doubles, x: Doubles, y: Doubles, slope: float, form: str) -> Doubles:

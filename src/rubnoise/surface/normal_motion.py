@@ -7,15 +7,12 @@ Source: Rice (1944) for the slope of a Gaussian field's excursion area.
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, pi, sqrt
-from typing import Final
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.surface.gaussian import GaussianContact, moved_products
+from rubnoise.surface.gaussian import GaussianContact
 from rubnoise.theory.load import level
-
-_FINER: Final = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +45,7 @@ def normal_motion(contact: GaussianContact, *, load: float, speed: float, mass: 
     scale = contact.height_scale / contact.real_contact_area
     resonance = sqrt(load / (contact.height_scale * mass)) / speed  # in rad per um of sliding
     lags, moving = contact.curve
-    fine = np.linspace(0.0, lags[-1], _FINER * lags.size)
+    fine = np.linspace(0.0, lags[-1], 8 * lags.size)
     area = CubicSpline(lags, moving, bc_type=((1, 0.0), "not-a-knot"))(fine)
     gap = filtered_variance(fine, area, resonance, ratio)
     # What has decayed long before the slider answers is better known by R than by -R'', whose integral is 0.
@@ -85,8 +82,7 @@ class _Slopes:
         along = contact.correlations[0].shape[0]
         waves = 2j * pi * np.fft.fftfreq(along, contact.slider.spacing[0])[:, None]
         self.gradients = [np.fft.ifft(np.fft.fft(each, axis=0) * waves, axis=0).real for each in contact.correlations]
-        far = (own * weight for own, weight in zip(self.gradients, contact.chance, strict=True))
-        self.chance = contact.level**2 * exp(-(contact.level**2)) / (2.0 * pi) * moved_products(*far)
+        self.chances = [own * part for own, part in zip(self.gradients, contact.chance, strict=True)]
 
     def summed(self, shift: int) -> float:
         """Return the sum of phi2' C_1x C_2x over all lags but rho = 1, less chance, at a lag in points."""
@@ -94,8 +90,8 @@ class _Slopes:
         above = np.maximum(1.0 + np.roll(track, -shift, axis=0) + slider, 1e-9)
         left = np.maximum((2.0 - above) * above, 1e-12)
         density = np.exp(-u * u / above) / (2.0 * pi * np.sqrt(left)) * ((u / above) ** 2 + (above - 1.0) / left)
-        moved = np.roll(self.gradients[0], -shift, axis=0)
-        return float((density * moved * self.gradients[1]).sum() - self.chance[shift])
+        slopes, chance = (np.roll(one, -shift, axis=0) * other for one, other in (self.gradients, self.chances))
+        return float((density * slopes - u * u * exp(-u * u) / (2.0 * pi) * chance).sum())
 
     @cached_property
     def variance(self) -> float:

@@ -26,7 +26,6 @@ FEWEST_PATCHES: Final = 20  # fewer have no statistics
 LARGEST_SHARE: Final = 0.3  # one patch with more of the area carries all
 LARGEST_AREA: Final = 0.05  # with more of the nominal area in contact lives merge (at 3 % births are 20 % off)
 LIVES: Final = 1000  # mean lives in the scenario's distance, if none is given
-_STEP: Final = 2.0**0.5
 NEAR, NEAR_LEVEL = 0.1, 1.0  # how far off a scenario may be unsaid: in spread and length, and in dB of normal motion
 
 
@@ -64,21 +63,33 @@ def patches(heights: Doubles, share: float, spacing: tuple[float, float]) -> Pat
     )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SlidingContact:
-    """A slider on a track under a load: ``track`` and ``slider`` are maps with their waves cut, ``scans`` whole.
+    """A slider on a track under a load: ``scans`` are both maps, ``track`` and ``slider`` those with their waves cut.
 
-    ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um.
+    ``load`` in uN, ``hardness`` in MPa, ``cutoff``, ``longest`` and ``slider_length`` in um. Raises Refused for
+    cut-offs outside of a scan, a slider shorter than its scan, a load above hardness times nominal area.
     """
 
-    track: HeightMap
-    slider: HeightMap
+    scans: tuple[HeightMap, HeightMap] = field(repr=False)
     load: float
     hardness: float
     cutoff: float
-    longest: float | None
+    longest: float | None = None
     slider_length: float
-    scans: tuple[HeightMap, HeightMap] = field(repr=False)
+    track: HeightMap = field(init=False)
+    slider: HeightMap = field(init=False)
+
+    def __post_init__(self) -> None:
+        length, width = self.scans[1].size
+        if self.slider_length < length * (1.0 - 1e-9):
+            scanned = f"less than the length of its scan, {length:.6g} um"
+            raise Refused(f"slider_length=: {self.slider_length:.6g} um is {scanned}")
+        if self.load >= (most := self.hardness * self.slider_length * width):
+            limit = f"the hardness times the nominal area, {most:.6g} uN"
+            raise Refused(f"load=: {self.load:.6g} uN is not below {limit}: lower the load, or take a larger scan")
+        for role, scan in zip(("track", "slider"), self.scans, strict=True):
+            object.__setattr__(self, role, band_limited(scan, self.cutoff, self.longest))
 
     @property
     def nominal_area(self) -> float:
@@ -134,10 +145,9 @@ class SlidingContact:
         top = min(0.25 * min(*track.size, *slider.size), 0.5 * (self.longest or inf))
         if not shortest < top:
             raise Refused(f"{track.name}: has no waves between two points, {shortest:.4g} um, and {top:.4g} um")
-        steps = np.arange(float(int(np.log(top / shortest) / np.log(_STEP)) + 1))
-        cutoffs = np.asarray(shortest * _STEP**steps, dtype=np.float64)
-        limited = [band_limited(each, shortest, self.longest) for each in self.scans]
-        whole = replace(self, track=limited[0], slider=limited[1]).gaussian
+        steps = np.arange(float(int(2.0 * np.log2(top / shortest)) + 1))
+        cutoffs = np.asarray(shortest * 2.0 ** (0.5 * steps), dtype=np.float64)
+        whole = replace(self, cutoff=shortest).gaussian
         return cutoffs, np.array([whole.count_at(float(each)) for each in cutoffs])
 
     @property
@@ -218,12 +228,12 @@ class SlidingContact:
         """
         model = self.scenario.model()
         area, size = area_cumulants(model), overlap_scale(model)
-        lags = np.linspace(0.0, 2.0, 201) * size
+        lags, gap = np.linspace(0.0, 2.0, 201) * size, self.gaussian.height_scale * area.std / area.mean
         return {
             "relative_std": area.std / area.mean,
             "correlation_length": half_width(lags, autocovariance(model, lags)),
-            "separation_std": self.gaussian.height_scale * area.std / area.mean,
-            "separation_slope": self.gaussian.height_scale * area.std / area.mean / size,
+            "separation_std": gap,
+            "separation_slope": gap / size,
         }
 
     @cached_property
@@ -240,46 +250,15 @@ class SlidingContact:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences with both numbers if the scenario is off: by a tenth in spread or correlation, by 1 dB in level."""
-        return tuple(self._said())
-
-    def _said(self) -> Iterator[str]:
-        for name, unit in (("relative_std", ""), ("correlation_length", " um")):
+        said = []
+        names = {"standard deviation over mean": "relative_std", "correlation length": "correlation_length"}
+        for (words, name), unit in zip(names.items(), ("", " um"), strict=True):
             ours, exact = self.in_scenario[name], getattr(self.gaussian, name)
             if isfinite(exact) and exact > 0.0 and abs(ours / exact - 1.0) > NEAR:
                 change = f"({100.0 * (ours / exact - 1.0):+.0f} %)"
-                words = "standard deviation over mean" if name == "relative_std" else "correlation length"
-                yield f"{words}: {ours:.4g}{unit} in the scenario, {exact:.4g}{unit} on the surfaces {change}"
+                said.append(f"{words}: {ours:.4g}{unit} in the scenario, {exact:.4g}{unit} on the surfaces {change}")
         ours, exact = self.in_scenario["separation_slope"], self.gap_slope
         if exact > 0.0 and abs(louder := 20.0 * log10(ours / exact)) > NEAR_LEVEL:
             rates = f"{ours:.4g} of the speed in the scenario, {exact:.4g} on the surfaces ({louder:+.1f} dB)"
-            yield f"normal motion under a constant load: {rates}"
-
-
-def slide(
-    track: HeightMap,
-    slider: HeightMap,
-    *,
-    load: float,
-    hardness: float,
-    cutoff: float,
-    longest: float | None = None,
-    slider_length: float | None = None,
-) -> SlidingContact:
-    """Return the contact of a slider on a track, ``load`` in uN, ``hardness`` in MPa, lengths in um.
-
-    Raises Refused for cut-offs outside of a scan, a slider shorter than its scan, a load above hardness times nominal
-    area.
-    """
-    length, width = slider.size
-    reach = length if slider_length is None else slider_length
-    if reach < length * (1.0 - 1e-9):
-        raise Refused(f"slider_length=: {reach:.6g} um is less than the length of its scan, {length:.6g} um")
-    most = hardness * reach * width
-    if load >= most:
-        raise Refused(
-            f"load=: {load:.6g} uN is not below the hardness times the nominal area, {most:.6g} uN: lower the load, or"
-            " take a larger scan"
-        )
-    scans = track, slider
-    one, other = (band_limited(each, cutoff, longest) for each in scans)
-    return SlidingContact(one, other, load, hardness, cutoff, longest, reach, scans)
+            said.append(f"normal motion under a constant load: {rates}")
+        return tuple(said)

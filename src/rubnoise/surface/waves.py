@@ -16,32 +16,25 @@ from rubnoise.surface.height_map import FEWEST_POINTS, HeightMap
 MOST_POINTS: Final = 8192  # a side of a synthetic map: it takes half a GB, and its transform twice as much
 
 
-def check_wavelengths(surface: HeightMap, cutoff: float, longest: float | None) -> None:
-    """Raises Refused for a cut-off below two points or above half of the scan, and for limits without waves between."""
-    points, half = 2.0 * max(surface.spacing), 0.5 * min(surface.size)
-    if not points * (1.0 - 1e-9) <= cutoff <= half:
-        raise Refused(
-            f"{surface.name}: cutoff=: {cutoff:.6g} um is not between two points, {points:.4g} um, and half the scan,"
-            f" {half:.4g} um"
-        )
-    if longest is not None and not cutoff < longest:
-        raise Refused(f"longest=: {longest:.6g} um leaves no waves; it has to be above the cut-off, {cutoff:.6g} um")
-
-
 def band_limited(surface: HeightMap, cutoff: float, longest: float | None = None) -> HeightMap:
     """Return a map without waves shorter than ``cutoff`` and longer than ``longest`` (both in um) and without mean.
 
     The limit is sharp. A map that is not periodic is continued by its mirror image at each edge (a cosine transform).
+    Raises Refused for a cut-off below two points or above half of the scan, and for limits without waves between.
     """
-    check_wavelengths(surface, cutoff, longest)
-    shape, spacing = surface.heights.shape, surface.spacing
+    points, half = 2.0 * max(surface.spacing), 0.5 * min(surface.size)
+    if not points * (1.0 - 1e-9) <= cutoff <= half:
+        outside = f"{cutoff:.6g} um is not between two points, {points:.4g} um, and half the scan, {half:.4g} um"
+        raise Refused(f"{surface.name}: cutoff=: {outside}")
+    if longest is not None and not cutoff < longest:
+        raise Refused(f"longest=: {longest:.6g} um leaves no waves; it has to be above the cut-off, {cutoff:.6g} um")
     if surface.periodic:
-        waves = fft.fft2(surface.heights) * _kept(*frequencies(shape, spacing), cutoff, longest)
-        heights = fft.ifft2(waves).real
+        kept = _kept(*frequencies(surface.heights.shape, surface.spacing), cutoff, longest)
+        heights = fft.ifft2(fft.fft2(surface.heights) * kept).real
     else:
-        along, across = np.ix_(*(0.5 * np.arange(n) / (n * step) for n, step in zip(shape, spacing, strict=True)))
-        waves = fft.dctn(surface.heights, norm="ortho") * _kept(along, across, cutoff, longest)
-        heights = fft.idctn(waves, norm="ortho")
+        sides = zip(surface.heights.shape, surface.size, strict=True)
+        along, across = np.ix_(*(0.5 * np.arange(n) / side for n, side in sides))
+        heights = fft.idctn(fft.dctn(surface.heights) * _kept(along, across, cutoff, longest))
     if not np.ptp(heights) > 1e-12 * np.ptp(surface.heights):
         raise Refused(f"{surface.name}: no waves are left between the cut-off and the longest wave")
     limit = "" if longest is None else f", and longer than {longest:.6g} um"

@@ -1,0 +1,154 @@
+"""Scans from files of 42 instruments and formats by SurfaceTopography, and from text; or from its objects."""
+
+import re
+import warnings
+from contextlib import redirect_stderr
+from dataclasses import dataclass, field
+from io import StringIO
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused, needing
+from rubnoise.regular_file import size_of
+from rubnoise.storage.scan_text import MOST_VALUES, decoded, gridded, points_of, table_of
+from rubnoise.units import LENGTH, QuantityError, read_quantity
+
+MOST_MISSING: Final = 0.1  # share of missing points that are filled
+MOST_BYTES: Final = 1 << 30  # of a file that is read
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """What is said beside a file: ``unit`` of lengths without one, ``height_unit``, ``size`` in um, and ``channel``."""
+
+    unit: str | None = None
+    height_unit: str | None = None
+    size: tuple[float, float] | None = None
+    channel: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scan:
+    """Heights and spacings in um, the first index along the sliding; ``history`` says how they were read."""
+
+    heights: Doubles = field(repr=False)
+    spacing: tuple[float, float]
+    periodic: bool = False
+    name: str
+    history: tuple[str, ...] = ()
+
+
+def read_scan(path: Path, told: Told) -> Scan:
+    """Return the map of a file; raises Refused for one without size or unit, with few points, or of another kind."""
+    for keyword in ("unit", "height_unit"):
+        length_scale(getattr(told, keyword) or "um", f"{keyword}=")  # also if the file names its own
+    try:
+        with np.errstate(all="ignore"), redirect_stderr(StringIO()):  # where readers print
+            return _read(_library(), path, told)
+    except Refused:
+        raise
+    except Exception as problem:  # a reader may raise anything about a damaged file
+        said = re.sub(r"'?<\S+ object at \w+>'?", "", str(getattr(problem, "strerror", None) or problem))
+        reason = " ".join(said.replace("`", "").split())[:200]
+        raise Refused(f"{path}: is no surface that can be read: {reason}") from problem
+
+
+def _read(library: Any, path: Path, told: Told) -> Scan:
+    """Return the map of a file: of text by its lines, of others by the reader that knows them or fits the ending."""
+    if (held := size_of(path)) > MOST_BYTES:
+        raise Refused(f"{path}: has {held:,} bytes; up to {MOST_BYTES:,} are read")
+    fitting = [each for each in library.IO.readers if path.suffix.lower()[1:] in (each.file_extensions() or ())]
+    others = [each for each in fitting if each.format() not in ("xyz", "asc")]
+    text, history = decoded(path.read_bytes()) if others != fitting or not fitting else (None, ())
+    if text is None:
+        return _of_channel(_opened(library, path, others), path.name, told, history)
+    head, values, clean = table_of(text, path.name)
+    if (found := points_of(head, values)) is None:
+        return _of_channel(library.open_topography(StringIO(clean), "asc"), path.name, told, history)
+    points, unit, height_unit = found
+    scale = length_scale(unit or told.unit, path.name)
+    up = length_scale(told.height_unit or height_unit or told.unit, path.name, "height_unit")
+    heights, steps = gridded(points * (scale, scale, up), path.name)
+    made = library.Topography(np.ma.masked_invalid(heights), np.multiply(heights.shape, steps), unit="um")
+    return from_topography(made, path.name, Told(), history)
+
+
+def _opened(library: Any, path: Path, fitting: list[Any]) -> Any:
+    """Return the reader of a file; where none knows it, one that fits its ending says why."""
+    try:
+        return library.open_topography(str(path))
+    except library.IO.CannotDetectFileFormat:
+        for reader in fitting:
+            library.open_topography(str(path), format=reader.format())
+    raise Refused(f"{path}: no reader of SurfaceTopography knows its format")
+
+
+def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) -> Scan:
+    """Return the wanted channel of a file, which is named if there are more."""
+    channels = {each.channel_id: each for each in reader.channels}
+    chosen = told.channel or reader.default_channel.channel_id
+    heights = [each for each, channel in channels.items() if channel.is_height_channel]
+    if chosen not in heights:
+        raise Refused(f"{name}: channel=: {chosen} names no heights in it; these do: {', '.join(heights)}")
+    if len(channels) > 1:
+        history = (*history, f"channel {chosen} of {', '.join(channels)}")
+    if channels[chosen].physical_sizes is not None:
+        return from_topography(channels[chosen].topography(), name, told, history)
+    if told.size is None:
+        raise Refused(f'{name}: does not say how large it is; say it: size="128 um x 128 um"')
+    return from_topography(channels[chosen].topography(physical_sizes=told.size), name, told, history, "um")
+
+
+def from_topography(topography: Any, name: str, told: Told, history: tuple[str, ...] = (), lateral: str = "") -> Scan:
+    """Return an object of SurfaceTopography, its size in ``lateral``, as a map; raises Refused as `read_scan` does."""
+    if topography.dim != 2 or not topography.is_uniform:
+        raise Refused(f"{name}: is a profile or has uneven points; a map of heights over an even grid is needed")
+    if (points := int(np.prod(topography.nb_grid_pts))) > MOST_VALUES:
+        raise Refused(f"{name}: has {points:,} points; up to {MOST_VALUES:,} are read")
+    own = getattr(topography, "unit", None)
+    named = lateral or own or topography.info.get("raw_metadata", {}).get("xunit")  # a text may name that of its size
+    scale = length_scale(named or told.unit, name)
+    up = length_scale(told.height_unit or own or told.unit, name, "height_unit")
+    along, across = (float(step) * scale for step in topography.pixel_size)
+    heights, done = _filled(topography, name)
+    scaled, periodic = np.ascontiguousarray(heights * up), bool(topography.is_periodic)
+    return Scan(heights=scaled, spacing=(along, across), periodic=periodic, name=name, history=(*history, *done))
+
+
+def length_scale(unit: Any, name: str, keyword: str = "unit") -> float:
+    """Return the size of a unit of length in um; raises Refused for another unit, and for none."""
+    if not unit:
+        what = "lengths" if keyword == "unit" else "heights"
+        raise Refused(f'{name}: names no unit of its {what}; say it: {keyword}="um"')
+    try:
+        return float(read_quantity("1 " + str(unit).replace("\u00c5", "angstrom"), LENGTH))
+    except QuantityError as problem:
+        raise Refused(f"{name}: {unit}: {problem}; a unit of length is needed, such as um, nm, mm, m") from problem
+
+
+def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
+    """Return heights whose missing points are filled by a harmonic function of their neighbours, and words for that."""
+    heights = np.ma.masked_invalid(topography.heights())
+    missing = int(np.ma.getmaskarray(heights).sum())
+    if missing == 0:
+        return np.asarray(heights.data, dtype=np.float64), ()
+    if (share := missing / heights.size) > MOST_MISSING:
+        many = f"{100.0 * share:.3g} % of its points are missing; up to {100.0 * MOST_MISSING:g} % are filled"
+        raise Refused(f"{name}: {many}; cut out a part that was measured")
+    filled = topography.interpolate_undefined_data_with_harmonic_function().heights()
+    return np.asarray(filled, dtype=np.float64), (f"{missing:,} missing points filled from their neighbours",)
+
+
+def write_scan(path: Path, heights: Doubles, size: tuple[float, float], *, periodic: bool) -> None:
+    """Write a map in um as netCDF, which SurfaceTopography reads again with its unit and its period."""
+    _library().Topography(heights, size, unit="um", periodic=periodic).to_netcdf(str(path))
+
+
+def _library() -> Any:
+    with needing("surface", "a scan"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it tells that it found no MPI, which no scan needs
+        import SurfaceTopography
+    return SurfaceTopography
