@@ -8,22 +8,12 @@ from typing import Any, Final
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE
-from rubnoise.scenario.document import (
-    FORMAT,
-    ONE_STRENGTH,
-    SECTIONS,
-    SWEEP,
-    TOP,
-    Document,
-    Interface,
-    Sliding,
-    Sweeping,
-    presence,
-)
+from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
 from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
+from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
@@ -305,7 +295,7 @@ def _said_twice(layers: Layers, both: list[Path]) -> Problem:
 def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
     """Refuse a driven motion where it is not known."""
     excitation = slider.get("excitation", "friction")
-    if excitation != "friction" and slider.get("coupling") == "two-way":
+    if excitation in ("base", "velocity-weakening") and slider.get("coupling") == "two-way":
         message = f'the excitation "{excitation}" is known with one-way coupling alone'
         yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
     if excitation == "base" and "load" in layers.data:
