@@ -14,8 +14,9 @@ import package_map
 from parts import filled, parts_of, table
 from scipy.stats import t as student
 
-from rubnoise.scenario.document import SECTIONS, TOP, Sweeping, presence
+from rubnoise.scenario.document import SECTIONS, TOP, presence
 from rubnoise.scenario.fields import TITLE_CHARACTERS, Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
+from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

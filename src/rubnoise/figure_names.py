@@ -3,9 +3,6 @@
 from dataclasses import dataclass
 from typing import Final
 
-INDEX: Final = "index.h5"
-"""What the folder of a sweep has its index in."""
-
 DONE, FAILED, PLANNED = STATES = ("done", "failed", "planned")
 """What the index of a sweep says of a run."""
 

@@ -13,9 +13,10 @@ from functools import cache
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from rubnoise.figure_names import INDEX
-
 STANDARD_INPUT: Final = "-"
+INDEX: Final = "index.h5"
+"""What the folder of a sweep has its index in."""
+
 MOST_INPUT_BYTES: Final = 1 << 32
 
 PIECE_BYTES = 1 << 20

@@ -10,10 +10,11 @@ import rubnoise
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import loads
-from rubnoise.scenario.document import SECTIONS, Sweeping
+from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
+from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.scenario.template import template
 from rubnoise.storage import forecast
 from tests.cli.terminal import PAPER, call, names

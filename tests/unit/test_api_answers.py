@@ -138,6 +138,7 @@ def test_the_exact_spectrum_beside_it_is_that_of_the_theory(record: rubnoise.Rec
     assert np.mean(seen.density[near] / seen.exact[near]) == pytest.approx(1.0, abs=4 * 0.022)
     wrong = rubnoise.simulate(SCENARIO.replace({"strength.mean": "300 MPa"})).psd("velocity").density
     assert np.mean(wrong[near] / seen.exact[near]) > 1.0 + 4 * 0.022
+    assert seen.plot("exact").axes[0].get_ylabel() == "exact ((m/s)^2/Hz)"
 
 
 def test_a_quantity_that_a_run_lacks_is_named(record: rubnoise.Record) -> None:

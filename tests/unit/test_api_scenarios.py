@@ -181,6 +181,8 @@ def test_a_grid_takes_what_numpy_and_pint_have() -> None:
     for wrong in (20, "1 mm/s", 1 * UNIT.mm / UNIT.s):
         with pytest.raises(rubnoise.Refused, match=r"grid=: sliding\.speed: .* a list of values is needed"):
             rubnoise.sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
+    with pytest.raises(rubnoise.Refused, match="jobs=: '2' is no number of processes"):
+        rubnoise.sweep(small, grid=grid, jobs="2")  # type: ignore[arg-type]
 
 
 def test_what_is_none_of_it_is_refused(tmp_path: Path) -> None:

@@ -9,10 +9,11 @@ import pytest
 
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import json_schema, load, loads
-from rubnoise.scenario.document import SECTIONS, TOP, Sweeping
+from rubnoise.scenario.document import SECTIONS, TOP
 from rubnoise.scenario.fields import keys_of
 from rubnoise.scenario.problems import Place, Problem, in_order, report
 from rubnoise.scenario.sweep import load_either
+from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.scenario.text import SYNTAX_ERRORS, read_toml
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 

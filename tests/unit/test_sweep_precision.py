@@ -13,9 +13,9 @@ from rubnoise.figure_names import QUANTITIES
 from rubnoise.record.tally import Tally
 from rubnoise.runs.measuring import Measurement, measured
 from rubnoise.runs.stopping_rule import AdaptiveReplicates
-from rubnoise.scenario.document import FEWEST, SWEEP_RUNS
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
+from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS
 from rubnoise.scenario.sweep_table import Precision
 from rubnoise.simulation.run import simulate
 from tests.models import model

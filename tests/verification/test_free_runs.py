@@ -449,7 +449,7 @@ def test_areas_are_those_of_the_summits(result: Path) -> None:
         ("load", {"restitution": -0.1}, "too small"),
         ("load", {"restitution": 1.1}, "too large"),
         ("load", {"restitution": None, "impact_damping": "60 N*s/m"}, "an inverse speed is needed"),
-        ("load", {"motion": "first-order", "damping_ratio": 0.05}, "first-order motion takes no restitution"),
+        ("load", {"motion": "first-order", "damping_ratio": 0.05}, 'the motion "first-order" takes no restitution'),
         ("load", {"damping": "4 N*s/m", "damping_ratio": 0.05}, "both damping and damping_ratio are given"),
         ("sliding", {"start": "empty"}, "free motion begins at rest"),
         ("sliding", {"speed": None}, "sliding.speed: missing"),

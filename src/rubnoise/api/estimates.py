@@ -79,9 +79,8 @@ class PowerSpectrum(Table):
     def _described(self, name: str) -> Column:
         if name not in self.names:
             raise KeyError(f"this spectrum has {', '.join(self.names)}, not {name!r}")
-        if name == self.names[0]:
-            return with_units(self.place, name, self.place_units)
-        return with_units(getattr(self, name), name, self.units)
+        first = name == self.names[0]
+        return with_units(self.place if first else getattr(self, name), name, self.place_units if first else self.units)
 
     @property
     def _title(self) -> str:
@@ -91,11 +90,9 @@ class PowerSpectrum(Table):
         """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
         from rubnoise.api.pictures import drawn_estimate
 
-        if name is not None:
-            return Table.plot(self, name)
         curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
         labels = f"{self.names[0]} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
-        return drawn_estimate(self.place[1:], curves, labels)
+        return Table.plot(self, name) if name else drawn_estimate(self.place[1:], curves, labels)
 
     @property
     def _heading(self) -> str:

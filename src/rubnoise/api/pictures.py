@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
@@ -284,10 +285,7 @@ def drawn_figures(
     _make_folder(folder, [file for own in files.values() for file in own.values()], force=force)
     for name, own in files.items():
         report(name)
-
-        def watch(done: int, runs: int, name: str = name) -> None:
-            report(f"{name}: {done} of {runs} runs")
-
+        watch = partial(_report_runs, report, name)
         pictures = paper_figure(name, kinds, Sources(folder=place, watch=watch))
         for kind, file in own.items():
             with whole_file(file, force=force) as part:
@@ -310,3 +308,7 @@ def _make_folder(folder: Path, files: Iterable[Path], *, force: bool) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
+
+
+def _report_runs(report: Callable[[str], None], name: str, done: int, runs: int) -> None:
+    report(f"{name}: {done} of {runs} runs")

@@ -17,8 +17,9 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.run import Run
 from rubnoise.api.run import open as open_result
 from rubnoise.errors import Refused, RunFileRefused, needing
-from rubnoise.figure_names import FAILED, INDEX, STATES
+from rubnoise.figure_names import FAILED, STATES
 from rubnoise.real_numbers import number_in
+from rubnoise.regular_file import INDEX
 from rubnoise.runs.index import ABOUT, keys_in, scenario_at
 from rubnoise.runs.point_file import file_of, name_in, scenario_in
 from rubnoise.storage.index import Filled, Index, read_index

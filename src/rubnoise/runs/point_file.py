@@ -17,9 +17,9 @@ from rubnoise.analysis.run_summary import CURVES, SummarySink, curve_theory
 from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.runs.making import describe, play
-from rubnoise.scenario.document import Keep
 from rubnoise.scenario.points import Point, name_of
 from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate

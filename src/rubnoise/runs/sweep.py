@@ -15,7 +15,7 @@ from shlex import join
 from typing import Any, Final
 
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
-from rubnoise.figure_names import INDEX
+from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
 from rubnoise.runs.executors import Workers

@@ -19,7 +19,8 @@ from rubnoise.analysis.verification import verify
 from rubnoise.analysis.verifying.attributes import shown
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.errors import RunFileRefused
-from rubnoise.figure_names import DONE, FAILED, INDEX
+from rubnoise.figure_names import DONE, FAILED
+from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import run_files
 from rubnoise.runs.index import index_of, keys_in, scenario_at
 from rubnoise.runs.point_file import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised

@@ -8,23 +8,12 @@ from typing import Any, Final
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE
-from rubnoise.scenario.document import (
-    FORMAT,
-    ONE_STRENGTH,
-    SECTIONS,
-    SWEEP,
-    TOP,
-    Diameter,
-    Document,
-    Interface,
-    Sliding,
-    Sweeping,
-    presence,
-)
+from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
 from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import CONTACT, FREE_MOTION, RAYLEIGH, completed
+from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.units import LENGTH, RATIO, Quantity, Unfit
 
 _CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
@@ -44,6 +33,30 @@ ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
 _OWN_SCALE: Final = ("empirical", "power")
 DAMPINGS: Final = (("damping",), ("damping_ratio",))
 _ANY_DISTANCE: Final = Sliding(distance=Quantity(Fraction(1), LENGTH))
+_LAWS: Final = {
+    name: (*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys)
+    for name, entry in LAWS.items()
+}
+OWN_KEYS: Final[Mapping[tuple[str, str], Mapping[str, Collection[str]]]] = {
+    ("diameter", "law"): _LAWS,
+    ("strength", "law"): {
+        ONE_STRENGTH if name == "fixed" else name: own for name, own in _LAWS.items() if not LAWS[name].own_keys
+    },
+    ("birth", "law"): {name: [each.name for each in entry.keys] for name, entry in BIRTHS.items()},
+    ("slider", "excitation"): {
+        "friction": (),
+        "base": ("asperity_height", "heights"),
+        "velocity-weakening": ("slope",),
+    },
+    ("slider", "coupling"): {"one-way": (), "two-way": ("tolerance",)},
+    ("load", "motion"): {"first-order": (), "free": FREE_MOTION},
+}
+"""The keys that go with each value of a choice alone, by the choice; a file must have them, but for NOT_NEEDED."""
+
+NOT_NEEDED: Final = {"heights", "tolerance", *FREE_MOTION, *(key for entry in LAWS.values() for key in entry.optional)}
+INSTEAD: Final = {name: entry.with_spread for name, entry in LAWS.items()} | {ONE_STRENGTH: LAWS["fixed"].with_spread}
+"""The law to advise in place of one that takes no spread."""
+
 LOSSES: Final = tuple((key,) for key in FREE_MOTION)
 """Ways to say what a load that weighs loses: of first order, and in free motion, which may have the others, too."""
 
@@ -97,7 +110,7 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document, set[str], list
     both = {"interface", "diameter"}
     if wrong & both and "mean" in _table_or_empty(layers, "diameter"):
         wrong |= both  # area or count follow from the diameter
-        right |= {"interface": Interface(), "diameter": Diameter()}
+        right |= {"interface": Interface(), "diameter": SECTIONS["diameter"]()}
     return Document(**right), wrong, problems
 
 
@@ -183,7 +196,6 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
         for ways in ALTERNATIVES["slider"]:
             yield from _one_of(layers, "slider", ways)
-        yield from _tolerance_problems(layers, slider)
     if isinstance(layers.data.get("load"), dict):
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
@@ -191,9 +203,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
         yield from _loss_problems(layers)
         yield from _weighing_problems(layers)
-    yield from _law_problems(layers, "diameter")
-    yield from _law_problems(layers, "strength")
-    yield from _birth_problems(layers)
+    for name, choice in OWN_KEYS:
+        yield from _own_problems(layers, name, choice)
 
 
 def _unsound_problems(layers: Layers) -> Iterator[Problem]:
@@ -252,9 +263,6 @@ def _loss_problems(layers: Layers) -> Iterator[Problem]:
     yield from _one_of(layers, "load", DAMPINGS, needed=not free)
     if free:
         yield from _one_of(layers, "load", LOSSES)
-        return
-    for key in (key for key in FREE_MOTION if key in load):
-        yield _without_effect(layers, ("load", key), f"first-order motion takes no {key}", 'motion = "free"')
 
 
 def _weighing_problems(layers: Layers) -> Iterator[Problem]:
@@ -313,46 +321,15 @@ def _said_twice(layers: Layers, both: list[Path]) -> Problem:
     return layers.problem(path, message, "keep exactly one of the two", place=second)
 
 
-_DRIVEN = {"asperity_height": "base", "heights": "base", "slope": "velocity-weakening"}
-
-
 def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    """Check the keys of an excitation; a driven motion is known only one-way."""
+    """Refuse a driven motion where it is not known."""
     excitation = slider.get("excitation", "friction")
-    for key, its in _DRIVEN.items():
-        path = ("slider", key)
-        if key in slider and excitation != its:
-            message = f'the excitation "{excitation}" takes no {key}'
-            yield _without_effect(layers, path, message, f'excitation = "{its}"')
-        if key not in slider and excitation == its and key != "heights":
-            yield missing(layers, path, f'missing; the excitation "{its}" needs it')
-    if excitation in _DRIVEN.values() and slider.get("coupling") == "two-way":
+    if excitation in ("base", "velocity-weakening") and slider.get("coupling") == "two-way":
         message = f'the excitation "{excitation}" is known with one-way coupling alone'
         yield layers.problem(("slider", "coupling"), message, 'coupling = "one-way"')
     if excitation == "base" and "load" in layers.data:
         message = 'the excitation "base" is known only without a load that weighs'
         yield layers.problem(("slider", "excitation"), message, "leave [load] out")
-
-
-def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    if "tolerance" in slider and slider.get("coupling", "one-way") == "one-way":
-        message = "one-way coupling takes no tolerance: its motion is exact"
-        message += "" if "coupling" in slider else ', and "one-way" is the default'
-        yield _without_effect(layers, ("slider", "tolerance"), message, 'coupling = "two-way"')
-
-
-def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
-    """Check the keys of a table against its law: missing ones, and ones without effect."""
-    table, about = _table_or_empty(layers, name), keys_of(SECTIONS[name])["law"]
-    law = table.get("law", about.default)
-    entry = LAWS.get("fixed" if law == ONE_STRENGTH else law) if isinstance(law, str) else None
-    if entry is None or not (table or SECTIONS[name] is Diameter):
-        return
-    taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys]
-    homes = {each.name: other for other, entry in LAWS.items() for each in entry.parameters}
-    if SECTIONS[name] is Diameter:
-        homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
-    yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes, entry.optional)
 
 
 def _unequal_lists(layers: Layers) -> Iterator[Problem]:
@@ -362,36 +339,20 @@ def _unequal_lists(layers: Layers) -> Iterator[Problem]:
         yield layers.problem(("diameter", "weights"), message, "one weight for each part")
 
 
-def _birth_problems(layers: Layers) -> Iterator[Problem]:
-    law = _table_or_empty(layers, "birth").get("law", keys_of(SECTIONS["birth"])["law"].default)
-    if isinstance(law, str) and law in BIRTHS:
-        homes = {each.name: name for name, entry in BIRTHS.items() for each in entry.keys}
-        yield from _own_keys(layers, "birth", law, [each.name for each in BIRTHS[law].keys], homes)
-
-
-def _own_keys(
-    layers: Layers,
-    name: str,
-    law: str,
-    taken: Collection[str],
-    homes: Mapping[str, str],
-    optional: Collection[str] = (),
-) -> Iterator[Problem]:
-    """Refuse keys that a law does not take, naming the law that does, and report missing ones."""
-    table = _table_or_empty(layers, name)
-    for key, instead in homes.items():
-        path = (name, key)
-        if key in table and key not in taken:
-            message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
-            yield _without_effect(layers, path, message, f'law = "{instead}"' if instead else "")
-        if key in taken and key not in table and key not in optional:
-            yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
-
-
-def _without_effect(layers: Layers, path: Path, message: str, instead: str) -> Problem:
-    """Return the problem of a key that does nothing, with what would give it an effect."""
-    leave = f"leave the {path[-1]} out"
-    return layers.problem(path, message, f"write {instead}, or {leave}" if instead else leave)
+def _own_problems(layers: Layers, name: str, choice: str) -> Iterator[Problem]:
+    """Refuse keys that the value of a choice does not take, naming the one that does, and report missing ones."""
+    table, takes, about = _table_or_empty(layers, name), OWN_KEYS[name, choice], keys_of(SECTIONS[name])[choice]
+    word = table.get(choice, about.default or about.sample)
+    for key in dict.fromkeys(key for keys in takes.values() for key in keys) if word in [*takes] else ():
+        instead = INSTEAD[word] if key == "spread" else next(other for other in takes if key in takes[other])
+        if key in table and key not in takes[word]:
+            default = "" if choice in table else f', and "{word}" is the default'
+            leave = f"leave the {key} out"
+            hint = f'write {choice} = "{instead}", or {leave}' if instead else leave
+            yield layers.problem((name, key), f'the {choice} "{word}" takes no {key}{default}', hint)
+        if key in takes[word] and key not in table and key not in NOT_NEEDED:
+            article = "an" if key[0] in "aeiou" else "a"
+            yield missing(layers, (name, key), f'missing; the {choice} "{word}" needs {article} {key}')
 
 
 def _order_problems(layers: Layers, name: str) -> Iterator[Problem]:

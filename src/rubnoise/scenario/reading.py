@@ -15,12 +15,13 @@ from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
-from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document
+from rubnoise.scenario.document import SECTIONS, TOP, Document
 from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Problem, in_order, report
 from rubnoise.scenario.scenario import AREA_KEYS, TOLERANCE, Scenario, sized
+from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.units import Quantity, Unfit
 
 ReadSizes = Callable[[str, str | None], Sequence[float]]

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.errors import ScenarioRefused
-from rubnoise.scenario.document import SECTIONS, SWEEP
+from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import Field, keys_of
 from rubnoise.scenario.layers import from_text, from_text_over
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
 from rubnoise.scenario.reading import checked
 from rubnoise.scenario.sweep import point_source
+from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
 from rubnoise.scenario.text import read_toml
 from rubnoise.units import Unfit

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from inspect import cleandoc
 from typing import Any
 
-from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Document, Sweeping, presence
+from rubnoise.scenario.document import SECTIONS, TOP, Document, presence
 from rubnoise.scenario.fields import Key, Section, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES, DAMPINGS, LOSSES
+from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.scenario.sweep_table import known_keys
 
 _NO_MEAN = ("calibration", "patch_area")  # what does not go with a mean diameter

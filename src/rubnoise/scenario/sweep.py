@@ -11,12 +11,12 @@ from typing import Any
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.figure_names import QUANTITIES
 from rubnoise.scenario import layers
-from rubnoise.scenario.document import SWEEP, Keep, Sweeping
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.points import Case, Point, points_of, run_id
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.sweep_keys import SWEEP, Keep, Sweeping
 from rubnoise.scenario.sweep_table import Precision, Table, read_table
 from rubnoise.scenario.text import Source
 from rubnoise.tables import fields_as_text

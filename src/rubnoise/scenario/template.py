@@ -6,10 +6,11 @@ from textwrap import wrap
 from typing import Final
 
 from rubnoise.scenario import layers
-from rubnoise.scenario.document import SECTIONS, SWEEP, TOP, Sweeping, presence
+from rubnoise.scenario.document import SECTIONS, TOP, presence
 from rubnoise.scenario.fields import Choice, Key, Section, keys_of
 from rubnoise.scenario.keys import GRID
 from rubnoise.scenario.shipped import by_name
+from rubnoise.scenario.sweep_keys import SWEEP, Sweeping
 from rubnoise.scenario.text import text_of, toml_value
 
 WIDTH: Final = 100
