@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from operator import index
-from typing import Any, cast, overload
+from typing import Any, cast
 
 from rubnoise.api.record import Record
 from rubnoise.api.run import Run
@@ -65,14 +65,6 @@ def simulate(
     run_model(model, seed, kept, engine=_engine(scenario), observe=observe, intervene=intervene)
     kept.protect()
     return Record(kept)
-
-
-@overload
-def run(scenario: Scenario | str | os.PathLike[str], path: None = None, **options: Any) -> Record: ...
-
-
-@overload
-def run(scenario: Scenario | str | os.PathLike[str], path: str | os.PathLike[str], **options: Any) -> Run: ...
 
 
 def run(

@@ -83,7 +83,7 @@ def _make(folder: Path) -> None:
     except OSError as problem:
         raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
     if others:
-        raise OutputRefused(f"{folder}: holds {others[0]}, which is none of a demo; name another folder")
+        raise OutputRefused(f"{folder}: holds {others[0]}, which no demo makes; name another folder")
 
 
 def _has_browser() -> bool:
