@@ -108,6 +108,7 @@ def test_a_condition_filters_and_a_wrong_one_says_why(browser: Any, address: str
         page.click("#filter button")
         assert page.inner_text("#where-problem").startswith("no column diametr")
         assert page.get_attribute("#where", "aria-invalid") == "true"
+        assert page.inner_text("#listed").startswith("0 of ")
         page.fill("#where", "")
         page.click("#filter button")
         assert page.inner_text("#where-problem") == ""

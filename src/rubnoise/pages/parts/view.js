@@ -140,6 +140,8 @@
       $("where").removeAttribute("aria-invalid");
     } catch (refused) {
       if (!(refused instanceof view.ConditionRefused)) throw refused;
+      view.isKept = () => false;
+      view.toFirstPage();
       problem.textContent = refused.message;
       $("where").setAttribute("aria-invalid", "true");
     }
