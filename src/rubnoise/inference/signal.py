@@ -1,6 +1,7 @@
 """A trace ready for inference, and findings before any fit: a clipped sensor, several strokes, a first size."""
 
 from dataclasses import dataclass, field
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -9,6 +10,8 @@ from rubnoise.arrays import Doubles, slices
 
 _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
+_RARER: Final = 2.0
+_LEVELS: Final = 200
 _HALF_OVER_FASTEST: Final = 1.3
 _BETWEEN: Final = 0.05
 _LEVEL_STEPS: Final = 4
@@ -22,7 +25,8 @@ class Signal:
 
     ``scale`` turns its values into uN (for an area in um^2, whose junctions have the strength 1, ``is_area`` is true);
     None if the unit is of something else, such as V: then strengths are not identified. ``unit`` is the written one.
-    ``ways`` is how many strokes of equal length go to and fro, turned one way; ``left_out`` says what was cut off.
+    ``ways`` is how many strokes of equal length go to and fro, turned one way; ``left_out`` says what was cut off,
+    ``notes`` what is remarkable in the file.
     """
 
     values: Doubles = field(repr=False)
@@ -32,34 +36,57 @@ class Signal:
     is_area: bool = False
     ways: tuple[int, int] = (1, 0)
     left_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clipped:
-    """A saturated sensor: the number of samples at the largest value, how many in a row, and the ``first`` of them."""
+    """A saturated sensor: the number of samples at the end of its range, how many in a row, the ``first`` of them."""
 
+    end: str
     samples: int
     longest: int
     first: int
 
+    def words(self, place: str) -> str:
+        """Return what is said of it; ``place`` is that of the first sample."""
+        return (
+            f"the sensor was clipped: {self.samples:,} samples are at the {self.end} value,"
+            f" {self.longest:,} in a row, first at {place}"
+        )
+
 
 def clipped(values: Doubles) -> Clipped | None:
-    """Return the samples that show a saturated sensor; None if there are none.
+    """Return the samples that show a saturated sensor at one end of its range; None if there are none.
 
-    They are a maximum that lasts: a trace of junctions has a kink at each maximum, and never a plateau. A constant
-    trace was not clipped.
+    They are an end that lasts: a trace of junctions has a kink at each maximum, and never a plateau. It may be at rest
+    at 0, without a junction. Of rounded values those at an end are rarer than their neighbours. A constant trace was
+    not clipped.
     """
-    top = float(values.max())
-    if top == float(values.min()):
-        return None
-    at_top = np.flatnonzero(values == top)
-    if at_top.size <= max(10, _CLIPPED * values.size):
-        return None
-    ends = np.flatnonzero(np.diff(at_top) > 1)
-    runs = np.diff(np.concatenate([[-1], ends, [at_top.size - 1]]))
-    if int(runs.max()) < _PLATEAU:
-        return None
-    return Clipped(samples=at_top.size, longest=int(runs.max()), first=int(at_top[0]))
+    for end, turned in (("largest", values), ("smallest", -values)):
+        top = float(turned.max())
+        at_top = np.flatnonzero(turned == top)
+        if at_top.size in (0, values.size) or (top == 0.0 and end == "smallest"):
+            continue
+        below = turned[turned < top]
+        if at_top.size <= max(10, _CLIPPED * values.size, _RARER * np.count_nonzero(below == below.max())):
+            continue
+        ends = np.flatnonzero(np.diff(at_top) > 1)
+        runs = np.diff(np.concatenate([[-1], ends, [at_top.size - 1]]))
+        if int(runs.max()) >= _PLATEAU:
+            return Clipped(end=end, samples=at_top.size, longest=int(runs.max()), first=int(at_top[0]))
+    return None
+
+
+def digits(values: Doubles, unit: str) -> tuple[str, ...]:
+    """Return what is said of values with few digits, whose rounding adds noise of digit/sqrt(12)."""
+    levels = np.unique(values[: _SEEN // 16])
+    if not 2 < levels.size < _LEVELS:
+        return ()
+    digit = float(np.diff(levels).min())
+    if not np.allclose(np.rint(np.diff(levels) / digit) * digit, np.diff(levels), rtol=1e-6):
+        return ()
+    return (f"digits of {digit:.4g} {unit}: rounding adds noise of {digit / sqrt(12.0):.2g} {unit}",)
 
 
 def strokes(values: Doubles, zero: str) -> str:
