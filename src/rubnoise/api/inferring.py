@@ -26,9 +26,10 @@ from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import LARGEST_VALUE, Asked, Held, Measured, measured, refusing_files
+from rubnoise.storage.measured import Asked, Measured, measured
+from rubnoise.storage.samples import LARGEST_VALUE, Held, refusing_files
 from rubnoise.storage.text_heads import Head, head_of
-from rubnoise.units import FREQUENCY, SPEED, STRESS, QuantityError, parse_unit
+from rubnoise.units import SPEED, STRESS, QuantityError, parse_unit
 
 MOST_BOOTSTRAPS: Final = 10_000
 STROKE_END: Final = "5 %"
@@ -90,10 +91,10 @@ def infer(
     keywords.choice("drift", drift, (True, False))
     keywords.count("bootstrap", bootstrap, MOST_BOOTSTRAPS)
     velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
-    often, left_out = keywords.quantity("rate", rate, FREQUENCY), keywords.frequencies("mask", mask)
+    left_out = keywords.frequencies("mask", mask)
     if unit is not None:
         keywords.scale_of(unit, "unit=")
-    found = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=often, from_=from_, to=to))
+    found = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
     strokes = STROKE_END if strokes is True else None if strokes is False else strokes
     signal = _signal(found, velocity, unit)
     _check_sensor(found, signal, zero)

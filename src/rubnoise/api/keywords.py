@@ -75,24 +75,15 @@ def count(keyword: str, value: Any, most: int) -> int:
     return int(value)
 
 
-def asked(
-    *,
-    column: Any = None,
-    place: Any = None,
-    time: Any = None,
-    rate: float | None = None,
-    from_: Any = None,
-    to: Any = None,
-) -> Asked:
-    """Return what was said of a measured trace; columns are names, or numbers from 1 on."""
-    if place is not None and time is not None:
+def asked(*, rate: Any = None, from_: Any = None, to: Any = None, **columns: Any) -> Asked:
+    """Return what was said of a measured trace; ``columns`` are names, or numbers from 1 on."""
+    if columns.get("place") is not None and columns.get("time") is not None:
         raise Refused("place=: time= names a column, too; samples have one place")
-    given = {"column": column, "place": place, "time": time}
     named = {
         key: value if value is None or isinstance(value, str) else str(count(key, value, MOST_COLUMNS))
-        for key, value in given.items()
+        for key, value in columns.items()
     }
-    return Asked(**named, rate=rate, begin=from_, end=to)
+    return Asked(**named, rate=quantity("rate", rate, FREQUENCY), begin=from_, end=to)
 
 
 def unit_text(unit: Any) -> Any:

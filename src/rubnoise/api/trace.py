@@ -25,7 +25,8 @@ from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
 from rubnoise.regular_file import is_hdf5
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import Held, Measured, measured, refusing_files
+from rubnoise.storage.measured import Asked, Measured, measured
+from rubnoise.storage.samples import Held, refusing_files
 from rubnoise.storage.text_heads import NONE, OTHERS, check_unit, head_of
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
@@ -71,12 +72,20 @@ class Trace(Table):
         name: str | None = None,
         **unknown: Any,
     ) -> None:
-        """Read a file, or take an array with a ``rate`` and a ``unit``; raises Refused as `from_csv` does."""
-        keywords.refuse_unknown(unknown, ("column", "place", "time", "rate", "unit", "from_", "to", "name"))
+        """Read a file, or take an array with a ``rate`` and a ``unit``.
+
+        Of a file all columns of numbers are kept, or ``column`` and its places alone, whose unit ``unit`` replaces.
+        ``time`` and ``place`` name the column of times or distances, which must be even; without them it is the first
+        one of times that grows, or of distances, or the first one. ``rate``, such as "10 kHz", stands for the times.
+        ``from_`` and ``to`` are the first and last sample, from 1 on, or times. Raises Refused, with line and column,
+        for a cell that is not a number, for an unknown unit of the one column, for a file without names, and for gaps
+        and uneven steps. Source: docs/your-data.md.
+        """
+        keywords.refuse_unknown(unknown, tuple(Trace.__init__.__kwdefaults__ or ()))
         part = {"column": column, "time": time, "from_": from_, "to": to}
         if isinstance(source, str | os.PathLike):
             _refuse(f"of a file, which says it: {source}", name=name)
-            made = type(self).from_csv(source, place=place, rate=rate, unit=unit, **part)
+            made = self._of_file(source, keywords.asked(place=place, rate=rate, **part), unit)
         elif (columns := given_columns(source, sampled=rate is not None)) is not None or isinstance(source, Mapping):
             _refuse("of columns, which say it by their place and their names", rate=rate, unit=unit, **part)
             made = type(self).from_arrays(columns or source, place=place, name=name or "trace")
@@ -100,34 +109,16 @@ class Trace(Table):
         return cls.from_arrays({"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}, name=name)
 
     @classmethod
-    def from_csv(
-        cls,
-        path: str | os.PathLike[str],
-        *,
-        column: str | int | None = None,
-        place: str | int | None = None,
-        time: str | int | None = None,
-        rate: Any = None,
-        unit: Any = None,
-        from_: Any = None,
-        to: Any = None,
-    ) -> Self:
-        """Read a file as `infer` does: a table of text with names and units above, or any other form that it reads.
+    def from_csv(cls, path: str | os.PathLike[str], **options: Any) -> Self:
+        """Read a file as ``Trace(path)`` does, with its options."""
+        return cls(os.fspath(path), **options)
 
-        All columns of numbers are kept, or ``column`` and its places alone, whose unit ``unit`` replaces. ``time`` and
-        ``place`` name the column of times or distances, which must be even; without them it is the first one of times
-        that grows, or of distances, or the first one. ``rate``, such as "10 kHz", stands for the times. ``from_`` and
-        ``to`` are the first and last sample, from 1 on, or times. Raises Refused, with line and column, for a cell that
-        is not a number, for an unknown unit of the one column, for a file without names, and for gaps and uneven steps.
-        Source: docs/your-data.md.
-        """
-        often = keywords.quantity("rate", rate, FREQUENCY)
-        asked = keywords.asked(column=column, place=place, time=time, rate=often, from_=from_, to=to)
+    @classmethod
+    def _of_file(cls, path: str | os.PathLike[str], asked: Asked, unit: Any) -> Self:
         with refusing_files(path):
             if os.path.exists(path) and is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
-                raise Refused(
-                    f'{path}: of a result, Trace(rubnoise.open("{path}")) takes the trace; {path}:PATH names a dataset'
-                )
+                right = f'of a result, Trace(rubnoise.open("{path}")) takes the trace; {path}:PATH names a dataset'
+                raise Refused(f"{path}: {right}")
             return cls._of(read_measured(path, asked, every=True), str(path), unit)
 
     @classmethod
@@ -165,7 +156,7 @@ class Trace(Table):
                 own = found.chosen is not None or number == found.place_at
                 what = f"{found.where}: {head.written}"
                 units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
-            columns[head.name] = factor * np.ascontiguousarray(values)
+            columns[head.name] = values if factor == 1.0 else factor * values
         if found.chosen is not None and found.source.of_file:
             notes += digits(found.values, found.unit)
             if end := clipped(found.values):

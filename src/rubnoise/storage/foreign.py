@@ -17,8 +17,9 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.errors import UNFINISHED, NoColumn, Refused, RunFileRefused
 from rubnoise.regular_file import is_hdf5, open_regular, open_stream, read_at_most, size_of
-from rubnoise.storage.measured import Asked, Held, Measured, Source, column_of, measured
+from rubnoise.storage.measured import Asked, Measured, measured
 from rubnoise.storage.objects import opened_by_hdf5
+from rubnoise.storage.samples import Held, Source, column_of
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_heads import Head, spelled
 from rubnoise.storage.text_table import TextTable

@@ -8,7 +8,7 @@ from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
 from rubnoise.storage.foreign import opened
-from rubnoise.storage.measured import check_values, column_of, refusing_files
+from rubnoise.storage.samples import check_values, column_of, refusing_files
 from rubnoise.units import LENGTH, QuantityError, parse_unit
 
 SMALLEST: Final = 1e-12

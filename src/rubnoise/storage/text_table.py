@@ -179,7 +179,9 @@ def _layout(form: Form, lines: Sequence[Line]) -> _Layout | None:
     core = [n for n in range(width) if share[n] >= 0.9 * max(share)]
     whole = [at for at in table if all(kinds[at][n] or times[at][n] for n in core)]
     begin = next((at for at in whole if at + 1 in whole), whole[0] if whole else table[0])
-    units = {at: _units_below(rows, at, has_numbers=any(kinds[at])) for at in range(min(begin + 1, len(rows) - 1))}
+    units = {
+        at: _units_below(rows, at) for at in range(min(begin + 1, len(rows) - 1)) if not any(kinds[at] + kinds[at + 1])
+    }
     if width == 1:  # numbers of a preamble may stand above the name
         named = (at for at in range(begin + 1, min(_FEW, len(rows))) if any(head_of(cell).unit for cell in rows[at]))
         begin = next((at + 1 for at in named if at + 1 < len(rows)), begin)
@@ -203,7 +205,7 @@ def _layout(form: Form, lines: Sequence[Line]) -> _Layout | None:
         heads=heads,
         head_line=0 if at < 0 else lines[at][0],
         first=lines[first][0],
-        usable=[each >= 0.5 for each in share] + [False] * (len(heads) - width),
+        usable=[n < width and share[n] >= 0.5 for n in range(len(heads))],
         clocks=clocks,
         first_day=int(min(days, default=0.0) // 86400.0),
         step=step,
@@ -211,10 +213,10 @@ def _layout(form: Form, lines: Sequence[Line]) -> _Layout | None:
     )
 
 
-def _units_below(rows: Sequence[list[str]], at: int, *, has_numbers: bool) -> list[str]:
+def _units_below(rows: Sequence[list[str]], at: int) -> list[str]:
     """Return the units in the line below a line of names; an empty list if there are none."""
     units = [cell.strip(' ()[]"') for cell in rows[at + 1]]
-    if has_numbers or abs(len(units) - len(rows[at])) > 1:
+    if abs(len(units) - len(rows[at])) > 1:
         return []
     known = sum(map(is_unit, units))
     others = sum(unit not in NONE and not is_unit(unit) for unit in units)
@@ -316,10 +318,10 @@ class TextTable:
         for piece in lines_of(self.path, self._encoding):
             if rows := _rows(piece, self.first):
                 kept.append(self._parsed([text for _, text in rows], numbers))
-                lines.append(np.array([at for at, _ in rows], dtype=np.int64))
+                lines.append(np.array([at for at, _ in rows], dtype=np.int32))
             if most is not None and sum(map(len, kept)) > most:
                 break
-        self._lines = np.concatenate(lines) if lines else np.empty(0, dtype=np.int64)
+        self._lines = np.concatenate(lines) if lines else np.empty(0, dtype=np.int32)
         found = [np.concatenate([part[:, n] for part in kept]) for n in range(len(numbers))]
         return [
             _over_midnight(each) if number in self._layout.clocks else each
