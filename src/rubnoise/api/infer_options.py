@@ -9,11 +9,10 @@ from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES
 from rubnoise.inference.signal import Signal
-from rubnoise.inference.strokes import joined
 from rubnoise.units import FREQUENCY, RATIO, QuantityError, quantity_of
 
 _WIDEST: Final = 3.0
-_MOST_OF_AN_END: Final = 0.45
+MOST_OF_AN_END: Final = 0.45
 
 
 def share(keyword: str, value: Any, most: float) -> float:
@@ -57,11 +56,3 @@ def bandwidth_of(value: Any, poles: int, speed: float | None, along: str) -> flo
     if along != "time" or speed is None:
         raise Refused("bandwidth=: frequencies are of a trace over time")
     return hertz / speed
-
-
-def in_strokes(signal: Signal, strokes: Any, first: int) -> Signal:
-    """Return a signal cut at its reversals; ``strokes`` is the share of each stroke that is left out at either end.
-
-    ``first`` is the row of the trace with which the signal begins.
-    """
-    return signal if strokes is None else joined(signal, share("strokes", strokes, _MOST_OF_AN_END), first)

@@ -10,7 +10,7 @@ import numpy as np
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
 from rubnoise.api.given_columns import given_columns
-from rubnoise.api.infer_options import bandwidth_of, in_strokes, pulse_of, strength_spread_of
+from rubnoise.api.infer_options import MOST_OF_AN_END, bandwidth_of, pulse_of, share, strength_spread_of
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
@@ -21,15 +21,16 @@ from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal, clipped, digits
+from rubnoise.inference.strokes import joined
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked, Measured, measured
-from rubnoise.storage.samples import LARGEST_VALUE, Held, refusing_files
+from rubnoise.storage.samples import LARGEST_VALUE, Held, refusing_files, unit_of
 from rubnoise.storage.text_heads import Head, head_of
-from rubnoise.units import SPEED, STRESS, QuantityError, parse_unit
+from rubnoise.units import SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
 STROKE_END: Final = "5 %"
@@ -98,7 +99,8 @@ def infer(
     strokes = STROKE_END if strokes is True else None if strokes is False else strokes
     signal = _signal(found, velocity, unit)
     _check_sensor(found, signal, zero)
-    signal = in_strokes(signal, strokes, found.first)
+    if strokes is not None:
+        signal = joined(signal, share("strokes", strokes, MOST_OF_AN_END), found.first)
     if strength is not None and signal.scale is None:
         raise Refused(
             f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
@@ -197,8 +199,8 @@ def _check_sensor(found: Measured, signal: Signal, zero: str) -> None:
     values = signal.values
     if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
         raise Refused(f"{_named(found)}: its largest value is {largest:g}; give the values in a smaller unit")
-    if end := clipped(found.values):
-        raise Refused(f"{_named(found)}: {end.words(found.place(end.first))}; measure again with a wider range")
+    if said := clipped(found.values, found.place):
+        raise Refused(f"{_named(found)}: {said}")
     if zero == "known" and np.count_nonzero(values < 0.0) > _WRONG_WAY * values.size:
         first = found.place(int(np.argmax(values < 0.0)))
         raise Refused(
@@ -234,10 +236,7 @@ def _signal(found: Measured, speed: float | None, unit: Any) -> Signal:
 
 def _given_unit(found: Measured, unit: Any) -> Any:
     """Return the given unit, which replaces that of a file; raises Refused if values from Python have another one."""
-    try:
-        knows = isinstance(found.source, Held) and not found.source.of_file and any(parse_unit(found.unit).dimension)
-    except QuantityError:
-        knows = False
+    knows = isinstance(found.source, Held) and not found.source.of_file and any(unit_of(found.unit).dimension)
     if knows and keywords.scale_of(found.unit, f"{_named(found)}: unit") != keywords.scale_of(unit, "unit="):
         raise Refused(
             f"unit=: {keywords.shown(unit)}: {_named(found)} is in {found.unit} by its own words; leave unit= out"

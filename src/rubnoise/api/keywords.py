@@ -123,11 +123,8 @@ _MEANT: Final = {
     'rate="2500 Hz"': "fs dt sampling_rate sample_rate samplerate freq frequency delta period step",
     'unit="0.5 mN"': "units scale factor",
     'column="force"': "col columns usecols y channel",
-    'time="time"': "t x_column",
-    'place="distance"': "x position distance",
     'from_="2 s"': "start begin skip skiprows first",
     'to="30 s"': "stop end last nrows",
-    'speed="1 mm/s"': "velocity v",
 }
 """Keywords of other libraries, by what they mean here."""
 

@@ -159,11 +159,10 @@ class Trace(Table):
             columns[head.name] = values if factor == 1.0 else factor * values
         if found.chosen is not None and found.source.of_file:
             notes += digits(found.values, found.unit)
-            if end := clipped(found.values):
-                notes.append(f"{found.name}: {end.words(found.place(end.first))}; measure again with a wider range")
+            notes += [f"{found.name}: {said}" for said in (clipped(found.values, found.place),) if said]
         if found.place_at is not None:
-            place, size = found.heads[found.place_at].name, columns[found.heads[found.place_at].name].size
-            step = float(columns[place][-1] - columns[place][0]) / (size - 1)
+            place = found.heads[found.place_at].name
+            step = float(columns[place][-1] - columns[place][0]) / (columns[place].size - 1)
         elif found.step is not None:
             place = "time" if found.along == "time" else "distance"
             if place in columns:
@@ -175,19 +174,11 @@ class Trace(Table):
         return cls._made(name, place, step, columns, units, tuple(notes))
 
     @classmethod
-    def _made(
-        cls,
-        name: str,
-        place: str,
-        step: float,
-        columns: Mapping[str, Doubles],
-        units: Mapping[str, str],
-        notes: tuple[str, ...] = (),
-    ) -> Self:
+    def _made(cls, *given: Any) -> Self:
+        """Return a trace of the values of its fields, in their order."""
         made = object.__new__(cls)
-        given = (name, place, step, MappingProxyType(dict(columns)), MappingProxyType(dict(units)), notes)
         for each, value in zip(fields(cls), given, strict=True):
-            object.__setattr__(made, each.name, value)
+            object.__setattr__(made, each.name, MappingProxyType(value) if isinstance(value, dict) else value)
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:

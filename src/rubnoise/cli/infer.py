@@ -21,15 +21,9 @@ if TYPE_CHECKING:
 
 Shape = StrEnum("Shape", "lens parabola")
 Offset = StrEnum("Offset", "none uniform")
+Zero = StrEnum("Zero", "known unknown")
 LawChoice = StrEnum("LawChoice", "auto fixed normal lognormal exponential gamma")
-"""Lives that can be read, how far passes miss the centre line, laws of sizes."""
-
-
-class Zero(StrEnum):
-    """Whether a value of 0 means no force."""
-
-    KNOWN = "known"
-    UNKNOWN = "unknown"
+"""Lives that can be read, how far passes miss the centre line, whether 0 means no force, laws of sizes."""
 
 
 def command(
@@ -56,9 +50,7 @@ def command(
     rate: Annotated[
         str | None, typer.Option(help='Samples a second, whatever the file says: "20 kHz".', metavar="R")
     ] = None,
-    zero: Annotated[
-        Zero, typer.Option(help="Whether 0 means no force: known or unknown.", metavar="ZERO")
-    ] = Zero.UNKNOWN,
+    zero: Annotated[Zero, typer.Option(help="Whether 0 is no force: known, unknown.", metavar="ZERO")] = Zero.unknown,
     strength: Annotated[
         str | None, typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI")
     ] = None,
@@ -125,7 +117,7 @@ def command(
         time=time,
         unit=unit,
         rate=rate,
-        zero=zero.value,
+        zero=zero.value,  # type: ignore[arg-type]  # one of both
         strength=strength,
         strength_spread=strength_spread,
         pulse=None if pulse is None else pulse.value,

@@ -1,5 +1,6 @@
 """A trace ready for inference, and findings before any fit: a clipped sensor, several strokes, a first size."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import sqrt
 from typing import Final
@@ -12,6 +13,7 @@ _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
 _RARER: Final = 2.0
 _LEVELS: Final = 200
+_OFF: Final = 1e-6
 _HALF_OVER_FASTEST: Final = 1.3
 _BETWEEN: Final = 0.05
 _LEVEL_STEPS: Final = 4
@@ -39,52 +41,33 @@ class Signal:
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Clipped:
-    """A saturated sensor: the number of samples at the end of its range, how many in a row, the ``first`` of them."""
+def clipped(values: Doubles, place: Callable[[int], str]) -> str:
+    """Return what is said of a sensor at an end of its range, with the place of its first sample; empty for others.
 
-    end: str
-    samples: int
-    longest: int
-    first: int
-
-    def words(self, place: str) -> str:
-        """Return what is said of it; ``place`` is that of the first sample."""
-        return (
-            f"the sensor was clipped: {self.samples:,} samples are at the {self.end} value,"
-            f" {self.longest:,} in a row, first at {place}"
-        )
-
-
-def clipped(values: Doubles) -> Clipped | None:
-    """Return the samples that show a saturated sensor at one end of its range; None if there are none.
-
-    They are an end that lasts: a trace of junctions has a kink at each maximum, and never a plateau. It may be at rest
-    at 0, without a junction. Of rounded values those at an end are rarer than their neighbours. A constant trace was
-    not clipped.
+    An end lasts: a trace of junctions has a kink at each maximum, and never a plateau. It may be at rest at 0, without
+    a junction. Rounded values at an end are rarer than their neighbours. A constant trace was not clipped.
     """
     for end, turned in (("largest", values), ("smallest", -values)):
         top = float(turned.max())
         at_top = np.flatnonzero(turned == top)
-        if at_top.size in (0, values.size) or (top == 0.0 and end == "smallest"):
-            continue
         below = turned[turned < top]
+        if not below.size or (top == 0.0 and end == "smallest"):
+            continue
         if at_top.size <= max(10, _CLIPPED * values.size, _RARER * np.count_nonzero(below == below.max())):
             continue
-        ends = np.flatnonzero(np.diff(at_top) > 1)
-        runs = np.diff(np.concatenate([[-1], ends, [at_top.size - 1]]))
-        if int(runs.max()) >= _PLATEAU:
-            return Clipped(end=end, samples=at_top.size, longest=int(runs.max()), first=int(at_top[0]))
-    return None
+        longest = max(run.size for run in np.split(at_top, np.flatnonzero(np.diff(at_top) > 1) + 1))
+        if longest >= _PLATEAU:
+            said = f"{at_top.size:,} samples are at the {end} value, {longest:,} in a row, first at {place(at_top[0])}"
+            return f"the sensor was clipped: {said}; measure again with a wider range"
+    return ""
 
 
 def digits(values: Doubles, unit: str) -> tuple[str, ...]:
     """Return what is said of values with few digits, whose rounding adds noise of digit/sqrt(12)."""
     levels = np.unique(values[: _SEEN // 16])
-    if not 2 < levels.size < _LEVELS:
-        return ()
-    digit = float(np.diff(levels).min())
-    if not np.allclose(np.rint(np.diff(levels) / digit) * digit, np.diff(levels), rtol=1e-6):
+    steps = np.diff(levels)
+    digit = float(steps.min(initial=np.inf))
+    if not 2 < levels.size < _LEVELS or np.abs(steps / digit - np.rint(steps / digit)).max() > _OFF:
         return ()
     return (f"digits of {digit:.4g} {unit}: rounding adds noise of {digit / sqrt(12.0):.2g} {unit}",)
 

@@ -112,7 +112,8 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Measured:
     if asked.rate is not None:
         notes += _outranked(source, asked.rate, arrays, places)
         step, along = 1.0 / asked.rate, "time"
-        used = [n for n in used if not every or n == wanted or along_of(source.heads[n]) != "time"]
+        others = [n for n in used if n == wanted or along_of(source.heads[n]) != "time"]
+        used = others or used[-1:]
     elif (place := _place(source, arrays, places, certain=chosen_place is not None or step is not None)) is not None:
         along = along_of(source.heads[place], named=chosen_place is not None)
     kept = sorted({*used, *([] if place is None else [place])})
@@ -154,7 +155,7 @@ def _places(source: Source, asked: Asked, wanted: int | None, *, every: bool) ->
     natural = [n for kind in ("time", "distance") for n in others if kinds[n] == kind]
     if natural or asked.rate is not None or source.step is not None:
         return natural
-    if every and others and wanted is None:
+    if every and len(others) > 1 and wanted is None:
         return others[:1]
     for head in source.heads if wanted is None else ():
         if (found_unit := _PLACES.get(head.name.lower())) is not None:
@@ -173,7 +174,7 @@ def _used(source: Source, places: Sequence[int], *, every: bool) -> list[int]:
             f'{source.path}: line {source.first}: has no line of names above its numbers; column=2, rate="10 kHz" and'
             ' unit="N" say what is in it'
         )
-    if every and len(usable) > len(places):
+    if every:
         return usable
     others = [n for n in usable if n not in places] or list(places[1:])
     forces = [n for n in others if unit_of(source.heads[n].unit).dimension == FORCE.dimension]

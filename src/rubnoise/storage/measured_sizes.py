@@ -8,8 +8,9 @@ from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
 from rubnoise.storage.foreign import opened
-from rubnoise.storage.samples import check_values, column_of, refusing_files
-from rubnoise.units import LENGTH, QuantityError, parse_unit
+from rubnoise.storage.samples import check_values, column_of, refusing_files, unit_of
+from rubnoise.storage.text_heads import check_unit
+from rubnoise.units import LENGTH
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
@@ -28,7 +29,11 @@ def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
         number = 0
         if not is_hdf5(path) and (column is not None or len(source.heads) > 1):
             number = column_of(source, column or "", "column")
-        size = _size_of(source.heads[number].unit, f"{source.where}: {source.heads[number].name}")
+        head = source.heads[number]
+        check_unit(head.unit, f"{source.where}: {head.name}")
+        if head.unit and unit_of(head.unit).dimension != LENGTH.dimension:
+            raise Refused(f"{source.where}: {head.name}: has the unit {head.unit}; diameters are lengths")
+        size = float(unit_of(head.unit).size)
         (values,) = source.columns([number], MOST)
     if values.size > MOST:
         raise Refused(f"{path}: has more than {MOST:,} values, which a result keeps at most; take fewer of it")
@@ -37,18 +42,5 @@ def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
     if wrong.any():
         row = int(np.argmax(wrong))
         why = "must be above 0" if values[row] <= 0.0 else f"possible: {SMALLEST:g} to {LARGEST:g} um"
-        raise Refused(f"{path}: {source.place(row)}: {source.heads[number].name} is {values[row]:g}; {why}")
+        raise Refused(f"{path}: {source.place(row)}: {head.name} is {values[row]:g}; {why}")
     return tuple((values * size).tolist())
-
-
-def _size_of(unit: str, what: str) -> float:
-    """Return the size of a unit in um; 1 if there is none."""
-    if not unit:
-        return 1.0
-    try:
-        found = parse_unit(unit)
-    except QuantityError as problem:
-        raise Refused(f"{what}: {problem}") from None
-    if found.dimension != LENGTH.dimension:
-        raise Refused(f"{what}: has the unit {unit}; diameters are lengths")
-    return float(found.size)
