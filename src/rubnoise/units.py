@@ -97,7 +97,7 @@ _OTHERS = {
     LENGTH: "micron 1, angstrom 1e-4, thou 25.4, in inch 25400, ft foot feet 304800, yard 914400, mile 1609344e3",
     TIME: "sec 1, min minute 60, h hr hour 3600, day 86400",
     MASS: "t tonne 1000, oz ounce 0.028349523125, lb pound 0.45359237",
-    FORCE: "lbf 4448221.6152605, kgf 9806650, dyn dyne 10",
+    FORCE: "lbf 4448221.6152605, kgf 9806650, gf 9806.65, dyn dyne 10",
     STRESS: "bar 0.1, mbar 1e-4, kbar 100, atm 0.101325, psi 8896443230521/1290320000000000, "
     "ksi 8896443230521/1290320000000",
     RATIO: "% 1e-2, percent 1e-2, ppm 1e-6",

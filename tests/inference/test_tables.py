@@ -7,8 +7,9 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage import text_lines
-from rubnoise.storage.measured import read_measured
+from rubnoise.storage import text_table
+from rubnoise.storage.foreign import read_measured
+from rubnoise.storage.measured import Asked
 from tests.cli.terminal import call
 
 COUNT = 40
@@ -123,9 +124,9 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
     with pytest.raises(Refused, match=r'has no line of names .*column=2, rate="10 kHz" and unit="N"') as refused:
         read_measured(path)
     assert '--column 2, --rate "10 kHz" and --unit N' in in_shell(str(refused.value))
-    read = read_measured(path, "2")
+    read = read_measured(path, Asked(column="2"))
     assert (read.values.tolist(), read.step, read.unit, read.place(0)) == (VALUES, None, "", "line 1")
-    with pytest.raises(Refused, match="has no line of names above its numbers; write one"):
+    with pytest.raises(Refused, match="has no line of names above its numbers"):
         rubnoise.Trace.from_csv(path)
     for words, missing in (
         (["--column", "2", "--rate", "100 Hz"], "--unit mN"),
@@ -160,20 +161,17 @@ def test_times_rounded_to_three_decimals_are_read_with_a_rate(tmp_path: Path) ->
     path.write_text("\n".join(["time (s),force (N)", *lines]), encoding="utf-8")
     with pytest.raises(Refused, match=r'time does not grow .*rate="10 kHz"'):
         read_measured(path)
-    assert read_measured(path, rate=10_000.0).step == pytest.approx(1e-4, rel=1e-12)
+    assert read_measured(path, Asked(rate=10_000.0)).step == pytest.approx(1e-4, rel=1e-12)
     assert rubnoise.Trace.from_csv(path, rate="10 kHz").step == pytest.approx(1e-4, rel=1e-12)
-    with pytest.raises(Refused, match=r"rate=: .*a\.csv: by its time the rate is 9975 Hz"):
-        read_measured(path, rate=8_000.0)
-    path.write_text("\n".join(["time (s),force (N)", *lines[:200], *lines[300:]]), encoding="utf-8")
-    with pytest.raises(Refused, match=r"line 202: time grows by 0\.01\d* s where the usual step is 0\.0001"):
-        read_measured(path, rate=10_000.0)
+    outranked = read_measured(path, Asked(rate=8_000.0))
+    assert outranked.step == 1.0 / 8_000.0
+    assert "the rate is 8000 Hz as given; by time of" in outranked.notes[0]
 
 
 @pytest.mark.parametrize(
     ("cell", "problem"),
     [
         ("1_000", "line 12: force: '1_000' is no number"),
-        ('"5"', "line 12: force: '\"5\"' is no number; numbers stand without quotes"),
         ("1e300", r"line 12: force is 1e\+300; up to 1e\+60 is read"),
         ("-1e999", "line 12: force is -inf; every sample needs a number"),
         ("0x10", "line 12: force: '0x10' is no number"),
@@ -204,11 +202,10 @@ def test_a_bad_cell_names_its_column_and_line(tmp_path: Path, cell: str, problem
         (b'time (s),"' + b"f" * 200_000 + b' (parsec)"\n0,1\n1,2\n2,4\n', "a name of 200,0"),
         (bytes(1_000_000), "line 1: holds a zero byte"),
         (b"time (s),force (N)\n0,1\n" + bytes(1_000_000), "line 3: holds a zero byte"),
-        ("time (s),force (N)\n0,1\n".encode("utf-16"), "line 1: the byte 0xff|zero byte"),
-        ("time (s),force (\u00b5N)\n0,1\n1,2\n".encode("latin-1"), "line 1: the byte 0xb5 is no text in UTF-8"),
+        ("time (s),force (N)\n0,1\n".encode("utf-16-le"), "line 1: holds a zero byte"),
         (b"\n\n\n", "has 0 lines"),
         (b"just a text\nof two lines\n", "line 1: 'just a text': no row of numbers in 2 lines"),
-        (b"\x1f\x8b\x08\x00 zipped", "the byte 0x8b|zero byte"),
+        (b"\x1f\x8b\x08\x00 zipped", "zero byte"),
     ],
 )
 def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes, problem: str) -> None:
@@ -226,6 +223,6 @@ def test_lines_keep_their_numbers_wherever_a_piece_ends(tmp_path: Path, monkeypa
     for ending in ("\n", "\r\n", "\r"):
         path.write_bytes(f"# x\ntime (s),force (N)\n\n{rows()}".replace("\n", ending).encode())
         for size in (7, 20, 64, 1000):
-            monkeypatch.setattr(text_lines, "_PIECE_BYTES", size)
-            found = [line for piece in text_lines.lines_of(path) for line in piece]
-            assert found == [(2, "time (s),force (N)"), *enumerate(rows().split("\n"), 4)]
+            monkeypatch.setattr(text_table, "_PIECE", size)
+            found = [line for piece in text_table.lines_of(path, "utf-8-sig") for line in piece]
+            assert found == list(enumerate(["# x", "time (s),force (N)", "", *rows().split("\n")], 1))

@@ -10,7 +10,7 @@ import numpy as np
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
 from rubnoise.api.given_columns import given_columns
-from rubnoise.api.infer_options import bandwidth_of, cut, pulse_of, strength_spread_of
+from rubnoise.api.infer_options import MOST_OF_AN_END, bandwidth_of, pulse_of, share, strength_spread_of
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
@@ -20,18 +20,19 @@ from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import infer_signal
-from rubnoise.inference.signal import Signal, clipped
+from rubnoise.inference.signal import Signal, clipped, digits
+from rubnoise.inference.strokes import joined
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
-from rubnoise.storage.measured import read_measured, refusing_files
-from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column
-from rubnoise.storage.text_heads import head_of
-from rubnoise.units import FREQUENCY, SPEED, STRESS, QuantityError, parse_unit
+from rubnoise.storage.foreign import read_measured
+from rubnoise.storage.measured import Asked, Measured, measured
+from rubnoise.storage.samples import LARGEST_VALUE, Held, refusing_files, unit_of
+from rubnoise.storage.text_heads import Head, head_of
+from rubnoise.units import SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
-MOST_COLUMNS: Final = 100_000
 STROKE_END: Final = "5 %"
 """Default share of a stroke that is left out at each end."""
 _MASK: Final = 0.01  # of the frequency, on either side
@@ -43,6 +44,8 @@ def infer(
     *,
     speed: Any = None,
     column: str | int | None = None,
+    place: str | int | None = None,
+    time: str | int | None = None,
     unit: Any = None,
     rate: Any = None,
     zero: Literal["known", "unknown"] = "unknown",
@@ -59,15 +62,18 @@ def infer(
     to: Any = None,
     strokes: Any = None,
     bootstrap: int = 0,
+    **unknown: Any,
 ) -> Inference:
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
-    ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, a table
-    of pandas or xarray, a run or its column, or an object with ``columns``, ``units``, ``place`` and ``step``.
+    ``trace``: a path (text, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``, netCDF), an array with a ``rate``, a
+    table of pandas or xarray, a run or its column, or an object with ``columns``, ``units``, ``place`` and ``step``.
     Quantities are texts with a unit, or quantities of pint.
-    ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
-    sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
-    known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" if 0 means no force.
+    ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often samples were
+    taken, whatever the file says. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN", or "-1 mN" to
+    turn the sign), whatever the file says. ``strength``, such as "250 MPa", is known. ``column`` is a name, or a number
+    from 1 on, and so are ``time`` and ``place``, the columns of times and of distances. ``zero`` is "known" if 0 means
+    no force.
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
     ``pulse`` is the shape of lives: "parabola" of rough surfaces, "lens" of equal asperities, taken without it.
     The other one is fitted too, and if no option chose and numbers depend on it, that is a flag. ``offset`` "uniform"
@@ -80,83 +86,88 @@ def infer(
     granted. Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
     ``refused_because``, what speaks against the model in ``flags``. Source: docs/inference.md.
     """
+    keywords.refuse_unknown(unknown, tuple(infer.__kwdefaults__ or ()))
     keywords.choice("zero", zero, ("known", "unknown"))
     keywords.choice("law", law, ("auto", *SIZES))
     keywords.choice("drift", drift, (True, False))
     keywords.count("bootstrap", bootstrap, MOST_BOOTSTRAPS)
     velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
-    often, left_out = keywords.quantity("rate", rate, FREQUENCY), keywords.frequencies("mask", mask)
+    left_out = keywords.frequencies("mask", mask)
     if unit is not None:
         keywords.scale_of(unit, "unit=")
-    measured = _measured(trace, column, often)
+    found = _measured(trace, keywords.asked(column=column, place=place, time=time, rate=rate, from_=from_, to=to))
     strokes = STROKE_END if strokes is True else None if strokes is False else strokes
-    signal = _signal(measured, velocity, unit, often)
-    _check_sensor(measured, zero)
-    step = signal.tick / velocity if velocity is not None and measured.along == "time" else signal.tick
-    signal = cut(signal, from_, to, strokes, step=step, along=measured.along)
+    signal = _signal(found, velocity, unit)
+    _check_sensor(found, signal, zero)
+    if strokes is not None:
+        signal = joined(signal, share("strokes", strokes, MOST_OF_AN_END), found.first)
     if strength is not None and signal.scale is None:
         raise Refused(
             f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
         )
     if strength is not None and signal.is_area:
         raise Refused("strength=: a trace of area has no strengths")
-    masked = _masked(left_out, velocity, measured.along, signal.tick)
+    masked = _masked(left_out, velocity, found.along, signal.tick)
     assumed = Assumed(
         strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None),
         pulse=pulse_of(pulse or "lens", offset),
         shape_chosen=pulse is not None,
-        bandwidth=bandwidth_of(bandwidth, poles, velocity, measured.along),
+        bandwidth=bandwidth_of(bandwidth, poles, velocity, found.along),
         poles=poles,
     )
     asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
-    found = Inference.of(infer_signal(signal, law=law, **asked), name=_named(measured), speed=speed, strength=strength)
-    if not bootstrap or found.refused_because is not None:
-        return found
-    return replace(found, bootstrap=_bootstrapped(found, bootstrap, asked))
+    answer = Inference.of(infer_signal(signal, law=law, **asked), name=_named(found), speed=speed, strength=strength)
+    if not bootstrap or answer.refused_because is not None:
+        return answer
+    return replace(answer, bootstrap=_bootstrapped(answer, bootstrap, asked))
 
 
-def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measured:
-    column = (
-        column if column is None or isinstance(column, str) else str(keywords.count("column", column, MOST_COLUMNS))
-    )
+def _measured(trace: Any, asked: Asked) -> Measured:
     if isinstance(trace, str | os.PathLike):
         with refusing_files(trace):
-            own = _own_result(trace, column)
-            return read_measured(trace, column, rate) if own is None else own
+            own = _own_result(trace, asked)
+            return read_measured(trace, asked) if own is None else own
     if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
-        names = list(trace.columns)
-        name = names[chosen_column(getattr(trace, "name", "trace"), names, column, names.index(trace.place))]
-        along = "time" if trace.units[trace.place] == "s" else "distance"
-        values = real_numbers(trace.columns[name], name)
-        check_values(values, name)
-        return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
-    if (columns := given_columns(trace, sampled=rate is not None)) is not None:
-        return _of_columns(columns, column, ours=hasattr(trace, "groups_by_name"))
-    if column is not None:
-        raise Refused(f"column=: {keywords.shown(column)}: an array has one column; leave column= out")
+        return measured(_of_trace(trace), asked)
+    if (columns := given_columns(trace, sampled=asked.rate is not None)) is not None:
+        return _of_columns(columns, asked, ours=hasattr(trace, "groups_by_name"))
+    if asked.column is not None:
+        raise Refused(f"column=: {keywords.shown(asked.column)}: an array has one column; leave column= out")
     values, unit = with_unit(trace, "trace", "")
     if values.ndim != 1 or not values.size:
         raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
-    check_values(values, "trace")
-    return Measured(name="trace", values=values, unit=unit, step=None, along="time")
+    return measured(Held(path="", heads=[Head("trace", unit, "trace")], arrays=[values], word="value"), asked)
 
 
-def _of_columns(columns: dict[str, Any], column: str | None, *, ours: bool) -> Measured:
+def _of_trace(trace: Any) -> Held:
+    """Return the columns of a Trace, or of what looks like one, beside its places, which are even."""
+    names = [name for name in trace.columns if name != trace.place]
+    return Held(
+        path=getattr(trace, "name", "trace"),
+        heads=[Head(name, trace.units[name], name) for name in names],
+        arrays=[real_numbers(trace.columns[name], name) for name in names],
+        step=trace.step,
+        along="time" if trace.units[trace.place] == "s" else "distance",
+        notes=tuple(getattr(trace, "notes", ())),
+    )
+
+
+def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Measured:
     """Return a column of a table after its time or distance; for a run of ``ours`` the force, otherwise the area."""
     others = [head_of(header).name for header in list(columns)[1:]]
-    if column is None and ours:
-        column = "friction_force" if "friction_force" in others else "real_contact_area"
-    if column is None and len(others) > 1:
+    if asked.column is None and ours:
+        asked = replace(asked, column="friction_force" if "friction_force" in others else "real_contact_area")
+    if asked.column is None and len(others) > 1:
         listed = ", ".join(others[:12])
         raise Refused(f'trace: column= is needed, one of {listed}; right form: column="{others[0]}"')
-    return _measured(Trace.from_arrays(columns, name="trace"), column, None)
+    return _measured(Trace.from_arrays(columns, name="trace"), asked)
 
 
-def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
+def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Measured | None:
     """Return a column of the trace of a result of ours; None for any other file."""
     from rubnoise.regular_file import is_hdf5
 
-    path = os.fspath(trace)
+    path, column = os.fspath(trace), asked.column
     if not os.path.exists(path) or not is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
         return None
     from rubnoise.api.run import open as open_result
@@ -173,70 +184,62 @@ def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured |
                 f"{path}: column=: {name} is neither friction_force, which needs a strength, nor real_contact_area"
             )
         unit = "uN" if name == "friction_force" else "um^2"
-        return Measured(
-            name=name,
-            values=np.asarray(there[name][:], dtype=np.float64),
-            unit=unit,
-            step=run.scenario.model().tick,
-            along="distance",
-            where=path,
-        )
+        values = np.asarray(there[name][:], dtype=np.float64)
+        step = run.scenario.model().tick
+    held = Held(path=path, heads=[Head(name, unit, name)], arrays=[values], step=step, along="distance", word="sample")
+    return measured(held, replace(asked, column=None))
 
 
-def _named(measured: Measured) -> str:
-    return f"{measured.where}: {measured.name}" if measured.where else measured.name
+def _named(found: Measured) -> str:
+    return f"{found.where}: {found.name}" if found.where else found.name
 
 
-def _check_sensor(measured: Measured, zero: str) -> None:
+def _check_sensor(found: Measured, signal: Signal, zero: str) -> None:
     """Raise Refused for a saturated sensor, and for a force of the wrong sign."""
-    values = measured.values
+    values = signal.values
     if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
-        raise Refused(f"{_named(measured)}: its largest value is {largest:g}; give the values in a smaller unit")
-    if end := clipped(values):
-        raise Refused(
-            f"{_named(measured)}: the sensor was clipped: {end.samples:,} samples are at the largest value,"
-            f" {end.longest:,} in a row, first at {measured.place(end.first)}; measure again with a wider range"
-        )
+        raise Refused(f"{_named(found)}: its largest value is {largest:g}; give the values in a smaller unit")
+    if said := clipped(found.values, found.place):
+        raise Refused(f"{_named(found)}: {said}")
     if zero == "known" and np.count_nonzero(values < 0.0) > _WRONG_WAY * values.size:
-        first = measured.place(int(np.argmax(values < 0.0)))
+        first = found.place(int(np.argmax(values < 0.0)))
         raise Refused(
-            f"{_named(measured)}: nearly all values are negative, first at {first}: with a known zero the force of"
-            " friction is positive; check the sign of the speed"
+            f"{_named(found)}: nearly all values are negative, first at {first}: with a known zero the force of"
+            ' friction is positive; check the sign of the speed, or turn the force with unit="-1 mN"'
         )
 
 
-def _signal(measured: Measured, speed: float | None, unit: Any, rate: float | None) -> Signal:
-    if (
-        rate is not None
-        and measured.step is not None
-        and (measured.along != "time" or abs(measured.step * rate - 1.0) > UNEVEN)
-    ):
-        raise Refused(f"rate=: the trace says itself how its samples lie, every {measured.step:g}")
-    step = measured.step if rate is None else 1.0 / rate
+def _signal(found: Measured, speed: float | None, unit: Any) -> Signal:
+    step = found.step
     if step is None:
         raise Refused('the trace has no time and no distance; rate="20 kHz" says how often it was sampled')
-    if measured.along == "time":
+    if found.along == "time":
         if speed is None:
             raise Refused('speed= is needed: the trace is over time, junctions live by distance; as in speed="1 mm/s"')
         step *= speed
     elif speed is not None:
         raise Refused("speed=: the trace is over sliding distance, which needs no speed")
-    written = measured.unit if unit is None else _given_unit(measured, unit)
+    written = found.unit if unit is None else _given_unit(found, unit)
     if not written:
-        raise Refused(f'{_named(measured)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
-    scale, is_area = keywords.scale_of(written, f"{_named(measured)}: unit" if unit is None else "unit=")
-    return Signal(values=measured.values, tick=step, unit=str(written), scale=scale, is_area=is_area)
+        raise Refused(f'{_named(found)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
+    scale, is_area, sign = keywords.scale_of(written, f"{_named(found)}: unit" if unit is None else "unit=")
+    return Signal(
+        values=found.values if sign > 0.0 else -found.values,
+        tick=step,
+        unit=str(written),
+        scale=scale,
+        is_area=is_area,
+        left_out=found.left_out,
+        notes=(*found.notes, *digits(found.values, found.unit)),
+    )
 
 
-def _given_unit(measured: Measured, unit: Any) -> Any:
-    """Return the given unit; raises Refused if the trace has another one. A trace in volts has no scale yet."""
-    try:
-        knows = any(parse_unit(measured.unit).dimension)
-    except QuantityError:
-        knows = False
-    if knows and keywords.scale_of(measured.unit, f"{_named(measured)}: unit") != keywords.scale_of(unit, "unit="):
+def _given_unit(found: Measured, unit: Any) -> Any:
+    """Return the given unit, which replaces that of a file; raises Refused if values from Python have another one."""
+    knows = isinstance(found.source, Held) and not found.source.of_file and any(unit_of(found.unit).dimension)
+    if knows and keywords.scale_of(found.unit, f"{_named(found)}: unit") != keywords.scale_of(unit, "unit="):
         raise Refused(
-            f"unit=: {keywords.shown(unit)}: {_named(measured)} is in {measured.unit} by its own words; leave unit= out"
+            f"unit=: {keywords.shown(unit)}: {_named(found)} is in {found.unit} by its own words; leave unit= out"
         )
     return keywords.unit_text(unit).removeprefix("1 ").removeprefix("1.0 ")
 

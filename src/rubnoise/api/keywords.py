@@ -4,20 +4,27 @@ The command line says `--speed` where these messages say `speed=` (see errors.in
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.errors import Refused
+from rubnoise.storage.measured import Asked
+from rubnoise.storage.text_heads import spelled
 from rubnoise.units import AREA, FORCE, FREQUENCY, Kind, Quantity, QuantityError, is_of_pint, quantity_of, unit_name
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
 """Of a quantity in working units: no force, speed or stress that was measured is beyond, and its powers are numbers."""
 
+MOST_COLUMNS: Final = 100_000
 _SHOWN: Final = 80
-_NUMBER: Final = re.compile(r"[+-]?(?:[.0-9]|(?:nan|inf|infinity)\b)", re.IGNORECASE)
-_VOLTS: Final = re.compile(r"(.*?) *[unmk\u00b5\u03bc]?V")
+_SIZE: Final = re.compile(r"([+-]?[0-9]+(?:[.][0-9]*)?(?:[eE][+-]?[0-9]{1,3})?(?![0-9.eE,]))? *(.*)", re.DOTALL)
+_VOLTS: Final = re.compile(r"[unmk\u00b5\u03bc]?V")
+_WEIGHED: Final = {"mg": "9.80665 uN", "g": "9.80665 mN", "kg": "9.80665 N", "t": "9.80665 kN"}
+"""The force with which a mass pulls, since many balances show one."""
+
 _UNIT_FORMS: Final = 'unit="mN", unit="0.5 mN" where a value of 1 is 0.5 mN, unit="V" where the scale is unknown'
 
 
@@ -68,27 +75,65 @@ def count(keyword: str, value: Any, most: int) -> int:
     return int(value)
 
 
+def asked(*, rate: Any = None, from_: Any = None, to: Any = None, **columns: Any) -> Asked:
+    """Return what was said of a measured trace; ``columns`` are names, or numbers from 1 on."""
+    if columns.get("place") is not None and columns.get("time") is not None:
+        raise Refused("place=: time= names a column, too; samples have one place")
+    named = {
+        key: value if value is None or isinstance(value, str) else str(count(key, value, MOST_COLUMNS))
+        for key, value in columns.items()
+    }
+    return Asked(**named, rate=quantity("rate", rate, FREQUENCY), begin=from_, end=to)
+
+
 def unit_text(unit: Any) -> Any:
     """Return a quantity or a unit of pint as a text, anything else as it is."""
     return f"{unit.magnitude} {unit_name(unit.units)}" if is_of_pint(unit) else unit_name(unit)
 
 
-def scale_of(unit: Any, what: str) -> tuple[float | None, bool]:
-    """Return the size in uN (or um^2) of a value of 1, and whether it is an area; None for a voltage.
+def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
+    """Return the size in uN (or um^2) of a value of 1, whether it is an area, and its sign; None for a voltage.
 
-    ``unit`` is a unit, or the size of a value of 1; ``what`` names it in a refusal.
+    ``unit`` is a unit, or the size of a value of 1, which may be negative; ``what`` names it in a refusal.
     """
     text = unit_text(unit)
+    number, name = "1", ""
     if isinstance(text, str):
-        text = text.strip() if _NUMBER.match(text.strip()) else f"1 {text.strip()}"
-    volts = _VOLTS.fullmatch(text) if isinstance(text, str) else None
+        number, name = _SIZE.fullmatch(text.strip()).groups()  # type: ignore[union-attr]  # fits any text
+        number, name = number or "1", spelled(name)
+    volts = _VOLTS.fullmatch(name)
     try:
-        factor = quantity_of(f"{volts[1]} N" if volts else text, FORCE, AREA)
+        factor = quantity_of(
+            f"{number} N" if volts else f"{number} {name}" if isinstance(text, str) else text, FORCE, AREA
+        )
     except QuantityError as problem:
         hint = f"; {problem.hint}" if problem.hint and not problem.hint.startswith("right form") else ""
+        weighed = _WEIGHED.get(name, "")
+        hint += f'; what weighs 1 {name} pulls with {weighed}: unit="{weighed}"' if weighed else ""
         raise Refused(f"{what}: {shown(unit)}: {problem}{hint}; right form: {_UNIT_FORMS}") from problem
-    if not SMALLEST <= factor <= LARGEST:
+    if not SMALLEST <= abs(factor) <= LARGEST:
         raise Refused(
             f"{what}: {shown(unit)} is not between {SMALLEST:g} and {LARGEST:g} uN; right form: {_UNIT_FORMS}"
         )
-    return (None, False) if volts else (float(factor), factor.kind is AREA)
+    sign = -1.0 if factor < 0.0 else 1.0
+    return (None, False, sign) if volts else (abs(float(factor)), factor.kind is AREA, sign)
+
+
+_MEANT: Final = {
+    'rate="2500 Hz"': "fs dt sampling_rate sample_rate samplerate freq frequency delta period step",
+    'unit="0.5 mN"': "units scale factor",
+    'column="force"': "col columns usecols y channel",
+    'from_="2 s"': "start begin skip skiprows first",
+    'to="30 s"': "stop end last nrows",
+}
+"""Keywords of other libraries, by what they mean here."""
+
+
+def refuse_unknown(unknown: Mapping[str, Any], known: Sequence[str]) -> None:
+    """Raise Refused for a keyword that does not exist, with the right one."""
+    for name, value in unknown.items():
+        forms = [form for form, words in _MEANT.items() if name.lower() in words.split()]
+        forms += [f"{each}=..." for each in get_close_matches(name, known, 1)]
+        right = next((form for form in forms if form.partition("=")[0] in known), "")
+        said = f"right form: {right}" if right else f"there are {', '.join(known)}"
+        raise Refused(f"{name}=: {shown(value)}: is no keyword here; {said}")

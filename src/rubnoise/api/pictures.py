@@ -17,7 +17,7 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
-from rubnoise.storage.measured import refusing_files
+from rubnoise.storage.samples import refusing_files
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 if TYPE_CHECKING:

@@ -1,13 +1,12 @@
 """Measurements of the user's own: records that are uniform in time or distance, read from a file and checked."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import isfinite
 from numbers import Real
-from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self, overload
+from typing import Any, Final, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,16 +21,14 @@ from rubnoise.api.given_columns import given_columns
 from rubnoise.api.table import Table
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
 from rubnoise.regular_file import is_hdf5
-from rubnoise.storage.measured import refusing_files
-from rubnoise.storage.measured_text import TextTable
-from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
-from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
+from rubnoise.storage.foreign import read_measured
+from rubnoise.storage.measured import Asked, Measured, measured
+from rubnoise.storage.samples import Held, refusing_files
+from rubnoise.storage.text_heads import NONE, OTHERS, check_unit, head_of
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
-
-if TYPE_CHECKING:
-    pass
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
 """Kinds whose units are converted to the working unit."""
@@ -43,9 +40,10 @@ class Trace(Table):
 
     ``columns`` are arrays by name and ``units`` their units, the place among them; ``step`` is the spacing of places.
     Lengths, areas, speeds, forces, stresses, masses and times are converted to um, um^2, um/s, uN, MPa, kg and s; other
-    units, such as V, stay as they are. ``Trace("trace.csv")`` reads a file as `from_csv` does, and ``Trace(values,
-    rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes several. A table of pandas or
-    xarray and the trace of a run are taken with their places and units.
+    units, such as V, stay as they are. ``Trace("trace.csv")`` reads a file as `from_csv` does, with the options of
+    `infer`, and ``Trace(values, rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes
+    several. A table of pandas or xarray and the trace of a run are taken with their places and units. ``notes`` say
+    what is remarkable in a file.
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2], "velocity (mm/s)": [1.0, 2.0, 1.5]})
@@ -58,25 +56,41 @@ class Trace(Table):
     step: float
     columns: Mapping[str, Doubles] = field(repr=False)
     units: Mapping[str, str] = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def __init__(
         self,
         source: Any,
         *,
+        column: str | int | None = None,
+        place: str | int | None = None,
+        time: str | int | None = None,
         rate: Any = None,
-        unit: str | None = None,
-        place: str | None = None,
+        unit: Any = None,
+        from_: Any = None,
+        to: Any = None,
         name: str | None = None,
+        **unknown: Any,
     ) -> None:
-        """Read a file, or take an array with a ``rate`` and a ``unit``; raises Refused as `from_csv` does."""
+        """Read a file, or take an array with a ``rate`` and a ``unit``.
+
+        Of a file all columns of numbers are kept, or ``column`` and its places alone, whose unit ``unit`` replaces.
+        ``time`` and ``place`` name the column of times or distances, which must be even; without them it is the first
+        one of times that grows, or of distances, or the first one. ``rate``, such as "10 kHz", stands for the times.
+        ``from_`` and ``to`` are the first and last sample, from 1 on, or times. Raises Refused, with line and column,
+        for a cell that is not a number, for an unknown unit of the one column, for a file without names, and for gaps
+        and uneven steps. Source: docs/your-data.md.
+        """
+        keywords.refuse_unknown(unknown, tuple(Trace.__init__.__kwdefaults__ or ()))
+        part = {"column": column, "time": time, "from_": from_, "to": to}
         if isinstance(source, str | os.PathLike):
-            _refuse(f"of a file, which says it: {source}", unit=unit, name=name)
-            made = type(self).from_csv(source, place=place, rate=rate)
+            _refuse(f"of a file, which says it: {source}", name=name)
+            made = self._of_file(source, keywords.asked(place=place, rate=rate, **part), unit)
         elif (columns := given_columns(source, sampled=rate is not None)) is not None or isinstance(source, Mapping):
-            _refuse("of columns, which say it by their place and their names", rate=rate, unit=unit)
+            _refuse("of columns, which say it by their place and their names", rate=rate, unit=unit, **part)
             made = type(self).from_arrays(columns or source, place=place, name=name or "trace")
         else:
-            _refuse("of an array, whose place is time", place=place)
+            _refuse("of an array, whose place is time", place=place, **part)
             made = type(self).from_array(source, rate=rate, unit=unit, name=name or "trace")
         for each in fields(self):
             object.__setattr__(self, each.name, getattr(made, each.name))
@@ -95,46 +109,26 @@ class Trace(Table):
         return cls.from_arrays({"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}, name=name)
 
     @classmethod
-    def from_csv(cls, path: str | os.PathLike[str], *, place: str | None = None, rate: Any = None) -> Self:
-        """Read a table of text: a line of names with units, then a row of numbers per line.
-
-        A name is ``NAME (UNIT)``, ``NAME [UNIT]``, ``NAME/UNIT`` or ``NAME_UNIT``, or a line of units follows; a column
-        without a unit is plain numbers. Commas, semicolons or tabs separate the cells; a preamble may come before, and
-        lines that begin with # are comments. ``place`` names the column of times or distances, which must be uniform;
-        the default is the first column. ``rate``, such as "10 kHz", is for times that are rounded to too few digits.
-        Raises Refused, with line and column, for a cell that is not a finite number, for an unknown unit, for a file
-        without names, and for gaps and uneven steps. Source: docs/your-data.md.
-        """
-        with refusing_files(path):
-            if is_hdf5(path):
-                raise Refused(f'{path}: is no text; of a result, Trace(rubnoise.open("{path}")) takes the trace')
-            table = TextTable(Path(path))
-            if not table.layout.head_line:
-                raise Refused(
-                    f'{path}: has no line of names above its numbers; write one, such as "time (s),force (mN)"'
-                )
-            names = [head.name for head in table.heads]
-            number = 0 if place is None else chosen_column(str(path), names, place, None, keyword="place")
-            head = table.heads[number]
-            check_unit(head.unit, f"{table.where}: {head.written}")
-            even = EvenSteps(head.name, head.unit, str(path), keywords.quantity("rate", rate, FREQUENCY))
-            kept: list[list[Doubles]] = [[] for _ in names]
-            for piece in table.pieces():
-                even.add(piece.values[:, number], piece.numbers, piece.resolution(number))
-                for column, parts in enumerate(kept):
-                    parts.append(piece.column(column))
-            found = cls._of(
-                str(path), table.heads, [np.concatenate(parts) for parts in kept], number, where=table.where
-            )
-            if rate is None:
-                return found
-            return cls._made(found.name, found.place, even.step(), found.columns, found.units)
+    def from_csv(cls, path: str | os.PathLike[str], **options: Any) -> Self:
+        """Read a file as ``Trace(path)`` does, with its options."""
+        return cls(os.fspath(path), **options)
 
     @classmethod
-    def from_arrays(cls, columns: Mapping[str, ArrayLike], *, place: str | None = None, name: str = "<python>") -> Self:
+    def _of_file(cls, path: str | os.PathLike[str], asked: Asked, unit: Any) -> Self:
+        with refusing_files(path):
+            if os.path.exists(path) and is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
+                right = f'of a result, Trace(rubnoise.open("{path}")) takes the trace; {path}:PATH names a dataset'
+                raise Refused(f"{path}: {right}")
+            return cls._of(read_measured(path, asked, every=True), str(path), unit)
+
+    @classmethod
+    def from_arrays(
+        cls, columns: Mapping[str, ArrayLike], *, place: str | int | None = None, name: str = "<python>"
+    ) -> Self:
         """Make a trace of arrays of equal length, with headers as names; raises Refused as `from_csv` does.
 
-        Quantities of pint are converted to the unit of their header, or have their own if it names none.
+        Quantities of pint are converted to the unit of their header, or have their own if it names none. ``place`` is
+        the column of places, by default the first.
         """
         heads = [head_of(str(header)) for header in columns]
         read = [with_unit(columns[key], f"{name}: {key}", head.unit) for key, head in zip(columns, heads, strict=True)]
@@ -142,40 +136,53 @@ class Trace(Table):
         if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
             raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
         heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
-        for head, each in zip(heads, arrays, strict=True):
-            check_values(each, f"{name}: {head.written}", lambda row: f"row {row}")
-        number = (
-            0 if place is None else chosen_column(name, [head.name for head in heads], place, None, keyword="place")
-        )
-        even_step(arrays[number], heads[number].name, heads[number].unit, name, first=0)
-        return cls._of(name, heads, arrays, number, where=name)
+        held = Held(path=name, heads=heads, arrays=arrays, first=0)
+        return cls._of(measured(held, keywords.asked(place=place or "1"), every=True), name, None)
 
     @classmethod
-    def _of(cls, source: str, heads: Sequence[Head], arrays: Iterable[Doubles], place: int, *, where: str) -> Self:
+    def _of(cls, found: Measured, name: str, unit: Any) -> Self:
+        """Return a trace in working units; those of further columns that are unknown stay, and are noted."""
         columns: dict[str, Doubles] = {}
         units: dict[str, str] = {}
-        for head, values in zip(heads, arrays, strict=True):
+        notes = list(found.notes)
+        if unit is not None and found.chosen is None:
+            raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
+        for number, (head, values) in enumerate(zip(found.heads, found.arrays, strict=True)):
             if head.name in columns:
-                raise Refused(f"{where}: two columns are named {head.name}")
-            units[head.name], factor = _in_working_units(head.unit, f"{where}: {head.written}")
-            columns[head.name] = factor * np.ascontiguousarray(values)
-        chosen = heads[place].name
-        places = columns[chosen]
-        step = float(places[-1] - places[0]) / (places.size - 1)
-        return cls._made(source, chosen, step, columns, units)
+                raise Refused(f"{found.where}: two columns are named {head.name}; column= takes one by its number")
+            if number == found.chosen and unit is not None:
+                units[head.name], factor = _given_units(unit)
+            else:
+                own = found.chosen is not None or number == found.place_at
+                what = f"{found.where}: {head.written}"
+                units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
+            columns[head.name] = values if factor == 1.0 else factor * values
+        if found.chosen is not None and found.source.of_file:
+            notes += digits(found.values, found.unit)
+            notes += [f"{found.name}: {said}" for said in (clipped(found.values, found.place),) if said]
+        if found.place_at is not None:
+            place = found.heads[found.place_at].name
+            step = float(columns[place][-1] - columns[place][0]) / (columns[place].size - 1)
+        elif found.step is not None:
+            place = "time" if found.along == "time" else "distance"
+            if place in columns:
+                raise Refused(f"{found.where}: the column {place} has no unit of its own; column= leaves it out")
+            columns = {place: found.step * np.arange(found.values.size, dtype=np.float64), **columns}
+            step, units[place] = found.step, "s" if found.along == "time" else "um"
+        else:
+            raise Refused(f'{found.where}: has no time and no distance; rate="20 kHz" says how often it was sampled')
+        return cls._made(name, place, step, columns, units, tuple(notes))
 
     @classmethod
-    def _made(
-        cls, name: str, place: str, step: float, columns: Mapping[str, Doubles], units: Mapping[str, str]
-    ) -> Self:
+    def _made(cls, *given: Any) -> Self:
+        """Return a trace of the values of its fields, in their order."""
         made = object.__new__(cls)
-        given = (name, place, step, MappingProxyType(dict(columns)), MappingProxyType(dict(units)))
         for each, value in zip(fields(cls), given, strict=True):
-            object.__setattr__(made, each.name, value)
+            object.__setattr__(made, each.name, MappingProxyType(value) if isinstance(value, dict) else value)
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return self._made, (self.name, self.place, self.step, dict(self.columns), dict(self.units))
+        return self._made, (self.name, self.place, self.step, dict(self.columns), dict(self.units), self.notes)
 
     @overload
     def __getitem__(self, name: str) -> Doubles: ...
@@ -189,7 +196,7 @@ class Trace(Table):
             if len(range(len(self))[name]) < 2:
                 raise Refused(f"{self.name}: a trace needs two rows or more")
             rows = {each: values[name] for each, values in self.columns.items()}
-            return self._made(self.name, self.place, self.step * (name.step or 1), rows, self.units)
+            return self._made(self.name, self.place, self.step * (name.step or 1), rows, self.units, self.notes)
         if name not in self.columns:
             raise KeyError(f"{self.name} has no column {name!r}; it has {', '.join(self.columns)}")
         return self.columns[name]
@@ -288,7 +295,8 @@ class Trace(Table):
 
     @property
     def _heading(self) -> str:
-        return f"{self.name}: {len(self):,} rows, every {self.step:.6g} {self.units[self.place]}"
+        heading = f"{self.name}: {len(self):,} rows, every {self.step:.6g} {self.units[self.place]}"
+        return "\n  ".join([heading, *self.notes])
 
 
 def _refuse(source: str, **keys: Any) -> None:
@@ -298,15 +306,29 @@ def _refuse(source: str, **keys: Any) -> None:
             raise Refused(f"{name}=: {keywords.shown(value)}: has no effect on a trace {source}")
 
 
-def _in_working_units(unit: str, what: str) -> tuple[str, float]:
+def _given_units(unit: Any) -> tuple[str, float]:
+    """Return the working unit of a given unit, and what a value of 1 is in it; volts stay as they are written."""
+    scale, is_area, sign = keywords.scale_of(unit, "unit=")
+    if scale is None:
+        return str(keywords.unit_text(unit)).lstrip("-+ "), sign
+    return AREA.unit if is_area else FORCE.unit, sign * scale
+
+
+def _in_working_units(unit: str, what: str, notes: list[str], *, own: bool) -> tuple[str, float]:
     """Return the working unit of a unit, and the unit's size in it; a known unit of another kind stays as it is.
 
-    Raises Refused for an unknown unit.
+    So does an unknown one, which is noted, unless the column is the trace's ``own``: then Refused is raised.
     """
-    check_unit(unit, what)
     if unit in NONE:
         return "1", 1.0
     if unit in OTHERS:
+        return unit, 1.0
+    try:
+        check_unit(unit, what)
+    except Refused as refused:
+        if own:
+            raise
+        notes.append(f"{refused}; it stays as it is")
         return unit, 1.0
     read = parse_unit(unit)
     kind = next((each for each in CONVERTED if each.dimension == read.dimension), None)

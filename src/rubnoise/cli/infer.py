@@ -21,22 +21,16 @@ if TYPE_CHECKING:
 
 Shape = StrEnum("Shape", "lens parabola")
 Offset = StrEnum("Offset", "none uniform")
+Zero = StrEnum("Zero", "known unknown")
 LawChoice = StrEnum("LawChoice", "auto fixed normal lognormal exponential gamma")
-"""Lives that can be read, how far passes miss the centre line, laws of sizes."""
-
-
-class Zero(StrEnum):
-    """Whether a value of 0 means no force."""
-
-    KNOWN = "known"
-    UNKNOWN = "unknown"
+"""Lives that can be read, how far passes miss the centre line, whether 0 means no force, laws of sizes."""
 
 
 def command(
     trace: Annotated[
         str,
         typer.Argument(
-            help="A measured trace: CSV, TSV, WAV, MATLAB 5, a result, FILE.h5:PATH, or - for standard input.",
+            help="A measured trace: text, WAV, MATLAB 5, a result, FILE.h5:PATH, FILE.nc:NAME, or - (standard input).",
             metavar="TRACE",
         ),
     ],
@@ -45,15 +39,18 @@ def command(
         str | None, typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED")
     ] = None,
     column: Annotated[str | None, typer.Option(help="Which column, by its name or number.", metavar="NAME")] = None,
+    place: Annotated[
+        str | None, typer.Option(help="The column of distances, by name or number.", metavar="NAME")
+    ] = None,
+    time: Annotated[str | None, typer.Option(help="The column of times, by name or number.", metavar="NAME")] = None,
     unit: Annotated[
-        str | None, typer.Option(help='Unit of the values, or what a value of 1 is: mN, "0.5 mN", V.', metavar="U")
+        str | None,
+        typer.Option(help='Unit of the values, or what a value of 1 is: mN, "-0.5 mN", V.', metavar="U"),
     ] = None,
     rate: Annotated[
-        str | None, typer.Option(help='Samples a second, where the file has no time: "20 kHz".', metavar="R")
+        str | None, typer.Option(help='Samples a second, whatever the file says: "20 kHz".', metavar="R")
     ] = None,
-    zero: Annotated[
-        Zero, typer.Option(help="Whether 0 means no force: known or unknown.", metavar="ZERO")
-    ] = Zero.UNKNOWN,
+    zero: Annotated[Zero, typer.Option(help="Whether 0 is no force: known, unknown.", metavar="ZERO")] = Zero.unknown,
     strength: Annotated[
         str | None, typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI")
     ] = None,
@@ -116,9 +113,11 @@ def command(
         trace,
         speed=speed,
         column=column,
+        place=place,
+        time=time,
         unit=unit,
         rate=rate,
-        zero=zero.value,
+        zero=zero.value,  # type: ignore[arg-type]  # one of both
         strength=strength,
         strength_spread=strength_spread,
         pulse=None if pulse is None else pulse.value,
@@ -175,6 +174,7 @@ def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
         },
         "law_free": dict(found.law_free),
         "left_out": list(found.signal.left_out),
+        "notes": [in_shell(note) for note in found.signal.notes],
         "assumptions": list(found.assumptions),
         **_other(found),
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
@@ -249,8 +249,8 @@ def _heading(found: "InferenceResult", trace: str) -> Iterator[str]:
     signal = found.signal
     length = signal.tick * signal.values.size
     yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
-    for words in signal.left_out:
-        yield remark(words)
+    for words in (*signal.left_out, *signal.notes):
+        yield remark(in_shell(words))
 
 
 def _granted(found: "InferenceResult") -> Iterator[str]:

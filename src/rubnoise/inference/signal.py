@@ -1,6 +1,8 @@
 """A trace ready for inference, and findings before any fit: a clipped sensor, several strokes, a first size."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -9,6 +11,9 @@ from rubnoise.arrays import Doubles, slices
 
 _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
+_RARER: Final = 2.0
+_LEVELS: Final = 200
+_OFF: Final = 1e-6
 _HALF_OVER_FASTEST: Final = 1.3
 _BETWEEN: Final = 0.05
 _LEVEL_STEPS: Final = 4
@@ -22,7 +27,8 @@ class Signal:
 
     ``scale`` turns its values into uN (for an area in um^2, whose junctions have the strength 1, ``is_area`` is true);
     None if the unit is of something else, such as V: then strengths are not identified. ``unit`` is the written one.
-    ``ways`` is how many strokes of equal length go to and fro, turned one way; ``left_out`` says what was cut off.
+    ``ways`` is how many strokes of equal length go to and fro, turned one way; ``left_out`` says what was cut off,
+    ``notes`` what is remarkable in the file.
     """
 
     values: Doubles = field(repr=False)
@@ -32,34 +38,38 @@ class Signal:
     is_area: bool = False
     ways: tuple[int, int] = (1, 0)
     left_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Clipped:
-    """A saturated sensor: the number of samples at the largest value, how many in a row, and the ``first`` of them."""
+def clipped(values: Doubles, place: Callable[[int], str]) -> str:
+    """Return what is said of a sensor at an end of its range, with the place of its first sample; empty for others.
 
-    samples: int
-    longest: int
-    first: int
-
-
-def clipped(values: Doubles) -> Clipped | None:
-    """Return the samples that show a saturated sensor; None if there are none.
-
-    They are a maximum that lasts: a trace of junctions has a kink at each maximum, and never a plateau. A constant
-    trace was not clipped.
+    An end lasts: a trace of junctions has a kink at each maximum, and never a plateau. It may be at rest at 0, without
+    a junction. Rounded values at an end are rarer than their neighbours. A constant trace was not clipped.
     """
-    top = float(values.max())
-    if top == float(values.min()):
-        return None
-    at_top = np.flatnonzero(values == top)
-    if at_top.size <= max(10, _CLIPPED * values.size):
-        return None
-    ends = np.flatnonzero(np.diff(at_top) > 1)
-    runs = np.diff(np.concatenate([[-1], ends, [at_top.size - 1]]))
-    if int(runs.max()) < _PLATEAU:
-        return None
-    return Clipped(samples=at_top.size, longest=int(runs.max()), first=int(at_top[0]))
+    for end, turned in (("largest", values), ("smallest", -values)):
+        top = float(turned.max())
+        at_top = np.flatnonzero(turned == top)
+        below = turned[turned < top]
+        if not below.size or (top == 0.0 and end == "smallest"):
+            continue
+        if at_top.size <= max(10, _CLIPPED * values.size, _RARER * np.count_nonzero(below == below.max())):
+            continue
+        longest = max(run.size for run in np.split(at_top, np.flatnonzero(np.diff(at_top) > 1) + 1))
+        if longest >= _PLATEAU:
+            said = f"{at_top.size:,} samples are at the {end} value, {longest:,} in a row, first at {place(at_top[0])}"
+            return f"the sensor was clipped: {said}; measure again with a wider range"
+    return ""
+
+
+def digits(values: Doubles, unit: str) -> tuple[str, ...]:
+    """Return what is said of values with few digits, whose rounding adds noise of digit/sqrt(12)."""
+    levels = np.unique(values[: _SEEN // 16])
+    steps = np.diff(levels)
+    digit = float(steps.min(initial=np.inf))
+    if not 2 < levels.size < _LEVELS or np.abs(steps / digit - np.rint(steps / digit)).max() > _OFF:
+        return ()
+    return (f"digits of {digit:.4g} {unit}: rounding adds noise of {digit / sqrt(12.0):.2g} {unit}",)
 
 
 def strokes(values: Doubles, zero: str) -> str:

@@ -1,157 +1,248 @@
-"""Measured traces in files of other programs: text, WAV, MATLAB 5, and any dataset of an HDF5 or netCDF file.
+"""Measured traces: which columns are used, which part of them, whether their steps are even and their values possible.
 
-The caller must give a unit or rate that the file does not have.
+The part is cut first, and checked then. The caller must give a unit or rate that the file does not have.
 """
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
-from math import prod
-from pathlib import Path
-from typing import Any, BinaryIO, Final
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from math import ceil, floor
+from numbers import Integral
+from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.regular_file import is_hdf5, open_stream, size_of
-from rubnoise.storage.foreign_dataset import pieces_of_dataset
-from rubnoise.storage.measured_text import read_text
-from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
-from rubnoise.storage.wave_reader import read_wave
-
-LARGEST: Final = 2 * 1024**3
-"""Bytes of a file of text, sound or MATLAB."""
-
-MOST_UNPACKED: Final = 10_000_000
-"""Values of a vector of MATLAB: a file says how many it has before they are unpacked."""
-
-_NUMBERS: Final = frozenset(
-    ["double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))]
+from rubnoise.storage.samples import (
+    UNEVEN,
+    Source,
+    along_of,
+    check_reach,
+    check_values,
+    column_of,
+    even_step,
+    listed,
+    unit_of,
 )
+from rubnoise.storage.text_heads import Head, check_unit
+from rubnoise.storage.text_table import TextTable
+from rubnoise.units import FORCE, LENGTH, TIME, QuantityError, quantity_of
+
+_PLACES: Final = {"time": "s", "t": "s", "zeit": "s", "distance": "um", "position": "um", "weg": "mm"}
+_MOST_DIGITS: Final = 15
+_ROUNDING: Final = 1e-12
+_SHOWN: Final = 40
+_BACKWARD: Final = 0.1
+"""Part of the steps that may be negative in a column that grows: a stage that goes to and fro has half of them."""
 
 
-@contextmanager
-def refusing_files(path: object) -> Iterator[None]:
-    """Turn an OSError about a file into a refusal that names the file."""
-    try:
-        yield
-    except OSError as problem:
-        reason = problem.strerror or str(problem)
-        raise Refused(f"{path}: {reason[:1].lower()}{reason[1:]}") from problem
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What a caller says of a file: its columns, its rate in Hz, and the part from ``begin`` to ``end``."""
+
+    column: str | None = None
+    place: str | None = None
+    time: str | None = None
+    rate: float | None = None
+    begin: Any = None
+    end: Any = None
 
 
-def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate: float | None = None) -> Measured:
-    """Return a column of a file; raises Refused, with name and line, if it is not a trace.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """Columns at even steps: ``step`` in s, or in um if ``along`` is "distance"; None if unknown.
 
-    ``FILE.h5:PATH`` is a dataset. Without ``column`` the file must have one column that is neither time nor distance.
+    ``chosen`` and ``place_at`` are the column of the trace and that of the places, None where there is not one.
+    ``first`` is the row of the source with which the part begins, ``left_out`` says what was cut.
     """
-    text = os.fspath(trace)
-    if "\0" in text:
-        raise Refused(f"{text[:40]!r}: no file has a zero byte in its name")
-    path, dataset = (Path(text), "") if Path(text).exists() else _split(text)
-    if is_hdf5(path):
-        if not dataset:
-            raise Refused(f"{path}: which dataset? {path}:PATH names one")
-        return _of_dataset(path, dataset)
-    if (held := size_of(path)) > LARGEST:
-        raise Refused(f"{path}: has {held:,} bytes; traces of up to {LARGEST:,} are read")
-    kind = path.suffix.lower()
-    if kind == ".wav":
-        return _of_wave(path, column)
-    if kind == ".mat":
-        return _of_matlab(path, column)
-    return read_text(path, column, rate)
+
+    source: Source
+    heads: Sequence[Head]
+    arrays: Sequence[Doubles] = field(repr=False)
+    chosen: int | None
+    place_at: int | None
+    step: float | None
+    along: str
+    first: int = 0
+    notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The name of the chosen column."""
+        return self.heads[self.chosen or 0].name
+
+    @property
+    def unit(self) -> str:
+        """The unit of the chosen column as it is written; empty if there is none."""
+        return self.heads[self.chosen or 0].unit
+
+    @property
+    def values(self) -> Doubles:
+        """The chosen column."""
+        return self.arrays[self.chosen or 0]
+
+    @property
+    def where(self) -> str:
+        """The file, and the line of the names."""
+        return self.source.where
+
+    def place(self, sample: int) -> str:
+        """Return the words for a sample of the part."""
+        return self.source.place(self.first + sample)
 
 
-def _split(text: str) -> tuple[Path, str]:
-    path, _, dataset = text.rpartition(":")
-    return (Path(path), dataset) if path and Path(path).exists() else (Path(text), "")
+def measured(source: Source, asked: Asked, *, every: bool = False) -> Measured:
+    """Return a column of a source and its places, or ``every`` column, cut and checked; raises Refused with the line.
 
-
-def _of_wave(path: Path, wanted: str | None) -> Measured:
-    channel, values, rate = read_wave(path, wanted)
-    check_values(values, f"{path}: channel {channel}")
-    return Measured(name=f"channel {channel}", values=values, unit="", step=1.0 / rate, along="time", where=str(path))
-
-
-def _of_matlab(path: Path, wanted: str | None) -> Measured:
-    """Return a vector of a MATLAB file, which says how many values it has before they are unpacked."""
-    with open_stream(path) as stream, _naming_matlab(path):
-        sizes = _vectors(stream)
-        names = list(sizes)
-        place = next((name for name in names if name.lower() in {"t", "time"}), "")
-        chosen = names[chosen_column(path, names, wanted, names.index(place) if place else None)]
-        values = _vector(stream, chosen, sizes[chosen])
-        times = _vector(stream, place, sizes[place]) if place and sizes[place] == sizes[chosen] else None
-    check_values(values, f"{path}: {chosen}")
-    step = None if times is None else even_step(times, place, "s", str(path))
-    return Measured(name=chosen, values=values, unit="", step=step, along="time", where=str(path))
-
-
-@contextmanager
-def _naming_matlab(path: Path) -> Iterator[None]:
-    """Turn what scipy raises on a damaged file, which may be any error, into a refusal that names the file."""
-    try:
-        yield
-    except NoColumn:
-        raise
-    except Refused as refused:
-        raise Refused(f"{path}: {refused}") from refused
-    except MemoryError as problem:
-        raise Refused(
-            f"{path}: is damaged, or there is no memory to unpack it; save the one vector with -v7"
-        ) from problem
-    except Exception as problem:
-        why = " ".join(str(problem).split())[:200]
-        raise Refused(f"{path}: is no MATLAB 5 file that can be read: {why}; save it with -v6 or -v7") from problem
-
-
-def _vectors(stream: BinaryIO) -> dict[str, int]:
-    """Return the number of values of every vector of real numbers in a MATLAB file; raises Refused without any."""
-    from scipy.io import whosmat
-
-    shapes = {name: shape for name, shape, kind in whosmat(stream) if kind in _NUMBERS}
-    vectors = {
-        name: prod(shape) for name, shape in shapes.items() if sum(side != 1 for side in shape) == 1 and min(shape) > 0
-    }
-    if not vectors:
-        sizes = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in list(shapes.items())[:12])
-        raise Refused(f"has no vector of real numbers; it has {sizes or 'no numbers'}")
-    return vectors
-
-
-def _vector(stream: BinaryIO, name: str, count: int) -> Doubles:
-    from scipy.io import loadmat
-
-    if count > MOST_UNPACKED:
-        raise Refused(f"{name} has {count:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
-    stream.seek(0)
-    found: Any = loadmat(stream, squeeze_me=True, variable_names=[name])[name]
-    if not isinstance(found, np.ndarray) or found.dtype.kind not in "fiu" or found.shape != (count,):
-        raise Refused(f"{name} is no vector of real numbers")
-    return found.astype(np.float64)
-
-
-def _of_dataset(path: Path, name: str) -> Measured:
-    kept: list[Doubles] = []
-    along, count = "", 0
-    even: EvenSteps | None = None
-    for found, values, places in pieces_of_dataset(path, name):
-        if count == 0:
-            along = along_of(found.place.rpartition("/")[2], found.place_unit)
-            even = EvenSteps(found.place, found.place_unit, str(path), word="row") if along else None
-        if even is not None:
-            even.add(places, range(count + 1, count + 1 + values.size))
-        kept.append(values)
-        count += values.size
-    whole = np.concatenate(kept)
-    check_values(whole, f"{path}: {name}")
+    With a rate, times are left out: they are known.
+    """
+    wanted = None if asked.column is None else column_of(source, asked.column, "column")
+    chosen_place = asked.place or asked.time
+    places = _places(source, asked, wanted, every=every)
+    used = [wanted] if wanted is not None else _used(source, places, every=every)
+    numbers = sorted({*used, *places})
+    arrays = dict(zip(numbers, source.columns(numbers), strict=True))
+    if (rows := arrays[numbers[0]].size) < 2:
+        raise Refused(f"{source.where}: {rows} rows below the names; a row for each sample is needed, two or more")
+    first, last, left_out = _part(source, asked, arrays, places, rows)
+    arrays = {number: values[first:last] for number, values in arrays.items()}
+    step, along, place, notes = source.step, source.along, None, source.notes
+    if asked.rate is not None:
+        notes += _outranked(source, asked.rate, arrays, places)
+        step, along = 1.0 / asked.rate, "time"
+        others = [n for n in used if n == wanted or along_of(source.heads[n]) != "time"]
+        used = others or used[-1:]
+    elif (place := _place(source, arrays, places, certain=chosen_place is not None or step is not None)) is not None:
+        along = along_of(source.heads[place], named=chosen_place is not None)
+    kept = sorted({*used, *([] if place is None else [place])})
+    columns = [n for n in used if n != place]
+    chosen = columns[0] if len(columns) == 1 else None
+    for number in [*([] if place is None else [place]), *columns]:
+        check_values(source, number, arrays[number], first)
+    if place is not None:
+        step = even_step(source, place, arrays[place], first)
+    if chosen is not None and (source.of_file or not every):
+        check_reach(source, chosen, arrays[chosen], first)
     return Measured(
-        name=name,
-        values=whole,
-        unit=found.unit,
-        step=None if even is None else even.step(),
-        along=along or "time",
-        where=str(path),
+        source=source,
+        heads=[source.heads[n] for n in kept],
+        arrays=[arrays[n] for n in kept],
+        chosen=None if chosen is None else kept.index(chosen),
+        place_at=None if place is None else kept.index(place),
+        step=step,
+        along=along,
+        first=first,
+        notes=notes,
+        left_out=left_out,
     )
+
+
+def _places(source: Source, asked: Asked, wanted: int | None, *, every: bool) -> list[int]:
+    """Return the columns that may place the samples: the chosen one, or those of times, then those of distances."""
+    for keyword, given in (("place", asked.place), ("time", asked.time)):
+        if given is not None:
+            found = column_of(source, given, keyword)
+            along = along_of(source.heads[found], named=True)
+            if (not every and not along) or (keyword == "time" and along != "time"):
+                unit = source.heads[found].unit or "no unit"
+                needed = "of time" if keyword == "time" else "of length or time"
+                raise Refused(f"{source.where}: {keyword}=: {given[:_SHOWN]} has {unit}; a unit {needed} is needed")
+            return [found]
+    others = [n for n, usable in enumerate(source.usable) if usable and n != wanted]
+    kinds = {n: along_of(source.heads[n]) for n in others}
+    natural = [n for kind in ("time", "distance") for n in others if kinds[n] == kind]
+    if natural or asked.rate is not None or source.step is not None:
+        return natural
+    if every and len(others) > 1 and wanted is None:
+        return others[:1]
+    for head in source.heads if wanted is None else ():
+        if (found_unit := _PLACES.get(head.name.lower())) is not None:
+            check_unit(head.unit, f"{source.where}: {head.written}")
+            if not head.unit:
+                right = f'write "{head.name} ({found_unit})", or whichever unit it has'
+                raise Refused(f"{source.where}: {head.name} has no unit; {right}")
+    return []
+
+
+def _used(source: Source, places: Sequence[int], *, every: bool) -> list[int]:
+    """Return the columns of a trace without a chosen one: the only one or the only force, or every one."""
+    usable = [n for n, each in enumerate(source.usable) if each]
+    if isinstance(source, TextTable) and not source.head_line and len(usable) > 1:
+        raise Refused(
+            f'{source.path}: line {source.first}: has no line of names above its numbers; column=2, rate="10 kHz" and'
+            ' unit="N" say what is in it'
+        )
+    if every:
+        return usable
+    others = [n for n in usable if n not in places] or list(places[1:])
+    forces = [n for n in others if unit_of(source.heads[n].unit).dimension == FORCE.dimension]
+    others = forces if len(forces) == 1 else others
+    if len(others) != 1:
+        names = listed([source.heads[n].name for n in others]) or "none but the place"
+        raise NoColumn(f"{source.path}: which column? column= takes one of: {names}")
+    return others
+
+
+def _place(source: Source, arrays: dict[int, Doubles], places: Sequence[int], *, certain: bool) -> int | None:
+    """Return the first column that grows; of times that do not grow the first one, which `even_step` refuses."""
+    grown = (n for n in places if certain or _grows(arrays[n]))
+    others = (n for n in places if along_of(source.heads[n]) != "distance" and source.step is None)
+    return next(chain(grown, others), None)
+
+
+def _grows(places: Doubles) -> bool:
+    steps = np.diff(places)
+    steps = steps[np.isfinite(steps)]
+    return bool(steps.size) and float(np.median(steps)) > 0.0 and float(np.mean(steps < 0.0)) <= _BACKWARD
+
+
+def _outranked(source: Source, rate: float, arrays: dict[int, Doubles], places: Sequence[int]) -> tuple[str, ...]:
+    """Return what is said if times of the file have another rate than the given one."""
+    times = next((n for n in places if along_of(source.heads[n]) == "time"), None)
+    if times is None or not np.isfinite(ends := arrays[times][[0, -1]]).all() or ends[1] <= ends[0]:
+        return ()
+    own = (arrays[times].size - 1) / (float(ends[1] - ends[0]) * float(unit_of(source.heads[times].unit).size))
+    if abs(own / rate - 1.0) <= UNEVEN:
+        return ()
+    return (f"the rate is {rate:g} Hz as given; by {source.heads[times].name} of {source.path} it is {own:.6g} Hz",)
+
+
+def _part(
+    source: Source, asked: Asked, arrays: dict[int, Doubles], places: Sequence[int], rows: int
+) -> tuple[int, int, tuple[str, ...]]:
+    """Return the first row of the part, the row behind it, and what was left out."""
+    step, along = source.step, source.along
+    if asked.rate is not None:
+        step, along = 1.0 / asked.rate, "time"
+    elif step is None and places and (asked.begin is not None or asked.end is not None):
+        steps, head = np.diff(arrays[places[0]]), source.heads[places[0]]
+        steps = steps[np.isfinite(steps)]
+        step = float(np.median(steps)) * float(unit_of(head.unit).size) if steps.size else None
+        along = along_of(head)
+    first = 1 if asked.begin is None else _sample("from_", asked.begin, step, along, ceil)
+    last = rows if asked.end is None else _sample("to", asked.end, step, along, floor)
+    if not 1 <= first < last:
+        raise Refused(f"from_=: samples {first:,} to {last:,} are no part of the trace, which has {rows:,}")
+    if last > rows:
+        raise Refused(f"to=: sample {last:,} is beyond the last of the trace, which has {rows:,}")
+    said = f"left out: all but samples {first:,} to {last:,} of {rows:,}"
+    return first - 1, last, () if (first, last) == (1, rows) else (said,)
+
+
+def _sample(keyword: str, value: Any, step: float | None, along: str, rounded: Callable[[float], int]) -> int:
+    """Return the number of a sample from 1 on, given as such or by the time or distance since the first one."""
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        return int(value)
+    if isinstance(value, str) and value.strip().isdecimal() and len(value) <= _MOST_DIGITS:
+        return int(value)
+    kind = LENGTH if along == "distance" else TIME
+    try:
+        number = float(quantity_of(value, kind))
+    except QuantityError as problem:
+        form = f'right form: {keyword}="7201" for a sample, {keyword}="{kind.example}"'
+        raise Refused(f"{keyword}=: {value!s:.80}: {problem}; {form}") from problem
+    if step is None or not step > 0.0:
+        raise Refused(f'{keyword}=: {value!s:.80}: the trace has no times; {keyword}="7201" names a sample')
+    return int(rounded(number / step * (1.0 + _ROUNDING * (1.0 if rounded is floor else -1.0)))) + 1

@@ -1,221 +1,193 @@
-"""A column of samples at even steps, which every reader of measured traces returns, and the checks that they share."""
+"""Columns of samples, in memory or in a text, and the checks of what is used: even steps, possible values."""
 
 import re
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Final, NoReturn
+from fractions import Fraction
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.units import LENGTH, TIME, QuantityError, parse_unit
+from rubnoise.storage.text_heads import Head
+from rubnoise.storage.text_table import TextTable
+from rubnoise.units import LENGTH, TIME, QuantityError, Unit, parse_unit
 
-UNEVEN: Final = 0.01
-"""How far one step between samples may be from the mean step, in parts of it, beyond the digits that are written."""
-
-_LISTED: Final = 20
-_SHOWN: Final = 40
 LARGEST_VALUE: Final = 1e60
 """Size of a value at most: fourth powers of values are numbers."""
 
-_FEW: Final = 3
-_ROUNDED: Final = 0.01
-"""Part of the steps that differ from the usual one, above which they differ by rounding, not by some missing rows."""
+UNEVEN: Final = 0.01
+"""How far one step between samples may be from the usual one, in parts of it, beyond the digits that are written."""
 
-
-class Lines:
-    """The line of a file for each row of a column: kept only for rows at which the difference of both changes."""
-
-    def __init__(self) -> None:
-        """Start without rows."""
-        self.count = 0
-        self._first: list[int] = []
-        self._ahead: list[int] = []
-
-    def add(self, numbers: list[int]) -> None:
-        """Add the line numbers of the next rows."""
-        ahead = np.array(numbers) - np.arange(self.count, self.count + len(numbers))
-        before = self._ahead[-1] if self._ahead else None
-        changed = np.flatnonzero(np.diff(ahead)) + 1
-        for row in ([0] if before != ahead[0] else []) + changed.tolist():
-            self._first.append(self.count + row)
-            self._ahead.append(int(ahead[row]))
-        self.count += len(numbers)
-
-    def of(self, row: int) -> int:
-        """Return the line of a row."""
-        return row + self._ahead[bisect_right(self._first, row) - 1]
+_TRAVELLED: Final = re.compile(r"distance|dist|position|pos|[a-z]*weg|strecke|path|travel|track|s|x")
+_SHOWN: Final = 40
+_SEEN: Final = 1 << 20
+_FAR: Final = 20.0
+"""Times the reach of 99 % of the values from the median, above which one value is no part of a trace."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
-    """One column of values at even steps: ``step`` in s, or in um if ``along`` is "distance"; None if unknown.
+class Held:
+    """Columns in memory; ``word`` and ``first`` say how rows are called, ``missing`` what nan means in a column."""
 
-    ``unit`` is as written, empty if the file has none; ``where`` names the file, and the line of the names;
-    ``lines`` says which line each value is from, None if values have none.
+    path: Any
+    heads: Sequence[Head]
+    arrays: Sequence[Doubles]
+    step: float | None = None
+    along: str = "time"
+    notes: tuple[str, ...] = ()
+    word: str = "row"
+    first: int = 1
+    missing: dict[int, str] = field(default_factory=dict)
+    of_file: bool = False
+
+    @property
+    def where(self) -> str:
+        """The file."""
+        return str(self.path)
+
+    @property
+    def usable(self) -> list[bool]:
+        """All columns have numbers."""
+        return [True] * len(self.heads)
+
+    def columns(self, numbers: Sequence[int], most: int | None = None) -> list[Doubles]:  # noqa: ARG002
+        """Return columns."""
+        return [self.arrays[number] for number in numbers]
+
+    def place(self, row: int) -> str:
+        """Return the words for a row."""
+        return f"{self.word} {row + self.first:,}"
+
+    def wrong(self, row: int, number: int) -> str:
+        """Say why a value is nan."""
+        if number in self.missing:
+            return f"{self.heads[number].name}[{row}] is {self.missing[number]}; every sample needs a number"
+        return f"{self.heads[number].name} is nan; every sample needs a number"
+
+
+Source = Held | TextTable
+"""What has columns by number: those of a file of text are read when they are needed."""
+
+
+def even_step(source: Source, number: int, places: Doubles, first: int = 0) -> float:
+    """Return the mean step in s or um; raises Refused, with the line, if a step is not the usual one.
+
+    A step may be 1 % off, and one digit of the places, since they are rounded. If the step is one digit, and nearly all
+    steps are equal, a longer one is a missing row and not rounding.
     """
-
-    name: str
-    values: Doubles = field(repr=False)
-    unit: str
-    step: float | None
-    along: str
-    where: str = ""
-    lines: "Lines | None" = field(default=None, repr=False)
-
-    def place(self, sample: int) -> str:
-        """Return the file and line of a sample."""
-        return f"sample {sample + 1:,}" if self.lines is None else f"line {self.lines.of(sample)}"
-
-
-def along_of(name: str, unit: str) -> str:
-    """Return "time" or "distance" for what places samples; empty for other columns."""
-    try:
-        dimension = parse_unit(unit).dimension if name and unit else None
-    except QuantityError:
-        return ""
-    if dimension is None:
-        return ""
-    if dimension == TIME.dimension:
-        return "time"
-    travelled = name.lower().split()[-1].split("_")[-1] in {"distance", "position", "s"}
-    return "distance" if dimension == LENGTH.dimension and travelled else ""
+    head, path = source.heads[number], source.path
+    steps = np.diff(places)
+    usual = float(np.median(steps))
+    if usual <= 0.0:
+        hint = 'if it is rounded, rate="10 kHz" says how often it was sampled'
+        raise Refused(f"{path}: {head.name} does not grow from line to line; {hint}")
+    digit, uneven = _digit(places), UNEVEN * usual
+    few = np.count_nonzero(np.abs(steps - usual) > uneven) <= max(3, 0.01 * steps.size)
+    allowed = uneven if digit > 0.5 * usual and few else uneven + 1.01 * digit
+    if (wrong := ~(np.abs(steps - usual) <= allowed)).any():
+        row = int(np.argmax(wrong))
+        raise Refused(
+            f"{path}: {source.place(first + row + 1)}: {head.name} grows by {steps[row]:g} {head.unit} where the usual"
+            f' step is {usual:g}; samples have to be evenly spaced; to="{first + row + 1}" ends before it'
+        )
+    return float(places[-1] - places[0]) / steps.size * float(unit_of(head.unit).size)
 
 
-def chosen_column(
-    path: str | Path, names: list[str], wanted: str | None, place: int | None, *, keyword: str = "column"
-) -> int:
-    """Return the number of the wanted column, or of the only one beside time or distance; raises NoColumn otherwise.
+def _digit(places: Doubles) -> float:
+    """Return the last decimal with which places are written, from both ends; 0 if they have no last one."""
+    found = []
+    for part in (places[:50], places[-50:]):
+        error = 4.0 * np.finfo(np.float64).eps * float(np.abs(part).max())
+        powers = [10.0**-power for power in range(-3, 13) if np.ptp(part) >= 10.0**-power]
+        off = [float(np.abs(part - digit * np.rint(part / digit)).max()) for digit in powers]
+        found.append(
+            next((digit for digit, each in zip(powers, off, strict=True) if each <= 1e-6 * digit + error), 0.0)
+        )
+    return max(found)
 
-    ``wanted`` is a name, or a number from 1 on if no column has that name.
+
+def check_values(source: Source, number: int, values: Doubles, first: int = 0) -> None:
+    """Raise Refused with the first value that is not finite, or too large to be squared."""
+    wrong = ~(np.abs(values) <= LARGEST_VALUE)
+    if not wrong.any():
+        return
+    row = int(np.argmax(wrong))
+    name, value = source.heads[number].name, values[row]
+    limit = "every sample needs a number" if np.isinf(value) else f"up to {LARGEST_VALUE:g} is read"
+    said = source.wrong(first + row, number) if np.isnan(value) else f"{name} is {value:g}; {limit}"
+    _refuse(source, first + row, said)
+
+
+def check_reach(source: Source, number: int, values: Doubles, first: int = 0) -> None:
+    """Raise Refused with the first value that is far from the others and alone: a filled gap, an overload.
+
+    Junctions pass over several samples, so that one or two that leap are not theirs, nor are more of one value.
     """
-    if wanted is not None:
+    median = float(np.median(values))
+    away = np.abs(values - median)
+    reach = float(np.quantile(away[:: away.size // _SEEN + 1], 0.99))
+    far = np.flatnonzero(away > _FAR * reach)
+    if reach == 0.0 or not far.size:
+        return
+    for run in np.split(far, np.flatnonzero(np.diff(far) > 1) + 1):
+        if run.size <= 2 or np.ptp(values[run]) == 0.0:
+            head, row = source.heads[number], int(run[0])
+            others = values[away <= _FAR * reach]
+            said = (
+                f"{head.name} is {values[row]:g}, far outside of the other values, {others.min():.4g} to"
+                f" {others.max():.4g} {head.unit}; mend or remove that row, or from_= and to= leave it out"
+            )
+            _refuse(source, first + row, said)
+
+
+def _refuse(source: Source, row: int, said: str) -> NoReturn:
+    raise Refused(f"{source.path}: {source.place(row)}: {said}" if source.path else f"{source.place(row)} of {said}")
+
+
+def along_of(head: Head, *, named: bool = False) -> str:
+    """Return "time" or "distance" for what places samples; empty for other columns.
+
+    A length places samples by its name, such as `Weg`, or if it is ``named`` by the caller.
+    """
+    dimension = unit_of(head.unit).dimension
+    last = re.split(r"[\s_]+", head.name.lower().strip(" ."))[-1].strip(".")
+    travelled = dimension == LENGTH.dimension and (named or _TRAVELLED.fullmatch(last))
+    return "time" if dimension == TIME.dimension else "distance" if travelled else ""
+
+
+def unit_of(text: str) -> Unit:
+    """Return a unit in s, um and so on; one of size 1 without a dimension for none, and for an unknown one."""
+    with suppress(QuantityError):
+        return parse_unit(text)
+    return Unit(Fraction(1), ())
+
+
+def column_of(source: Source, wanted: str, keyword: str) -> int:
+    """Return the number of a column by its name, its name as written, or its number from 1 on; raises NoColumn."""
+    for names in ([head.name for head in source.heads], [head.written for head in source.heads]):
         if names.count(wanted) == 1:
             return names.index(wanted)
-        if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
-            return int(wanted) - 1
-        what = "the name of several" if wanted in names else "none"
-        raise NoColumn(f"{path}: {keyword}=: {wanted[:_SHOWN]} is {what} of the columns {_listed(names)}")
-    others = [name for number, name in enumerate(names) if number != place]
-    if len(others) != 1:
-        raise NoColumn(f"{path}: which column? column= takes one of: {_listed(others) or 'none but the place'}")
-    return next(number for number in range(len(names)) if number != place)
+    names = [head.name for head in source.heads]
+    if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
+        return int(wanted) - 1
+    what = "the name of several" if wanted in names else "none"
+    raise NoColumn(f"{source.path}: {keyword}=: {wanted[:_SHOWN]} is {what} of the columns {listed(names)}")
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
     """Return some names, each cut short, and the number of further ones."""
-    more = f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else ""
-    return ", ".join(name[:_SHOWN] for name in names[:_LISTED]) + more
+    more = f" and {len(names) - 20:,} more" if len(names) > 20 else ""
+    return ", ".join(name[:_SHOWN] for name in names[:20]) + more
 
 
-class EvenSteps:
-    """Times or distances of samples, taken in pieces; those not at even steps are refused with their line.
-
-    With a ``rate`` in Hz, with which they must agree, times may be written with too few digits to differ.
-    """
-
-    def __init__(self, name: str, unit: str, path: str, rate: float | None = None, *, word: str = "line") -> None:
-        """Take the column's name, its unit, its file, and what the numbers mean: lines or rows."""
-        self._name, self._unit, self._path, self._word = name, unit, path, word
-        self._size = _size_of(unit)
-        if rate is not None and along_of(name, unit) != "time":
-            raise Refused(f"rate=: the trace is over {name}, which says how its samples lie")
-        self._given = None if rate is None else 1.0 / (rate * self._size)
-        self._usual = self._tolerance = 0.0
-        self._first = self._last = 0.0
-        self._count = 0
-
-    def add(self, places: Doubles, numbers: Sequence[int], resolution: float = 0.0) -> None:
-        """Add the next places, the line of each, and their last decimal; the usual step is that of the first piece."""
-        check_values(places, f"{self._path}: {self._name}", lambda row: f"{self._word} {numbers[row]}")
-        steps = np.diff(places, prepend=self._last if self._count else places[0])
-        own = steps[1:] if self._count == 0 else steps
-        if self._usual == 0.0 and own.size:
-            self._begin(own, resolution)
-        off = np.abs(own - self._usual) > self._tolerance
-        if off.any():
-            row = int(np.argmax(off))
-            raise Refused(
-                f"{self._path}: {self._word} {numbers[row + steps.size - own.size]}: {self._name} grows by {own[row]:g}"
-                f" {self._unit} where the usual step is {self._usual:g}; samples have to be evenly spaced"
-            )
-        if self._count == 0:
-            self._first = float(places[0])
-        self._last = float(places[-1])
-        self._count += places.size
-
-    def _begin(self, steps: Doubles, resolution: float) -> None:
-        self._usual = float(np.median(steps))
-        if self._given is not None:
-            self._tolerance = UNEVEN * self._given + 1.01 * resolution
-            if abs(self._usual - self._given) > self._tolerance:
-                self._refuse_rate(self._usual)
-            self._usual = self._given
-            return
-        if self._usual <= 0.0:
-            rounded = '; if it is rounded, rate="10 kHz" says how often it was sampled' if self._usual == 0.0 else ""
-            raise Refused(f"{self._path}: {self._name} does not grow from {self._word} to {self._word}{rounded}")
-        self._tolerance = self._allowed(steps, resolution)
-
-    def _allowed(self, steps: Doubles, resolution: float) -> float:
-        """Return how far a step may be from the usual one: 1 %, and one digit of the places, since they are rounded.
-
-        If the step is one digit, and nearly all steps are equal, a longer one is a missing row and not rounding.
-        """
-        uneven = UNEVEN * self._usual
-        rounded = np.count_nonzero(np.abs(steps - self._usual) > uneven) > max(_FEW, _ROUNDED * steps.size)
-        return uneven if resolution > 0.5 * self._usual and not rounded else uneven + 1.01 * resolution
-
-    def step(self) -> float:
-        """Return the mean step in s or um (or in the unit of the places); it agrees with a given rate within 1 %."""
-        if self._count < 2:
-            raise Refused(f"{self._path}: {self._name} has {self._count} rows; a trace has two or more")
-        mean = (self._last - self._first) / (self._count - 1)
-        if self._given is None:
-            return mean * self._size
-        if abs(mean - self._given) > UNEVEN * self._given + 2.0 * self._tolerance / (self._count - 1):
-            self._refuse_rate(mean)
-        return self._given * self._size
-
-    def _refuse_rate(self, step: float) -> NoReturn:
-        says = f"{1.0 / (step * self._size):.6g} Hz" if step > 0.0 else "none"
-        raise Refused(
-            f"rate=: {self._path}: by its {self._name} the rate is {says}; leave rate= out, or mend the column"
-        )
-
-
-def _size_of(unit: str) -> float:
-    """Return the size of a unit in s or um; 1 for an unknown unit."""
+@contextmanager
+def refusing_files(path: object) -> Iterator[None]:
+    """Turn an OSError about a file into a refusal that names the file."""
     try:
-        return float(parse_unit(unit).size)
-    except QuantityError:
-        return 1.0
-
-
-def even_step(places: Doubles, name: str, unit: str, path: str, *, first: int = 1) -> float:
-    """Return the step in s or um; raises Refused, with rows counted from ``first``, if places are not at even steps."""
-    steps = EvenSteps(name, unit, path, word="row")
-    if places.size > 1:
-        steps.add(places, range(first, first + places.size))
-    return steps.step()
-
-
-def check_values(values: Doubles, what: str, place: Callable[[int], str] | None = None) -> None:
-    """Raise Refused with the first value that is not finite, or too large to be squared.
-
-    ``place`` returns the words for a value, by default its number.
-    """
-    wrong = ~(np.abs(values) <= LARGEST_VALUE)
-    if wrong.any():
-        row = int(np.argmax(wrong))
-        where = f"value {row + 1:,}" if place is None else place(row)
-        which = "every sample needs a number" if not np.isfinite(values[row]) else f"up to {LARGEST_VALUE:g} is read"
-        path, _, name = what.rpartition(": ")
-        raise Refused(
-            f"{path}: {where}: {name} is {values[row]:g}; {which}"
-            if path
-            else f"{where} of {name} is {values[row]:g}; {which}"
-        )
+        yield
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        raise Refused(f"{path}: {reason[:1].lower()}{reason[1:]}") from problem

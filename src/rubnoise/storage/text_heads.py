@@ -55,15 +55,19 @@ def head_of(cell: str) -> Head:
     return Head(text, "", text)
 
 
+_SPELLINGS: Final = {"kp": "kgf", "msec": "ms", "usec": "us", "sek": "s", "sek.": "s"}
+_POWERS: Final = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
+
+
 def spelled(unit: str) -> str:
-    """Return a unit as the table of units spells it: newton for Newton, an empty text for `-`."""
-    if unit in NONE:
+    """Return a unit as the table of units spells it: newton for Newton, um^2 for um2, an empty text for `-`."""
+    text = unit.strip().translate(_POWERS)
+    if text in NONE:
         return ""
-    return (
-        unit.lower()
-        if unit[1:].islower() and len(unit) > 2 and not _is_known(unit) and _is_known(unit.lower())
-        else unit
-    )
+    lower = text.lower() if text[1:].islower() and len(text) > 2 else ""
+    powered = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])([23])(?=$|/)", r"^\1", text)
+    ways = (text, _SPELLINGS.get(text.lower(), ""), lower, powered)
+    return next((way for way in ways if _is_known(way)), text)
 
 
 def is_unit(text: str) -> bool:

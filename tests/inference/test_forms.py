@@ -1,0 +1,204 @@
+"""One trace in the forms of testers: `infer` and Trace read the same of each, or refuse it in words."""
+
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import netcdf_file
+
+import rubnoise
+from rubnoise.errors import Refused
+from rubnoise.storage.foreign import read_measured
+from tests.cli.terminal import call
+from tests.inference.traces import contact, signal
+
+FORCE = np.round(signal(contact("normal", 0.2, 20, 12), 5).values / 1000.0, 5)
+TIME = np.arange(FORCE.size) / 2500.0
+BEGUN = datetime(2024, 3, 5, 23, 59, 59, 900_000, tzinfo=UTC)
+SPOILED = FORCE.copy()
+SPOILED[100] = -9999.0
+LABVIEW = (
+    "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\t\n\t\nChannels\t2\t\n"
+    "Y_Unit_Label\tmN\tV\nX_Dimension\tTime\tTime\nX0\t0,0\t0,0\nDelta_X\t0,000400\t0,000400\n"
+    "***End_of_Header***\t\t\nX_Value\tForce\tAux\tComment\n"
+)
+
+
+def table(head: str, row: str, force: Any = FORCE, *, comma: bool = False) -> str:
+    """Return a text with a row for each sample, of which t is the time, f the force and moment the time of day."""
+    rows = [
+        row.format(t=t, f=f, n=n, moment=BEGUN + timedelta(seconds=float(t)))
+        for n, (t, f) in enumerate(zip(TIME.tolist(), force.tolist(), strict=True))
+    ]
+    return head + "".join(each.replace(".", ",") if comma else each for each in rows)
+
+
+def comma(head: str, row: str) -> str:
+    return table(head, row, comma=True)
+
+
+PLAIN = "{t:.4f},{f:.5f}\n"
+HEAD = "time (s),force (mN)\n"
+FORMS: Mapping[str, tuple[Callable[[], str], dict[str, str], str]] = {
+    # what stands above the table
+    "units in a row": (lambda: comma("Time;Force;Speed\ns;mN;mm/s\n", "{t:.4f};{f:.5f};1.0\n"), {}, "utf-8"),
+    "names behind #": (lambda: table("# rig 3\n# time (s)\tforce (mN)\n", "{t:.4f}\t{f:.5f}\n"), {}, "utf-8"),
+    "names behind %": (lambda: table("% time (s)  force (mN)\n", "{t:.4f}  {f:.5f}\n"), {}, "utf-8"),
+    "preamble": (lambda: comma("Rig;3\nLoad;20,5\n\nZeit [s];Kraft [mN]\n", "{t:.4f};{f:.5f}\n"), {}, "utf-8"),
+    "spaces": (lambda: table("   Time[s]      Ff[mN]\n", "{t:10.4f}  {f:10.5f}\n"), {}, "utf-8"),
+    "Windows": (lambda: comma("Prüfung\n\nZeit [s];Kraft [mN];T [°C]\n", "{t:.4f};{f:.5f};21.0\n"), {}, "cp1252"),
+    "UTF-16": (lambda: comma("Zeit [s]\tKraft [mN]\n", "{t:.4f}\t{f:.5f}\n"), {}, "utf-16"),
+    "LabVIEW": (lambda: comma(LABVIEW, "\t{f:.5f}\t0.0\t\n"), {"column": "Force"}, "utf-8"),
+    # columns that nobody uses
+    "text": (lambda: table("time (s),force (mN),state\n", "{t:.4f},{f:.5f},RUN\n"), {}, "utf-8"),
+    "nothing": (lambda: table("time (s),force (mN),,T (C)\n", "{t:.4f},{f:.5f},,21.0\n"), {"column": "force"}, "utf-8"),
+    "unknown unit": (lambda: table("time (s),force (mN),b (mV/V)\n", "{t:.4f},{f:.5f},0.1\n"), {}, "utf-8"),
+    "as written": (
+        lambda: table("time (s),force (mN),force (N)\n", "{t:.4f},{f:.5f},0.02\n"),
+        {"column": "force (mN)"},
+        "utf-8",
+    ),
+    # time and place
+    "dates": (lambda: table("when,force (mN)\n", "{moment:%Y-%m-%dT%H:%M:%S.%f}+01:00,{f:.5f}\n"), {}, "utf-8"),
+    "German dates": (
+        lambda: comma("wann;force [mN]\n", "{moment:%d/%m/%Y %H:%M:%S.%f};{f:.5f}\n").replace("/", "."),
+        {},
+        "utf-8",
+    ),
+    "midnight": (lambda: comma("Uhrzeit;force [mN]\n", "{moment:%H:%M:%S.%f};{f:.5f}\n"), {}, "utf-8"),
+    "to and fro": (
+        lambda: table("Ff (mN),X (mm),Time (s)\n", "{f:.5f},5.0,{t:.4f}\n"),
+        {"column": "Ff"},
+        "utf-8",
+    ),
+    "rate": (
+        lambda: table("X Position (mm),Ff (mN)\n", "5.0,{f:.5f}\n"),
+        {"column": "Ff", "rate": "2500 Hz"},
+        "utf-8",
+    ),
+    "chosen time": (
+        lambda: table("time (s),own (s),Ff (mN)\n", "{n},{t:.4f},{f:.5f}\n"),
+        {"column": "Ff", "time": "own"},
+        "utf-8",
+    ),
+    "second block": (lambda: table(HEAD, PLAIN) + "0.0,1.0\n0.0004,x\n", {"to": f"{FORCE.size}"}, "utf-8"),
+    "footer": (lambda: table(HEAD, PLAIN) + "Test completed at 12:00\n", {"to": f"{FORCE.size}"}, "utf-8"),
+    "idle": (lambda: HEAD + "-5.0,\n-4.0,\n" + table("", PLAIN), {"from": "3"}, "utf-8"),
+    # numbers and units
+    "quotes": (lambda: comma('"Zeit [s]","Kraft [mN]"\n', '"{t:.4f}","{f:.5f}"\n'), {}, "utf-8"),
+    "thousands": (
+        lambda: table("Zeit [s];Kraft [µN]\n", "{t:.4f};{f:,.5f}\n", 1000.0 * FORCE).translate(
+            str.maketrans(",.", ".,")
+        ),
+        {},
+        "utf-8",
+    ),
+    "Fortran": (lambda: table(HEAD, "{t:.6E},{f:.8E}\n").replace("E", "D"), {}, "utf-8"),
+    "minus": (lambda: table(HEAD, PLAIN, -FORCE).replace("-", "\u2212"), {"unit": "-1 mN"}, "utf-8"),
+    "kilograms": (
+        lambda: table("time (s),F (kg)\n", "{t:.4f},{f:.12f}\n", FORCE / 9806.65),
+        {"unit": "9.80665 N"},
+        "utf-8",
+    ),
+    "kilopond": (lambda: table("time (s),F (kp)\n", "{t:.4f},{f:.12f}\n", FORCE / 9806650 * 1000), {}, "utf-8"),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_form_is_read(tmp_path: Path, name: str) -> None:
+    text, options, encoding = FORMS[name]
+    path = tmp_path / "a.csv"
+    path.write_bytes(text().encode(encoding))
+    keys = {key if key != "from" else "from_": value for key, value in options.items()}
+    trace = rubnoise.Trace(path, **keys)  # type: ignore[arg-type]
+    force = next(each for each in trace if trace.units[each] == "uN")
+    np.testing.assert_allclose(trace[force], 1000.0 * FORCE, rtol=1e-7)
+    assert (trace.units[trace.place], trace.step) == ("s", pytest.approx(4e-4, rel=1e-6))
+    found = rubnoise.infer(path, speed="1 mm/s", law="fixed", pulse="lens", **keys)  # type: ignore[arg-type]
+    np.testing.assert_allclose(found.signal.scale * found.signal.values, 1000.0 * FORCE, rtol=1e-7)
+    assert found.signal.tick == pytest.approx(0.4, rel=1e-6)
+    assert any(encoding[-4:] in note for note in found.signal.notes) == (encoding == "cp1252")
+    words = [word for key, value in options.items() for word in (f"--{key}", value)]
+    if words:
+        assert call("infer", str(path), "--speed", "1 mm/s", "--law", "fixed", *words).code in (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        (lambda: table(HEAD, PLAIN, SPOILED), {}, ["line 102", "-9999"]),
+        (lambda: table(HEAD, "{t:.4f},{f:.5g}\n", np.where(SPOILED < 0, 9.91e37, FORCE)), {}, ["line 102", "9.91e+37"]),
+        (lambda: table(HEAD, PLAIN).replace(f"{TIME[100]:.4f},", f"{TIME[100]:.4f},OVLD"), {}, ["line 102", "OVLD"]),
+        (lambda: table(HEAD, PLAIN) + "Test completed\n", {}, [f"line {FORCE.size + 2}", "1 cells; there are 2 names"]),
+        (lambda: table("time (s),F (g)\n", PLAIN), {}, ["F", "unit of a mass", 'unit="9.80665 mN"']),
+        (lambda: table("time (s),p (N/mm²)\n", PLAIN), {}, ["p", "unit of a stress", 'unit="mN"']),
+        (lambda: table(HEAD, PLAIN), {"fs": "2500 Hz"}, ["fs=", 'right form: rate="2500 Hz"']),
+        (lambda: table(HEAD, PLAIN), {"place": "force"}, ["place=: force has mN"]),
+        (lambda: table(HEAD, PLAIN, np.maximum(FORCE, np.quantile(FORCE, 0.1))), {}, ["smallest value", "range"]),
+    ],
+)
+def test_what_is_no_force_is_said_by_its_place(
+    tmp_path: Path, text: Callable[[], str], options: dict[str, Any], words: list[str]
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text(), encoding="utf-8")
+    with pytest.raises(Refused) as refused:
+        rubnoise.infer(path, speed="1 mm/s", **options)
+    assert all(word in str(refused.value) for word in words), refused.value
+    if words[0].startswith(("line", "fs")):
+        with pytest.raises(Refused) as refused:
+            rubnoise.Trace(path, **options)
+        assert all(word in str(refused.value) for word in words), refused.value
+
+
+def test_digits_of_a_display_are_no_end_of_a_range(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(table(HEAD, PLAIN, 2.0 * np.rint(FORCE / 2.0)), encoding="utf-8")
+    found = rubnoise.infer(path, speed="1 mm/s", law="fixed")
+    assert found.signal.notes == ("digits of 2 mN: rounding adds noise of 0.58 mN",)
+    assert "digits of 2 mN" in str(rubnoise.Trace(path))
+
+
+def test_what_a_dataset_says_of_its_values_is_heeded(tmp_path: Path) -> None:
+    packed = np.rint((FORCE - 20.0) / 0.01).astype("i4")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values, about in (
+            ("packed", packed, {"units": "mN", "scale_factor": 0.01, "add_offset": 20.0}),
+            ("array", FORCE, {"units": np.array([b"mN"])}),
+            ("column", FORCE[:, None], {"units": "mN"}),
+            ("latin", 1000.0 * FORCE[None, :], {"units": np.bytes_("µN".encode("latin-1"))}),
+            ("Newton", FORCE / 1000.0, {"units": "Newton"}),
+            ("filled", SPOILED, {"units": "mN", "_FillValue": -9999.0}),
+            ("t", np.arange(FORCE.size) * 400_000, {"units": "nanoseconds since 2024-03-05 09:00:00"}),
+        ):
+            file[name] = values
+            file[name].attrs.update(about)
+        file["t"].make_scale("t")
+        file["array"].dims[0].attach_scale(file["t"])
+    with netcdf_file(tmp_path / "a.nc", "w") as file:
+        file.createDimension("time", FORCE.size)
+        for name, kind, values, about in (
+            ("time", "f8", 1000.0 * TIME, {"units": "ms"}),
+            ("force", "i4", packed, {"units": "mN", "scale_factor": 0.01, "add_offset": 20.0}),
+        ):
+            variable = file.createVariable(name, kind, ("time",))
+            variable[:] = values
+            for key, value in about.items():
+                setattr(variable, key, value)
+    rate = {"rate": "2500 Hz"}
+    for name, options in (
+        *((f"a.h5:/{each}", rate) for each in ("packed", "column", "latin", "Newton")),
+        ("a.h5:/array", {}),
+        ("a.nc:force", {}),
+    ):
+        trace = rubnoise.Trace(f"{tmp_path}/{name}", **options)  # type: ignore[arg-type]
+        (force,) = [each for each in trace if each != trace.place]
+        np.testing.assert_allclose(trace[force], 1000.0 * FORCE, atol=5.1)
+        assert (trace.units[force], trace.step) == ("uN", pytest.approx(4e-4))
+    for read in (rubnoise.Trace, read_measured):
+        with pytest.raises(Refused, match=r"filled\[100\] is its _FillValue, -9999"):
+            read(f"{tmp_path}/a.h5:/filled")
