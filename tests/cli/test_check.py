@@ -317,7 +317,7 @@ OTHERS = ("load", "hardness", "patch_area", "weights", "parts", *SIZES, *DRIVEN)
 OF_LAWS = {each.name for entry in LAWS.values() for each in entry.parameters} | {
     each.name for entry in BIRTHS.values() for each in entry.keys
 }
-ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *OF_LAWS)
+ELSEWHERE = ("extends", "mean", "damping_ratio", "tolerance", *OTHERS, *OF_LAWS)
 
 
 def _everything() -> str:

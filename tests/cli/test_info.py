@@ -109,14 +109,14 @@ def data_of(path: Path) -> dict[str, object]:
     return data
 
 
-def test_without_a_file_it_is_about_figure_5(here: Path) -> None:
+def test_without_a_file_it_is_about_a_first_contact(here: Path) -> None:
     answer = call("teach")
     assert (answer.code, answer.err) == (0, "")
     assert re.fullmatch(
         r"lesson\.html: \d+ kB; a browser opens it, with or without a network\n", answer.out.replace("\u202f", " ")
     )
     data = data_of(here / "lesson.html")
-    assert data["title"] == "Figure 5: excitation force and vibration"
+    assert data["title"] == "A first contact"
     assert data["record"] is None
 
 

@@ -97,8 +97,9 @@ def test_a_folder_that_may_not_be_looked_at_is_none(tmp_path: Path, monkeypatch:
     def closed(_path: Path) -> bool:
         raise PermissionError
 
-    monkeypatch.setattr(Path, "is_dir", closed)
-    assert not is_folder(tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "stat", closed)
+        assert not is_folder(tmp_path)
 
 
 # Files that are written whole or not at all.

@@ -177,6 +177,7 @@ IN_SI: dict[str, tuple[Fraction | int, tuple[int, int, int]]] = {
     **dict.fromkeys(("oz", "ounce"), (POUND / 16, MASS.dimension)),
     "lbf": (POUND * STANDARD_GRAVITY, FORCE),
     "kgf": (STANDARD_GRAVITY, FORCE),
+    "gf": (STANDARD_GRAVITY / 1000, FORCE),
     **dict.fromkeys(("dyn", "dyne"), (Fraction("1e-5"), FORCE)),
     "bar": (10**5, PRESSURE),
     "mbar": (10**2, PRESSURE),

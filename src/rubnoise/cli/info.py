@@ -44,7 +44,10 @@ def command(
         return
     if figures is not None or over is not None:
         raise typer.BadParameter("--figures and --over are for the folder of a sweep")
-    with rubnoise.open(file) as run:
+    from rubnoise.api.run import Run
+    from rubnoise.storage.reader import open_run
+
+    with Run(open_run(file)) as run:
         answer = run_as_json(run, file)
         print(json_text(answer) if as_json else "\n".join(format_run(run, answer)))
 

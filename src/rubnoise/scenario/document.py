@@ -104,6 +104,7 @@ class Diameter(Section):
         Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e5)),
         "Mean diameter d_m as drawn, beside either mean_junction_count or an area; the other follows.",
         sample="5 um",
+        remark="Instead of mean_real_contact_area and calibration.",
     )
     spread: Quantity | None = key(
         Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),

@@ -126,7 +126,7 @@ def length_scale(unit: Any, name: str, keyword: str = "unit") -> float:
     try:
         return float(read_quantity("1 " + str(unit).replace("\u00c5", "angstrom"), LENGTH))
     except QuantityError as problem:
-        raise Refused(f"{name}: {unit}: {problem}; a unit of length is needed, such as um, nm, mm, m") from problem
+        raise Refused(f"{name}: {unit}: {problem}; right form: um, nm, mm, m") from problem
 
 
 def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
