@@ -71,7 +71,7 @@ def test_help_of_every_command_keeps_within_the_terminal(columns: int, monkeypat
 def test_sentences_of_help_are_broken_by_the_terminal_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     said = call("sweep", "--help").out
-    lines = said[said.index(" The same command") : said.index(" Example")].strip().splitlines()
+    lines = said[said.index(" The same command") : said.index(" Several --over")].strip().splitlines()
     assert len(lines) > 2
     for text, following in pairwise(lines):
         assert len(text.strip()) + len(following.split()[0]) > 56

@@ -19,7 +19,7 @@ from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.sizes import SETTLED, Function, panels
 from rubnoise.theory.spline import Spline
 
-_LEVEL_FROM, _END = 20.0, 328.0
+_LEVEL_FROM, _PARTED, _END = 20.0, 256.0, 328.0
 _TABLE = np.arange(328 * 64 + 1) / 64.0
 _STEP_BEFORE, _STEP_WIDTH = 70.0, 12.02  # phases within which a swing that is followed no longer fades
 _HANKEL_TERMS = 16
@@ -136,12 +136,12 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
 
 def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
     """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own, by a table and far out by its parts."""
-    near = np.asarray(_near(pulse)(np.minimum(phase, _END)), dtype=np.float64)
-    if np.all(phase <= _END):
+    near = np.asarray(_near(pulse)(np.minimum(phase, _PARTED)), dtype=np.float64)
+    if np.all(phase <= _PARTED):
         return near
-    far = np.maximum(phase, _END)
+    far = np.maximum(phase, _PARTED)
     middle, ends = _parts(pulse, far)
-    return np.where(phase <= _END, near, middle + 2.0 * (ends * np.exp(1j * far)).real)
+    return np.where(phase <= _PARTED, near, middle + 2.0 * (ends * np.exp(1j * far)).real)
 
 
 def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
