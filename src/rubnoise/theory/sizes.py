@@ -190,10 +190,11 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
 def over_phases(
     law: Law, wavenumber: Doubles, unit: Callable[..., Any], power: int, *, exact: bool = True
 ) -> Complexes:
-    """Return E[d^power unit(k d, settled)]: diameters follow its swing up to ``settled``; not ``exact``, up to 160."""
+    """Return E[d^power unit(k d, settled)], with the swing where diameters follow it; not ``exact``, to k d = 160."""
     sizes, k = sizes_of(law), wavenumber.ravel()
     weight, found = sizes.probability * sizes.diameter**power, np.zeros(k.size, dtype=np.complex128)
-    settled = np.maximum(SETTLED, sizes.followed * sizes.diameter) if exact else SETTLED
     for rows in np.array_split(np.arange(k.size), 1 + k.size * weight.size // _AT_ONCE):
-        found[rows] = unit(k[rows, None] * sizes.diameter, settled) @ weight
+        some = k[rows, None]
+        settled = np.where(exact & (some <= sizes.followed), inf, SETTLED)
+        found[rows] = unit(some * sizes.diameter, settled) @ weight
     return found.reshape(wavenumber.shape)
