@@ -97,7 +97,7 @@ def test_both_engines_give_every_bit(scenario: Scenario) -> None:
 def outcome(scenario: Scenario) -> dict[tuple[str, str], bytes] | str:
     """Return the columns of a run, or why it is refused: its slider may move too fast within a tick."""
     try:
-        return contents(rubnoise.simulate(scenario))
+        return contents(rubnoise.simulate(scenario).reader())
     except Refused as refused:
         return str(refused)
 

@@ -234,8 +234,8 @@ def test_a_file_holds_what_memory_holds(tmp_path: Path, name: str) -> None:
     path = tmp_path / "run.h5"
     with rubnoise.run(given, path) as run:
         names = {group: set(columns.names) for group, columns in run.groups().items() if group != "life_curve"}
-        assert names == {group: set(columns) for group, columns in record.groups.items()}
-        for group, columns in record.groups.items():
+        assert names == {group: set(columns) for group, columns in record.reader().groups.items()}
+        for group, columns in record.reader().groups.items():
             for column, values in columns.items():
                 assert run.groups()[group][column][:].tobytes() == values.tobytes()
         assert run.scenario.model() == given.model()
