@@ -57,10 +57,10 @@ def test_the_second_call_installs_nothing(sandbox: Sandbox) -> None:
     assert (sandbox.pip_calls(), error) == (before, "")
 
 
-def test_a_run_installs_its_own_lock_only(sandbox: Sandbox) -> None:
+def test_a_run_installs_what_it_and_its_pictures_need(sandbox: Sandbox) -> None:
     sandbox.dev("run")
     packages, project = (call["arguments"] for call in sandbox.pip_calls())
-    assert [Path(word).name for word in packages if word.startswith("--requirement")] == ["run.lock"]
+    assert [Path(word).name for word in packages if word.startswith("--requirement")] == ["run.lock", "sync.lock"]
     assert {"--require-hashes", "--no-deps", "--only-binary=:all:"} <= set(packages)
     assert {f"--editable={sandbox.folder}", "--no-deps", "--no-build-isolation"} <= set(project)
 

@@ -39,6 +39,8 @@ OTHER_WORDS: Final = {
 }
 """Words that other programs have for these pictures."""
 
+THREE_PANES: Final = ("slider", "overview", "load")
+HIGH: Final = "84 mm x 110 mm"
 WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
 MICROMETRES_PER_INCH: Final = 25_400.0
 SMALLEST, LARGEST = 1.0, 40.0
@@ -55,7 +57,7 @@ def drawn(
     beside: "Run | Trace | str | os.PathLike[str] | None" = None,
     size: str | None = None,
     title: bool = True,
-    style: str = "screen",
+    style: str | None = None,
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Run.plot)."""
     from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, drawing
@@ -88,7 +90,7 @@ def drawn(
         heard=heard,
         beside=other,
         measured=measured,
-        look=appearance(size, style, title=title),
+        look=appearance(size, style, title=title, what=what),
         ax=ax,
     )
 
@@ -123,15 +125,23 @@ def in_inches(size: str) -> tuple[float, float]:
     return width, height
 
 
-def appearance(size: str | None, style: str, *, title: bool) -> "Appearance":
-    """Return the appearance of a picture from words; raises Refused for an unknown size or style."""
+def appearance(size: str | None, style: str | None, *, title: bool, what: str = "") -> "Appearance":
+    """Return the appearance of a picture ``what`` from words; raises Refused for an unknown size or style.
+
+    Without a style a narrow picture has that of paper. Three panes one above the other need a higher column.
+    """
     from rubnoise.figures.catalogue import Appearance
+    from rubnoise.figures.narrow import NARROW
     from rubnoise.figures.style import STYLES
 
+    size = HIGH if size == "single" and what in THREE_PANES else size
+    inches = None if size is None else in_inches(size)
+    if style is None:
+        style = "paper" if inches and inches[0] < NARROW else "screen"
     if style not in STYLES:
         raise Refused(f"style={style!r}: no style of a picture; there are {', '.join(STYLES)}")
     title = keywords.choice("title", title, (True, False))
-    return Appearance(inches=None if size is None else in_inches(size), style=style, title=title)
+    return Appearance(inches=inches, style=style, title=title)
 
 
 def drawn_fit(found: InferenceResult) -> "Figure":
@@ -192,7 +202,7 @@ def drawn_sweep(
     *,
     size: str | None = None,
     title: bool = True,
-    style: str = "screen",
+    style: str | None = None,
 ) -> "Figure":
     """Draw a quantity of a sweep, and return the figure (see SweepResult.plot)."""
     from rubnoise.figures.catalogue import sweep_drawing

@@ -270,7 +270,7 @@ class Run:
         beside: "Run | Trace | str | os.PathLike[str] | None" = None,
         size: str | None = None,
         title: bool = True,
-        style: "Style" = "screen",
+        style: "Style | None" = None,
         **unknown: Any,
     ) -> "Figure":
         """Draw a picture of the run beside theory, and return it as a matplotlib figure.
@@ -282,8 +282,8 @@ class Run:
         these axes, and the whole figure is returned. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
         another run, for "slider", "phase" and spectra in Hz, or for "psd" a `Trace` or its file. ``size`` is
         "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is whether axes have titles;
-        ``style`` is "screen", "paper" (small letters and thin lines) or "slides". Raises Refused for a picture that the
-        run does not have, PicturesMissing without matplotlib.
+        ``style`` is "screen", "paper" (small letters and thin lines, the default below 120 mm) or "slides". Raises
+        Refused for a picture that the run does not have, PicturesMissing without matplotlib.
 
         >>> import rubnoise
         >>> with rubnoise.open("fig5.h5") as run:

@@ -235,7 +235,7 @@ class SweepResult:
         *,
         size: str | None = None,
         title: bool = True,
-        style: "Style" = "screen",
+        style: "Style | None" = None,
     ) -> "Figure":
         """Draw a quantity, such as "displacement_std", against what is swept, with intervals and the exact curve.
 

@@ -85,8 +85,13 @@ def command(
         ),
     ] = None,
     style: Annotated[
-        str, typer.Option(help="screen, paper (small letters) or slides (large ones).", metavar="STYLE")
-    ] = "screen",
+        str | None,
+        typer.Option(
+            help="screen, paper (small letters) or slides (large ones).",
+            metavar="STYLE",
+            show_default="paper below 120 mm, else screen",
+        ),
+    ] = None,
     title: Annotated[bool, typer.Option("--title/--no-title", help="With titles, or without for a caption.")] = True,
     force: ReplaceFile = False,
 ) -> None:
@@ -108,7 +113,7 @@ def command(
         raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     from rubnoise.api.pictures import appearance
 
-    look = appearance(size, style, title=title)
+    look = appearance(size, style, title=title, what=what or "")
     if not is_folder(file):
         _plot_run(file, _picture(what), of, ends, beside, output, look, force=force)
         return

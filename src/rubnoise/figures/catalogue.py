@@ -13,6 +13,7 @@ from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_f
 from rubnoise.figures.contact import contact_figure
 from rubnoise.figures.load import load_figure, motion_histogram_figure
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
+from rubnoise.figures.narrow import fit_labels
 from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
@@ -118,6 +119,8 @@ def drawing(
         figure = _figure(name, stretch, heard, beside, measured)
         if not look.title:
             without_titles(figure)
+        if look.inches is not None and ax is None:
+            fit_labels(figure)
     whole: Figure = figure.figure
     return whole
 
@@ -140,6 +143,8 @@ def sweep_drawing(sweep: SweepResult, what: str | None, *, look: Appearance = AS
         figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)))
         if not look.title:
             without_titles(figure)
+        if look.inches is not None:
+            fit_labels(figure)
         return figure
 
 

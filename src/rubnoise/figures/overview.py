@@ -76,8 +76,8 @@ def _draw_sum(axes: "Axes", stretch: Stretch, junction: Neighbours) -> None:
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(DISTANCE)
     axes.set_ylabel("area (µm²)")
-    axes.set_title("The junctions and their sum")
-    axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.17))
+    axes.set_title("The junctions and their sum", pad=20.0)
+    legend_above(axes, columns=2)
 
 
 def _draw_life(axes: "Axes", junction: Neighbours) -> None:
@@ -87,7 +87,7 @@ def _draw_life(axes: "Axes", junction: Neighbours) -> None:
     axes.plot(age, area, color=BLUE, lw=2.2)
     axes.set_xlim(0.0, age[-1])
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("sliding distance since its birth (µm)")
+    axes.set_xlabel("distance since its birth (µm)")
     axes.set_ylabel("its area (µm²)")
     axes.set_title(f"The life of junction {junction.rows[0]}")
 

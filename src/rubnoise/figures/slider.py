@@ -17,6 +17,7 @@ from rubnoise.figures.style import (
     VERMILION,
     add_title,
     exact_band,
+    fitting_columns,
     legend_above,
     logarithmic,
     new_figure,
@@ -158,7 +159,8 @@ def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     panes[0].set_ylabel(SPEED)
     low, high = panes[0].get_ylim()
     panes[0].set_ylim(low, max(high, MILLI * first.speed + HEADROOM * (high - low)))
-    figure.legend(*panes[0].get_legend_handles_labels(), loc="outside lower right", ncols=3)
+    handles, labels = panes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower right", ncols=fitting_columns(figure.figure, labels, 3))
     return figure
 
 

@@ -4,7 +4,7 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, partial
@@ -267,8 +267,10 @@ CONFIDENCE: Final = 1.959963984540054
 AREA: Final = "real contact area (µm²)"
 DISTANCE: Final = "sliding distance (µm)"
 CHARACTERS_PER_INCH: Final = 16.0
-INCHES_PER_ENTRY: Final = 1.5
-"""How many letters of a title, and how much of a legend's entry, a width in inches has room for."""
+"""How many letters of a title a width in inches has room for."""
+
+LETTER, HANDLE = 0.55, 5.0
+"""Widths of a letter, and of all that stands beside the words of a legend's entry, over the size of its letters."""
 
 NEAREST: Final = 1e-6
 """Span of values over the values themselves below which nothing but rounding is seen."""
@@ -353,9 +355,17 @@ def draw_band(axes: "Axes", place: Doubles, expected: Doubles, error: float) -> 
 
 
 def legend_above(axes: "Axes", columns: int = 4) -> None:
-    """Put the legend above the axes, flush right, where it hides nothing."""
-    fitting = max(1, int(axes.figure.figure.get_figwidth() / INCHES_PER_ENTRY))
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(columns, fitting), borderaxespad=0.1)
+    """Put the legend above the axes, flush right, where it hides nothing, in as many columns as fit."""
+    fitting = fitting_columns(axes.figure.figure, axes.get_legend_handles_labels()[1], columns)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=fitting, borderaxespad=0.1)
+
+
+def fitting_columns(figure: "Figure", labels: Sequence[str], most: int) -> int:
+    """Return the number of columns of a legend that a figure has room for."""
+    from matplotlib import rcParams
+
+    entry = float(rcParams["legend.fontsize"]) / 72.0 * (max(map(len, labels), default=0) * LETTER + HANDLE)
+    return min(most, max(1, int(figure.get_figwidth() / entry)))
 
 
 def from_zero(axes: "Axes") -> None:

@@ -1,0 +1,93 @@
+"""Labels that fit a picture of a given size: what is longer than its room is broken, and ticks stand apart."""
+
+from collections.abc import Iterator
+from math import ceil
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.legend import Legend
+
+NARROW: Final = 120.0 / 25.4
+"""Width in inches below which a picture is narrow, as one column of a journal is: its letters are those of paper."""
+
+_ROUNDS: Final = 4
+_APART: Final = 0.08  # inches
+_WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
+_FEWEST: Final = 8  # characters of a line, however little room there is
+
+
+def fit_labels(figure: "Figure") -> None:
+    """Break labels, titles and entries of legends that are longer than their room, and thin out ticks."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    if isinstance(layout := figure.get_layout_engine(), ConstrainedLayoutEngine):
+        layout.set(h_pad=_APART)  # so that the lowest tick of a pane stays off the highest of the one below
+    for _ in range(_ROUNDS):
+        figure.draw_without_rendering()
+        for axes in figure.axes:
+            _thin_ticks(axes)
+        broken = [_broken(text, room, upright=upright) for text, room, upright in _labels(figure)]
+        if not any(broken):
+            return
+
+
+def _thin_ticks(axes: "Axes") -> None:
+    """Leave as many upright ticks as there is room for their labels."""
+    if axes.get_yscale() == "linear" and (labels := axes.yaxis.get_ticklabels()):
+        letter = float(labels[0].get_fontsize()) * axes.figure.figure.dpi / 72.0
+        axes.locator_params(axis="y", nbins=max(1, min(6, int(axes.get_window_extent().height / (2.0 * letter)))))
+
+
+def _labels(figure: "Figure") -> Iterator[tuple[Any, float, bool]]:
+    """Yield each text with its room in dots, and whether it is upright."""
+    width = figure.bbox.width
+    for axes in figure.axes:
+        box = axes.get_window_extent()
+        others = [other.get_window_extent() for other in figure.axes if other is not axes]
+        left = max((other.x1 for other in others if other.x1 <= box.x0), default=0.0)
+        right = min((other.x0 for other in others if other.x0 >= box.x1), default=width)
+        middle = 0.5 * (box.x0 + box.x1)
+        for text in _titles(axes):
+            yield text, right - box.x0, False
+        yield axes.xaxis.label, 2.0 * min(middle - left, right - middle), False
+        yield axes.yaxis.label, box.height, True
+    for legend, panes in _legends(figure):
+        for text in legend.get_texts():
+            yield text, _WORDS * width / panes, False
+
+
+def _titles(axes: "Axes") -> Iterator[Any]:
+    """Yield the titles of axes that have words."""
+    from matplotlib.text import Text
+
+    words = {axes.get_title(loc="left"), axes.get_title()} - {""}
+    yield from (text for text in axes.get_children() if isinstance(text, Text) and text.get_text() in words)
+
+
+def _legends(figure: "Figure") -> "Iterator[tuple[Legend, int]]":
+    """Yield each legend, and how many panes share its width."""
+    yield from ((legend, 1) for legend in figure.legends)
+    boxes = [axes.get_window_extent() for axes in figure.axes]
+    for axes, box in zip(figure.axes, boxes, strict=True):
+        if (legend := axes.get_legend()) is not None:
+            yield legend, sum(other.y0 < box.y1 and box.y0 < other.y1 for other in boxes)
+
+
+def _broken(text: Any, room: float, *, upright: bool) -> bool:
+    """Break a text that is longer than its room between words; return whether that changed it."""
+    extent = text.get_window_extent()
+    long = extent.height if upright else extent.width
+    words = " ".join(text.get_text().split())
+    longest = max(map(len, text.get_text().split("\n")), default=0)
+    if not words or long <= room:
+        return False
+    if upright and " " not in words:
+        text.set_fontsize(float(text.get_fontsize()) * room / long)
+        return True
+    if longest <= _FEWEST:
+        return False
+    text.set_text(fill(words, max(_FEWEST, ceil(longest * room / long) - 1), break_long_words=False))
+    return True
