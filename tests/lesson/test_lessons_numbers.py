@@ -77,7 +77,7 @@ def swings(exact):
 
 def rises(exact):
     load = exact.load
-    relative = swing(exact) if load is None else sqrt(load.covariance("friction_force", "friction_force")) / 50_000.0
+    relative = swing(exact) if load is None else sqrt(load.covariances.of("friction_force")) / 50_000.0
     return [relative, exact.slider.displacement_std, 0.0 if load is None else load.separation_std]
 
 
