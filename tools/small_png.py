@@ -5,7 +5,7 @@ from typing import Final
 
 from PIL import Image
 
-COLOURS: Final = 32
+COLOURS: Final = 256
 
 
 def small(png: bytes) -> bytes:

@@ -1,5 +1,6 @@
 """Labels that fit a picture of a given size: what is longer than its room is broken, and ticks stand apart."""
 
+import warnings
 from collections.abc import Iterator
 from math import ceil
 from textwrap import fill
@@ -16,6 +17,7 @@ NARROW: Final = 120.0 / 25.4
 _ROUNDS: Final = 4
 _APART: Final = 0.08  # inches
 _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
+_SMALLER: Final = 0.3  # of its size, to which a single word may shrink
 _FEWEST: Final = 8  # characters of a line, however little room there is
 
 
@@ -26,7 +28,9 @@ def fit_labels(figure: "Figure") -> None:
     if isinstance(layout := figure.get_layout_engine(), ConstrainedLayoutEngine):
         layout.set(h_pad=_APART)  # so that the lowest tick of a pane stays off the highest of the one below
     for _ in range(_ROUNDS):
-        figure.draw_without_rendering()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of panes without any room, which have it when all is broken
+            figure.draw_without_rendering()
         for axes in figure.axes:
             _thin_ticks(axes)
         broken = [_broken(text, room, upright=upright) for text, room, upright in _labels(figure)]
@@ -82,9 +86,9 @@ def _broken(text: Any, room: float, *, upright: bool) -> bool:
     long = extent.height if upright else extent.width
     words = " ".join(text.get_text().split())
     longest = max(map(len, text.get_text().split("\n")), default=0)
-    if not words or long <= room:
+    if not words or not 1.0 <= room < long:
         return False
-    if upright and " " not in words:
+    if upright and " " not in words and room > _SMALLER * long:
         text.set_fontsize(float(text.get_fontsize()) * room / long)
         return True
     if longest <= _FEWEST:
