@@ -53,7 +53,7 @@ FORMS: Mapping[str, tuple[Callable[[], str], dict[str, str], str]] = {
     "Windows": (lambda: comma("Prüfung\n\nZeit [s];Kraft [mN];T [°C]\n", "{t:.4f};{f:.5f};21.0\n"), {}, "cp1252"),
     "UTF-16": (lambda: comma("Zeit [s]\tKraft [mN]\n", "{t:.4f}\t{f:.5f}\n"), {}, "utf-16"),
     "LabVIEW": (lambda: comma(LABVIEW, "\t{f:.5f}\t0.0\t\n"), {"column": "Force"}, "utf-8"),
-    # columns that nobody uses
+    # columns that are not used
     "text": (lambda: table("time (s),force (mN),state\n", "{t:.4f},{f:.5f},RUN\n"), {}, "utf-8"),
     "nothing": (lambda: table("time (s),force (mN),,T (C)\n", "{t:.4f},{f:.5f},,21.0\n"), {"column": "force"}, "utf-8"),
     "unknown unit": (lambda: table("time (s),force (mN),b (mV/V)\n", "{t:.4f},{f:.5f},0.1\n"), {}, "utf-8"),

@@ -404,6 +404,7 @@ def test_the_later_of_a_mean_and_an_area_counts() -> None:
         ("mean_junction_count = 15", "", "missing"),
         ('mean = "5 um"', 'mean = "5 um"\nlaw = "empirical"\nvalues = [4.0, 5.0]', "mean of its own"),
         ('mean = "5 um"', 'mean = "5 um"\nspread = "5 kg"', "a length or a ratio is needed"),
+        ('mean = "5 um"', 'mean = "5 um"\nlaw = "normal"\nspread = "10 um"', "wider than the mean diameter"),
     ],
 )
 def test_what_does_not_go_with_a_mean_diameter_is_refused(old: str, new: str, said: str) -> None:

@@ -241,6 +241,11 @@ def _mean_problems(layers: Layers) -> Iterator[Problem]:
     path, law = ("diameter", "mean"), _value(layers, "diameter", "law")
     if law in _OWN_SCALE:
         yield layers.problem(path, f'the law "{law}" has a mean of its own', "leave the mean out")
+    mean, spread = _value(layers, *path), _value(layers, "diameter", "spread")
+    absolute = isinstance(mean, Quantity) and isinstance(spread, Quantity) and spread.kind == LENGTH
+    # Without its part below 0 a normal law that is much wider has a larger mean, wherever its centre lies.
+    if law == "normal" and absolute and float(spread) > float(mean):
+        yield layers.problem(("diameter", "spread"), "wider than the mean diameter", "at most the mean")
     if "patch_area" in interface:
         message = "a mean diameter says how large a junction is"
         yield layers.problem(("interface", "patch_area"), message, "keep exactly one of the two")

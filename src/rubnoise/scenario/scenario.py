@@ -159,7 +159,7 @@ def _plain(value: Any) -> Any:
 
 TOLERANCE: Final = 1e-9
 """Of a two-way motion, if the file has none."""
-_ROUNDING: Final = 1e-14
+_ROUNDING, _STEPS = 1e-14, 300
 
 
 def diameter_of(document: sections.Document) -> float:
@@ -197,7 +197,9 @@ def sizes_of(document: sections.Document, diameter: float) -> Law:
     """Return the law of sizes about d_m in um; with a mean diameter about a centre that gives it, as drawn."""
     spread, centre = spread_of(document.diameter), diameter
     sizes = law_for(centre, spread)
-    while document.diameter.mean is not None and abs(sizes.moment(1) / diameter - 1.0) > _ROUNDING:
+    for _ in range(_STEPS if document.diameter.mean is not None else 0):
+        if abs(sizes.moment(1) / diameter - 1.0) <= _ROUNDING:
+            break
         centre *= diameter / sizes.moment(1)
         sizes = law_for(centre, spread)
     return sizes

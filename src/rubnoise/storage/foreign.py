@@ -32,6 +32,7 @@ MOST_UNPACKED: Final = 10_000_000
 
 MOST_VALUES: Final = 100_000_000
 _MOST_LINKS: Final = 16
+_ATTRIBUTES: Final = ("scale_factor", "add_offset", "_FillValue", "missing_value", "units")
 _LISTED: Final = 12
 _NUMBERS: Final = frozenset(
     ["double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))]
@@ -157,8 +158,13 @@ def _of_netcdf(path: Path, name: str) -> Held:
         long = [dimension for dimension, side in zip(found.dimensions, found.shape, strict=True) if side != 1]
         scale = file.variables.get(long[0]) if len(long) == 1 else None
         parts = [(name, found)] if scale is None or scale is found else [(name, found), (long[0], scale)]
-        # scipy has no other way to all attributes of a variable
-        return _unpacked(path, [(each, part.data.copy(), part._attributes) for each, part in parts])  # noqa: SLF001
+        return _unpacked(
+            path,
+            [
+                (each, part.data.copy(), {key: getattr(part, key) for key in _ATTRIBUTES if hasattr(part, key)})
+                for each, part in parts
+            ],
+        )
 
 
 def _of_hdf5(path: Path, name: str) -> Held:
