@@ -363,6 +363,7 @@ def legend_above(axes: "Axes", columns: int = 4) -> None:
 def fitting_columns(figure: "Figure", labels: Sequence[str], most: int) -> int:
     """Return the number of columns of a legend that a figure has room for."""
     from matplotlib import font_manager, rcParams
+
     letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     entry = letter * (max(map(len, labels), default=0) * LETTER + HANDLE)
     return min(most, max(1, int(figure.get_figwidth() / entry)))
