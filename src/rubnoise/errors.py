@@ -153,3 +153,13 @@ def needing(extra: str, purpose: str) -> Iterator[None]:
     except ModuleNotFoundError as problem:
         library = (problem.name or "a library").partition(".")[0]
         raise ExtraMissing(f"{purpose} needs {library}: {how_to_install(extra)}") from problem
+
+
+@contextmanager
+def refusing_files(path: object) -> Iterator[None]:
+    """Turn an OSError about a file into a refusal that names the file."""
+    try:
+        yield
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        raise Refused(f"{path}: {reason[:1].lower()}{reason[1:]}") from problem

@@ -228,6 +228,13 @@ def parse_unit(text: str, number: str = "1") -> Unit:
     return _product(text)
 
 
+def unit_or_one(text: str) -> Unit:
+    """Return a unit; one of size 1 without a dimension for none, and for an unknown one."""
+    with suppress(QuantityError):
+        return parse_unit(text)
+    return Unit(Fraction(1), ())
+
+
 def _name_hint(name: str) -> str:
     """Return advice on an unknown name: MPa for Mpa, otherwise the names that exist."""
     meant = sorted(known for known in UNITS if known.casefold() == name.casefold())

@@ -13,6 +13,7 @@ from scipy.io import netcdf_file
 import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.storage.foreign import read_measured
+from rubnoise.storage.measured import Asked
 from tests.cli.terminal import call
 from tests.inference.traces import contact, signal
 
@@ -153,6 +154,37 @@ def test_what_is_no_force_is_said_by_its_place(
         with pytest.raises(Refused) as refused:
             rubnoise.Trace(path, **options)
         assert all(word in str(refused.value) for word in words), refused.value
+
+
+def test_a_second_segment_of_labview_is_refused_by_its_line_and_left_out_where_asked(tmp_path: Path) -> None:
+    path = tmp_path / "a.lvm"
+    segment = comma(LABVIEW[LABVIEW.index("Channels") :], "\t{f:.5f}\t0.0\t\n")
+    path.write_text(LABVIEW[: LABVIEW.index("Channels")] + segment + segment, encoding="utf-8")
+    line = path.read_text(encoding="utf-8").splitlines().index("Channels\t2\t", 9) + 1
+    for read in (rubnoise.Trace, read_measured):
+        with pytest.raises(Refused, match="to=") as refused:
+            read(path, **({"column": "Force"} if read is rubnoise.Trace else {"asked": Asked(column="Force")}))
+        assert f"line {line}" in str(refused.value)
+    trace = rubnoise.Trace(path, column="Force", to=FORCE.size)
+    np.testing.assert_allclose(trace["Force"], 1000.0 * FORCE, rtol=1e-7)
+
+
+def test_a_table_of_python_takes_the_options_of_a_file() -> None:
+    import pandas as pd
+
+    whole = pd.DataFrame({"time (s)": TIME, "force (mN)": FORCE, "other (V)": TIME})
+    part = {"column": "force", "from_": 101, "to": 600}
+    trace = rubnoise.Trace(whole, unit="mN", **part)
+    found = rubnoise.infer(whole, speed="1 mm/s", law="fixed", unit="mN", **part)
+    assert trace["force"].tolist() == (1000.0 * FORCE[100:600]).tolist()
+    assert found.signal.scale * found.signal.values == pytest.approx(trace["force"], rel=1e-12)
+    alone = pd.DataFrame({"force (mN)": FORCE})
+    assert rubnoise.Trace(alone, rate="2500 Hz").step == pytest.approx(4e-4, rel=1e-9)
+    assert rubnoise.infer(alone, speed="1 mm/s", law="fixed", rate="2500 Hz").signal.tick == pytest.approx(0.4)
+    assert len(rubnoise.Trace(FORCE, rate="2500 Hz", unit="mN", from_="0.04 s", to=600)) == 500
+    for read in (rubnoise.Trace, lambda table, **keys: rubnoise.infer(table, speed="1 mm/s", **keys)):
+        with pytest.raises(Refused, match="force is in mN by its own words; leave unit= out"):
+            read(whole, unit="N", **part)
 
 
 def test_digits_of_a_display_are_no_end_of_a_range(tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def test_headers_say_units_and_places(
 ) -> None:
     rows = "\n".join(f"{0.5 * n}{separator}{value}" for n, value in enumerate(FORCE.tolist()))
     read = read_measured(written(tmp_path / "a.csv", f"# a comment\n{head}\n\n{rows}\n"))
-    assert (read.unit, read.along) == (unit, along)
+    assert (read.head.unit, read.along) == (unit, along)
     assert read.step == pytest.approx(step, rel=1e-9)
     assert read.values.tolist() == FORCE.tolist()
 
@@ -196,7 +196,7 @@ def test_a_dataset_of_any_file_is_read(tmp_path: Path) -> None:
         file["m/force"].dims[0].attach_scale(file["m/time"])
         file["table"] = np.zeros((3, 3))
     read = read_measured(f"{path}:/m/force")
-    assert (read.unit, read.along) == ("mN", "time")
+    assert (read.head.unit, read.along) == ("mN", "time")
     assert read.step == pytest.approx(0.01)
     assert read.values.tolist() == FORCE.tolist()
     for name, problem in (("/m/x", "it has m/force"), ("/table", "2 dimensions")):

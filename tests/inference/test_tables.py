@@ -75,7 +75,7 @@ def test_what_laboratories_write_is_read_the_same_by_infer_and_by_trace(tmp_path
     path = tmp_path / "a.csv"
     path.write_bytes(text.encode())
     read = read_measured(path)
-    assert (read.unit, read.along, read.step) == (unit, "time", pytest.approx(0.01, rel=1e-12))
+    assert (read.head.unit, read.along, read.step) == (unit, "time", pytest.approx(0.01, rel=1e-12))
     assert read.values.tolist() == VALUES
     trace = rubnoise.Trace.from_csv(path)
     (column,) = [name for name in trace if name != trace.place]
@@ -90,7 +90,7 @@ def test_a_preamble_of_numbers_is_no_data(tmp_path: Path, count: int) -> None:
     path = tmp_path / "a.csv"
     path.write_text("".join(f"{n}\n" for n in range(count)) + "force (N)\n" + "\n".join(FORCES), encoding="utf-8")
     read = read_measured(path)
-    assert (read.values.tolist(), read.unit, read.place(0)) == (VALUES, "N", f"line {count + 2}")
+    assert (read.values.tolist(), read.head.unit, read.place(0)) == (VALUES, "N", f"line {count + 2}")
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
         read_measured(path)
     assert '--column 2, --rate "10 kHz" and --unit N' in in_shell(str(refused.value))
     read = read_measured(path, Asked(column="2"))
-    assert (read.values.tolist(), read.step, read.unit, read.place(0)) == (VALUES, None, "", "line 1")
+    assert (read.values.tolist(), read.step, read.head.unit, read.place(0)) == (VALUES, None, "", "line 1")
     with pytest.raises(Refused, match="has no line of names above its numbers"):
         rubnoise.Trace.from_csv(path)
     for words, missing in (
@@ -222,7 +222,9 @@ def test_lines_keep_their_numbers_wherever_a_piece_ends(tmp_path: Path, monkeypa
     path = tmp_path / "a.csv"
     for ending in ("\n", "\r\n", "\r"):
         path.write_bytes(f"# x\ntime (s),force (N)\n\n{rows()}".replace("\n", ending).encode())
-        for size in (7, 20, 64, 1000):
+        found = list(text_table.lines_of(path, "utf-8-sig"))
+        assert found == list(enumerate(["# x", "time (s),force (N)", "", *rows().split("\n")], 1))
+        for size in (1, 7, COUNT, 1000):
             monkeypatch.setattr(text_table, "_PIECE", size)
-            found = [line for piece in text_table.lines_of(path, "utf-8-sig") for line in piece]
-            assert found == list(enumerate(["# x", "time (s),force (N)", "", *rows().split("\n")], 1))
+            read = read_measured(path)
+            assert (read.values.tolist(), read.place(COUNT - 1)) == (VALUES, f"line {COUNT + 3}")

@@ -1,11 +1,17 @@
 """Convert tables given by a caller (of pandas, of xarray, and our own results) to columns with units."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
+from rubnoise.errors import Refused
+from rubnoise.real_numbers import with_unit
+from rubnoise.storage.samples import Source
 from rubnoise.storage.text_heads import NONE, head_of
 
 _NANOSECONDS: Final = 1e-9
@@ -30,6 +36,20 @@ def given_columns(source: Any, *, sampled: bool = False) -> dict[str, Any] | Non
     if hasattr(source, "index") and hasattr(source, "to_numpy"):
         return _of_pandas(source)
     return None
+
+
+def source_of(columns: Mapping[str, ArrayLike], name: str) -> Source:
+    """Return columns by headers with units as a source of samples; raises Refused for columns of unequal length.
+
+    Quantities of pint are converted to the unit of their header, or have their own if it names none.
+    """
+    heads = [head_of(str(header)) for header in columns]
+    read = [with_unit(columns[key], f"{name}: {key}", head.unit) for key, head in zip(columns, heads, strict=True)]
+    arrays = [values for values, _ in read]
+    if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
+        raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
+    heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
+    return Source(path=name, heads=heads, arrays=arrays, first=0)
 
 
 def _of_column(source: Column) -> dict[str, Any] | None:

@@ -9,13 +9,12 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
-from rubnoise.api.given_columns import given_columns
+from rubnoise.api.given_columns import given_columns, source_of
 from rubnoise.api.infer_options import MOST_OF_AN_END, bandwidth_of, pulse_of, share, strength_spread_of
-from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.errors import Refused, RunFileRefused, refusing_files
 from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
@@ -28,8 +27,8 @@ from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked, Measured, measured
-from rubnoise.storage.samples import LARGEST_VALUE, Held, refusing_files, unit_of
-from rubnoise.storage.text_heads import Head, head_of
+from rubnoise.storage.samples import LARGEST_VALUE, Source, along_of, listed
+from rubnoise.storage.text_heads import Head
 from rubnoise.units import SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
@@ -136,13 +135,13 @@ def _measured(trace: Any, asked: Asked) -> Measured:
     values, unit = with_unit(trace, "trace", "")
     if values.ndim != 1 or not values.size:
         raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
-    return measured(Held(path="", heads=[Head("trace", unit, "trace")], arrays=[values], word="value"), asked)
+    return measured(Source(path="", heads=[Head("trace", unit, "trace")], arrays=[values], word="value"), asked)
 
 
-def _of_trace(trace: Any) -> Held:
+def _of_trace(trace: Any) -> Source:
     """Return the columns of a Trace, or of what looks like one, beside its places, which are even."""
     names = [name for name in trace.columns if name != trace.place]
-    return Held(
+    return Source(
         path=getattr(trace, "name", "trace"),
         heads=[Head(name, trace.units[name], name) for name in names],
         arrays=[real_numbers(trace.columns[name], name) for name in names],
@@ -154,13 +153,16 @@ def _of_trace(trace: Any) -> Held:
 
 def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Measured:
     """Return a column of a table after its time or distance; for a run of ``ours`` the force, otherwise the area."""
-    others = [head_of(header).name for header in list(columns)[1:]]
+    source = source_of(columns, "trace")
+    others = [head.name for head in source.heads[1:]]
     if asked.column is None and ours:
         asked = replace(asked, column="friction_force" if "friction_force" in others else "real_contact_area")
     if asked.column is None and len(others) > 1:
-        listed = ", ".join(others[:12])
-        raise Refused(f'trace: column= is needed, one of {listed}; right form: column="{others[0]}"')
-    return _measured(Trace.from_arrays(columns, name="trace"), asked)
+        raise Refused(f'trace: column= is needed, one of {listed(others)}; right form: column="{others[0]}"')
+    chosen = (asked.place, asked.time, asked.rate) != (None, None, None)
+    if not chosen and along_of(source.heads[0], named=True):
+        asked = replace(asked, place="1")
+    return measured(source, asked)
 
 
 def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Measured | None:
@@ -186,12 +188,15 @@ def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Measured | None:
         unit = "uN" if name == "friction_force" else "um^2"
         values = np.asarray(there[name][:], dtype=np.float64)
         step = run.scenario.model().tick
-    held = Held(path=path, heads=[Head(name, unit, name)], arrays=[values], step=step, along="distance", word="sample")
+    held = Source(
+        path=path, heads=[Head(name, unit, name)], arrays=[values], step=step, along="distance", word="sample"
+    )
     return measured(held, replace(asked, column=None))
 
 
 def _named(found: Measured) -> str:
-    return f"{found.where}: {found.name}" if found.where else found.name
+    where = found.source.where
+    return f"{where}: {found.head.name}" if where else found.head.name
 
 
 def _check_sensor(found: Measured, signal: Signal, zero: str) -> None:
@@ -219,7 +224,10 @@ def _signal(found: Measured, speed: float | None, unit: Any) -> Signal:
         step *= speed
     elif speed is not None:
         raise Refused("speed=: the trace is over sliding distance, which needs no speed")
-    written = found.unit if unit is None else _given_unit(found, unit)
+    written = found.head.unit
+    if unit is not None:
+        keywords.check_own_unit(found, unit)
+        written = keywords.unit_text(unit).removeprefix("1 ").removeprefix("1.0 ")
     if not written:
         raise Refused(f'{_named(found)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
     scale, is_area, sign = keywords.scale_of(written, f"{_named(found)}: unit" if unit is None else "unit=")
@@ -230,18 +238,8 @@ def _signal(found: Measured, speed: float | None, unit: Any) -> Signal:
         scale=scale,
         is_area=is_area,
         left_out=found.left_out,
-        notes=(*found.notes, *digits(found.values, found.unit)),
+        notes=(*found.notes, *digits(found.values, found.head.unit)),
     )
-
-
-def _given_unit(found: Measured, unit: Any) -> Any:
-    """Return the given unit, which replaces that of a file; raises Refused if values from Python have another one."""
-    knows = isinstance(found.source, Held) and not found.source.of_file and any(unit_of(found.unit).dimension)
-    if knows and keywords.scale_of(found.unit, f"{_named(found)}: unit") != keywords.scale_of(unit, "unit="):
-        raise Refused(
-            f"unit=: {keywords.shown(unit)}: {_named(found)} is in {found.unit} by its own words; leave unit= out"
-        )
-    return keywords.unit_text(unit).removeprefix("1 ").removeprefix("1.0 ")
 
 
 def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> tuple[tuple[float, float], ...]:

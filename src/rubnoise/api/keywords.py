@@ -10,9 +10,20 @@ from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.errors import Refused
-from rubnoise.storage.measured import Asked
+from rubnoise.storage.measured import Asked, Measured
 from rubnoise.storage.text_heads import spelled
-from rubnoise.units import AREA, FORCE, FREQUENCY, Kind, Quantity, QuantityError, is_of_pint, quantity_of, unit_name
+from rubnoise.units import (
+    AREA,
+    FORCE,
+    FREQUENCY,
+    Kind,
+    Quantity,
+    QuantityError,
+    is_of_pint,
+    quantity_of,
+    unit_name,
+    unit_or_one,
+)
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
@@ -117,6 +128,14 @@ def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
         )
     sign = -1.0 if factor < 0.0 else 1.0
     return (None, False, sign) if volts else (abs(float(factor)), factor.kind is AREA, sign)
+
+
+def check_own_unit(found: Measured, unit: Any) -> None:
+    """Raise Refused for a unit beside values from Python that have another one; that of a file is replaced."""
+    own = "" if found.source.of_file else found.head.unit
+    what = ": ".join(each for each in (found.source.where, found.head.name) if each)
+    if any(unit_or_one(own).dimension) and scale_of(own, f"{what}: unit") != scale_of(unit, "unit="):
+        raise Refused(f"unit=: {shown(unit)}: {what} is in {own} by its own words; leave unit= out")
 
 
 _MEANT: Final = {

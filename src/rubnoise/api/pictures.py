@@ -13,11 +13,10 @@ from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
-from rubnoise.errors import OutputRefused, Refused
+from rubnoise.errors import OutputRefused, Refused, refusing_files
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
-from rubnoise.storage.samples import refusing_files
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 if TYPE_CHECKING:

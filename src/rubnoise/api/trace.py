@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from math import isfinite
 from numbers import Real
 from types import MappingProxyType
@@ -17,17 +17,16 @@ from rubnoise.analysis.records import RecordTooShort
 from rubnoise.api import keywords
 from rubnoise.api.columns import Column, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
-from rubnoise.api.given_columns import given_columns
+from rubnoise.api.given_columns import given_columns, source_of
 from rubnoise.api.table import Table
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
 from rubnoise.regular_file import is_hdf5
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked, Measured, measured
-from rubnoise.storage.samples import Held, refusing_files
-from rubnoise.storage.text_heads import NONE, OTHERS, check_unit, head_of
+from rubnoise.storage.text_heads import NONE, OTHERS, check_unit
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
@@ -74,7 +73,8 @@ class Trace(Table):
     ) -> None:
         """Read a file, or take an array with a ``rate`` and a ``unit``.
 
-        Of a file all columns of numbers are kept, or ``column`` and its places alone, whose unit ``unit`` replaces.
+        Of a file or a table all columns of numbers are kept, or ``column`` and its places alone; ``unit`` replaces the
+        unit that a file gives it.
         ``time`` and ``place`` name the column of times or distances, which must be even; without them it is the first
         one of times that grows, or of distances, or the first one. ``rate``, such as "10 kHz", stands for the times.
         ``from_`` and ``to`` are the first and last sample, from 1 on, or times. Raises Refused, with line and column,
@@ -87,11 +87,17 @@ class Trace(Table):
             _refuse(f"of a file, which says it: {source}", name=name)
             made = self._of_file(source, keywords.asked(place=place, rate=rate, **part), unit)
         elif (columns := given_columns(source, sampled=rate is not None)) is not None or isinstance(source, Mapping):
-            _refuse("of columns, which say it by their place and their names", rate=rate, unit=unit, **part)
-            made = type(self).from_arrays(columns or source, place=place, name=name or "trace")
+            first = "1" if (place, time, rate) == (None, None, None) else place
+            asked = keywords.asked(place=first, rate=rate, **part)
+            made = self._of_columns(columns or source, asked, name or "trace", unit)
         else:
-            _refuse("of an array, whose place is time", place=place, **part)
-            made = type(self).from_array(source, rate=rate, unit=unit, name=name or "trace")
+            _refuse("of an array, whose place is time", place=place, time=time, column=column)
+            often, name = keywords.quantity("rate", rate, FREQUENCY), name or "trace"
+            kept, own = with_unit(source, name, unit or "")
+            if often is None or (unit is None and not own):
+                raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
+            columns = {"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}
+            made = self._of_columns(columns, keywords.asked(place="1", from_=from_, to=to), name)
         for each in fields(self):
             object.__setattr__(self, each.name, getattr(made, each.name))
 
@@ -102,11 +108,7 @@ class Trace(Table):
         Its columns are `time` and ``name``. Quantities of pint have their unit, or are converted to ``unit``. Raises
         Refused without a rate or a unit.
         """
-        often = keywords.quantity("rate", rate, FREQUENCY)
-        kept, own = with_unit(values, name, unit or "")
-        if often is None or (unit is None and not own):
-            raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
-        return cls.from_arrays({"time (s)": np.arange(kept.size) / often, f"{name} ({own})": kept}, name=name)
+        return cls(values, rate=rate, unit=unit, name=name)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], **options: Any) -> Self:
@@ -130,14 +132,11 @@ class Trace(Table):
         Quantities of pint are converted to the unit of their header, or have their own if it names none. ``place`` is
         the column of places, by default the first.
         """
-        heads = [head_of(str(header)) for header in columns]
-        read = [with_unit(columns[key], f"{name}: {key}", head.unit) for key, head in zip(columns, heads, strict=True)]
-        arrays = [values for values, _ in read]
-        if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
-            raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
-        heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
-        held = Held(path=name, heads=heads, arrays=arrays, first=0)
-        return cls._of(measured(held, keywords.asked(place=place or "1"), every=True), name, None)
+        return cls._of_columns(columns, keywords.asked(place=place or "1"), name)
+
+    @classmethod
+    def _of_columns(cls, columns: Mapping[str, ArrayLike], asked: Asked, name: str, unit: Any = None) -> Self:
+        return cls._of(measured(source_of(columns, name), asked, every=True), name, unit)
 
     @classmethod
     def _of(cls, found: Measured, name: str, unit: Any) -> Self:
@@ -147,30 +146,37 @@ class Trace(Table):
         notes = list(found.notes)
         if unit is not None and found.chosen is None:
             raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
-        for number, (head, values) in enumerate(zip(found.heads, found.arrays, strict=True)):
+        if unit is not None:
+            keywords.check_own_unit(found, unit)
+        for number, values in found.columns.items():
+            head = found.source.heads[number]
             if head.name in columns:
-                raise Refused(f"{found.where}: two columns are named {head.name}; column= takes one by its number")
+                raise Refused(
+                    f"{found.source.where}: two columns are named {head.name}; column= takes one by its number"
+                )
             if number == found.chosen and unit is not None:
                 units[head.name], factor = _given_units(unit)
             else:
                 own = found.chosen is not None or number == found.place_at
-                what = f"{found.where}: {head.written}"
+                what = f"{found.source.where}: {head.written}"
                 units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
             columns[head.name] = values if factor == 1.0 else factor * values
         if found.chosen is not None and found.source.of_file:
-            notes += digits(found.values, found.unit)
-            notes += [f"{found.name}: {said}" for said in (clipped(found.values, found.place),) if said]
+            notes += digits(found.values, found.head.unit)
+            notes += [f"{found.head.name}: {said}" for said in (clipped(found.values, found.place),) if said]
         if found.place_at is not None:
-            place = found.heads[found.place_at].name
+            place = found.source.heads[found.place_at].name
             step = float(columns[place][-1] - columns[place][0]) / (columns[place].size - 1)
         elif found.step is not None:
             place = "time" if found.along == "time" else "distance"
             if place in columns:
-                raise Refused(f"{found.where}: the column {place} has no unit of its own; column= leaves it out")
+                raise Refused(f"{found.source.where}: the column {place} has no unit of its own; column= leaves it out")
             columns = {place: found.step * np.arange(found.values.size, dtype=np.float64), **columns}
             step, units[place] = found.step, "s" if found.along == "time" else "um"
         else:
-            raise Refused(f'{found.where}: has no time and no distance; rate="20 kHz" says how often it was sampled')
+            raise Refused(
+                f'{found.source.where}: has no time and no distance; rate="20 kHz" says how often it was sampled'
+            )
         return cls._made(name, place, step, columns, units, tuple(notes))
 
     @classmethod

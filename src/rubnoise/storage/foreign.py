@@ -4,6 +4,7 @@ Soft links of HDF5 lead on within the file; links and storage in other files are
 """
 
 import os
+import posixpath
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,12 +15,11 @@ from typing import Any, BinaryIO, Final
 import h5py
 import numpy as np
 
-from rubnoise.arrays import Doubles
 from rubnoise.errors import UNFINISHED, NoColumn, Refused, RunFileRefused
 from rubnoise.regular_file import is_hdf5, open_regular, open_stream, read_at_most, size_of
 from rubnoise.storage.measured import Asked, Measured, measured
 from rubnoise.storage.objects import opened_by_hdf5
-from rubnoise.storage.samples import Held, Source, column_of
+from rubnoise.storage.samples import Source, column_of
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_heads import Head, spelled
 from rubnoise.storage.text_table import TextTable
@@ -62,16 +62,17 @@ def opened(trace: str | os.PathLike[str], column: str | None = None) -> Source:
         with _naming(path, "netCDF file", "convert it to netCDF-4 or CSV"):
             return _of_netcdf(path, name)
     if path.suffix.lower() == ".wav":
-        return _of_wave(path)
+        with open_stream(path) as stream, _naming(path, "WAV file", "save it as PCM of 16 or 24 bits"):
+            return _of_wave(path, stream)
     if path.suffix.lower() == ".mat":
         with open_stream(path) as stream, _naming(path, "MATLAB 5 file", "save it with -v6 or -v7"):
             return _of_matlab(path, stream, column)
-    return TextTable(path)
+    return TextTable.of(path)
 
 
 @contextmanager
 def _naming(path: Path, kind: str, remedy: str) -> Iterator[None]:
-    """Turn what scipy raises on a damaged file, which may be any error, into a refusal that names the file."""
+    """Turn what a library raises on a damaged file, which may be any error, into a refusal that names the file."""
     try:
         yield
     except NoColumn:
@@ -86,99 +87,89 @@ def _naming(path: Path, kind: str, remedy: str) -> Iterator[None]:
         raise Refused(f"{path}: is no {kind} that can be read: {why}; {remedy}") from problem
 
 
-def _of_wave(path: Path) -> Held:
+def _of_wave(path: Path, stream: BinaryIO) -> Source:
     """Return the channels of a sound; whole numbers are parts of full scale."""
     from scipy.io import wavfile
 
-    remedy = "save it as PCM of 16 or 24 bits"
-    with open_stream(path) as stream, _naming(path, "WAV file", remedy), warnings.catch_warnings():
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         warnings.filterwarnings("error", message="Reached EOF|Incomplete|Unknown")
         rate, sound = wavfile.read(stream)
-        channels = sound.reshape(len(sound), -1)
-        if not rate or not channels.size:
-            raise Refused(f"has {len(sound)} samples at {rate} Hz; both are needed")
+    channels = sound.reshape(len(sound), -1)
+    if not rate or not channels.size:
+        raise Refused(f"has {len(sound)} samples at {rate} Hz; both are needed")
     if sound.dtype.kind in "iu":
         zero, full = (128.0, 128.0) if sound.dtype == np.uint8 else (0.0, -float(np.iinfo(sound.dtype).min))
         channels = (channels - zero) / full
-    names = [str(number + 1) for number in range(channels.shape[1])]
     arrays = [np.ascontiguousarray(each, dtype=np.float64) for each in channels.T]
-    heads = [Head(name, "", name) for name in names]
-    return Held(path=path, heads=heads, arrays=arrays, step=1.0 / rate, word="sample", of_file=True)
+    heads = [Head(str(number), "", str(number)) for number in range(1, len(arrays) + 1)]
+    return Source(path=path, heads=heads, arrays=arrays, step=1.0 / rate, word="sample", of_file=True)
 
 
-def _of_matlab(path: Path, stream: BinaryIO, wanted: str | None) -> Held:
-    """Return a vector of a MATLAB file and that of its times, which say how many values they have before unpacking."""
-    from scipy.io import whosmat
+def _of_matlab(path: Path, stream: BinaryIO, wanted: str | None) -> Source:
+    """Return the vectors of a MATLAB file that are as long as the wanted one: those beside the times, or one of them.
+
+    A file says how many values a vector has before they are unpacked.
+    """
+    from scipy.io import loadmat, whosmat
 
     shapes = {name: shape for name, shape, kind in whosmat(stream) if kind in _NUMBERS}
-    sizes = {
-        name: prod(shape) for name, shape in shapes.items() if sum(side != 1 for side in shape) == 1 and min(shape) > 0
-    }
+    sizes = {name: max(shape) for name, shape in shapes.items() if prod(shape) == max(shape) > 1}
     if not sizes:
-        listed = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in list(shapes.items())[:_LISTED])
-        raise Refused(f"has no vector of real numbers; it has {listed or 'no numbers'}")
-    times = [name for name in sizes if name.lower() in {"t", "time"}]
-    heads = [Head(name, "s" if name in times else "", name) for name in sizes]
-    others = [name for name in sizes if name not in times]
+        there = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in list(shapes.items())[:_LISTED])
+        raise Refused(f"has no vector of real numbers; it has {there or 'no numbers'}")
+    heads = [Head(name, "s" if name.lower() in {"t", "time"} else "", name) for name in sizes]
+    others = [head.name for head in heads if not head.unit]
     if wanted is None and len({sizes[name] for name in others}) > 1:
         raise NoColumn(f"{path}: which column? column= takes one of: {', '.join(others[:_LISTED])}")
-    empty = Held(path=path, heads=heads, arrays=[])
-    chosen = [*others, *times][0] if wanted is None else heads[column_of(empty, wanted, "column")].name
-    alike = [name for name in sizes if sizes[name] == sizes[chosen] and (wanted is None or name in (chosen, *times))]
-    return Held(
-        path=path,
-        heads=[head for head in heads if head.name in alike],
-        arrays=[_vector(stream, name, sizes[name]) for name in alike],
-        of_file=True,
-    )
-
-
-def _vector(stream: BinaryIO, name: str, count: int) -> Doubles:
-    from scipy.io import loadmat
-
-    if count > MOST_UNPACKED:
-        raise Refused(f"{name} has {count:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
+    chosen = [*others, *sizes][0]
+    if wanted is not None:
+        chosen = heads[column_of(Source(path=path, heads=heads), wanted, "column")].name
+    alike = [head for head in heads if sizes[head.name] == sizes[chosen]]
+    kept = [head for head in alike if wanted is None or head.unit or head.name == chosen]
+    if sizes[chosen] > MOST_UNPACKED:
+        raise Refused(
+            f"{chosen} has {sizes[chosen]:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5"
+        )
     stream.seek(0)
-    found: Any = loadmat(stream, squeeze_me=True, variable_names=[name])[name]
-    if not isinstance(found, np.ndarray) or found.dtype.kind not in "fiu" or found.shape != (count,):
-        raise Refused(f"{name} is no vector of real numbers")
-    return found.astype(np.float64)
+    found = loadmat(stream, squeeze_me=True, variable_names=[head.name for head in kept])
+    arrays = [np.asarray(found[head.name]) for head in kept]
+    for head, array in zip(kept, arrays, strict=True):
+        if array.dtype.kind not in "fiu" or array.shape != (sizes[chosen],):
+            raise Refused(f"{head.name} is no vector of real numbers")
+    return Source(path=path, heads=kept, arrays=[each.astype(np.float64) for each in arrays], of_file=True)
 
 
-def _of_netcdf(path: Path, name: str) -> Held:
+def _of_netcdf(path: Path, name: str) -> Source:
     """Return a variable of a netCDF-3 file, at the places of the variable of its dimension."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "r", mmap=False) as file:
         found = file.variables.get(name.strip("/"))
         if found is None:
-            listed = ", ".join(list(file.variables)[:_LISTED])
-            raise NoColumn(f"{path}: which variable? {path}:NAME names one of: {listed or 'none'}")
+            there = ", ".join(list(file.variables)[:_LISTED])
+            raise NoColumn(f"{path}: which variable? {path}:NAME names one of: {there or 'none'}")
         long = [dimension for dimension, side in zip(found.dimensions, found.shape, strict=True) if side != 1]
         scale = file.variables.get(long[0]) if len(long) == 1 else None
         parts = [(name, found)] if scale is None or scale is found else [(name, found), (long[0], scale)]
+        about = [{key: getattr(part, key, None) for key in _ATTRIBUTES} for _, part in parts]
         return _unpacked(
-            path,
-            [
-                (each, part.data.copy(), {key: getattr(part, key) for key in _ATTRIBUTES if hasattr(part, key)})
-                for each, part in parts
-            ],
+            path, [(each, part.data.copy(), said) for (each, part), said in zip(parts, about, strict=True)]
         )
 
 
-def _of_hdf5(path: Path, name: str) -> Held:
+def _of_hdf5(path: Path, name: str) -> Source:
     """Return a dataset of HDF5, at the places of its dimension scale."""
     descriptor = open_regular(path)
     try:
         with opened_by_hdf5(path, descriptor) as file:
             _check_finished(path, file)
             dataset = _dataset(file, name)
-            axis = int(np.argmax(dataset.shape))
-            scale = dataset.dims[axis][0] if len(dataset.dims[axis]) else None
-            parts = [(name, dataset[()], dict(dataset.attrs))]
+            axis = dataset.dims[int(np.argmax(dataset.shape))]
+            scale = axis[0] if len(axis) else None
+            parts = [(name, dataset[()], dataset.attrs)]
             if scale is not None and _is_here(scale) and scale.size == dataset.size and scale.dtype.kind in "fiu":
-                parts.append((scale.name or f"scale of {name}", scale[()], dict(scale.attrs)))
+                parts.append((scale.name or f"scale of {name}", scale[()], scale.attrs))
             return _unpacked(path, parts)
     except NoColumn as refused:
         raise NoColumn(f"{path}: {refused}") from refused
@@ -190,30 +181,24 @@ def _of_hdf5(path: Path, name: str) -> Held:
         os.close(descriptor)
 
 
-def _unpacked(path: Path, parts: Sequence[tuple[str, Any, Mapping[str, Any]]]) -> Held:
+def _unpacked(path: Path, parts: Sequence[tuple[str, Any, Mapping[str, Any]]]) -> Source:
     """Return values as their attributes tell: scale_factor, add_offset, and what stands for a missing one."""
     heads, arrays, missing = [], [], {}
     for number, (name, raw, about) in enumerate(parts):
         if raw.dtype.kind not in "fiu" or raw.size != max(raw.shape, default=0):
             raise Refused(f"{name} has {raw.ndim} dimensions of {raw.dtype}; one of numbers is needed")
+        said = {key: np.ravel(about[key]) for key in _ATTRIBUTES[:-1] if about.get(key) is not None}
         flat = raw.ravel()
-        values = flat.astype(np.float64)
-        gaps = np.zeros(flat.size, dtype=bool)
+        values = flat.astype(np.float64) * said.get("scale_factor", [1.0])[0] + said.get("add_offset", [0.0])[0]
         for key in ("_FillValue", "missing_value"):
-            for each in np.ravel(about[key]) if key in about else ():
-                gaps |= flat == each
-                if (flat == each).any():
-                    missing[number] = f"its {key}, {each:g}"
-        values = values * _number(about, "scale_factor", 1.0) + _number(about, "add_offset", 0.0)
-        values[gaps] = np.nan
-        unit = _text(about.get("units"))
-        heads.append(Head(name.rpartition("/")[2] if number else name, spelled(unit.partition(" since ")[0]), name))
+            for filling in said.get(key, ()):
+                if (flat == filling).any():
+                    missing[number] = f"its {key}, {filling:g}"
+                    values[flat == filling] = np.nan
+        unit = spelled(_text(about.get("units")).partition(" since ")[0])
+        heads.append(Head(name.rpartition("/")[2] if number else name, unit, name))
         arrays.append(values)
-    return Held(path=path, heads=heads, arrays=arrays, missing=missing, of_file=True)
-
-
-def _number(about: Mapping[str, Any], key: str, usual: float) -> float:
-    return float(np.ravel(about[key])[0]) if key in about else usual
+    return Source(path=path, heads=heads, arrays=arrays, missing=missing, of_file=True)
 
 
 def _text(attribute: Any) -> str:
@@ -233,8 +218,8 @@ def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
     dataset = _linked(file, name)
     if not isinstance(dataset, h5py.Dataset):
         there: list[str] = []
-        file.visititems(lambda path, item: _noted(there, path, item))
-        raise NoColumn(f"{name} is no dataset in it; it has {', '.join(there) or 'none'}")
+        file.visititems(lambda path, item: there.append(path) if isinstance(item, h5py.Dataset) else None)
+        raise NoColumn(f"{name} is no dataset in it; it has {', '.join(there[:_LISTED]) or 'none'}")
     if not _is_here(dataset):
         raise NoColumn(f"{name} has its values in other files, which are not read")
     if dataset.dtype.kind not in "fiu" or not dataset.size or dataset.size != max(dataset.shape, default=0):
@@ -244,20 +229,13 @@ def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
     return dataset
 
 
-def _noted(there: list[str], path: str, item: h5py.HLObject) -> bool | None:
-    if isinstance(item, h5py.Dataset):
-        there.append(path)
-    return True if len(there) == _LISTED else None
-
-
-def _linked(file: h5py.File, path: str, links: int = 0) -> h5py.HLObject | None:
+def _linked(file: h5py.File, path: str, links: int = _MOST_LINKS) -> h5py.HLObject | None:
     """Return the object at a path, reached by hard and soft links within the file; None if there is none."""
     owner, parts = file["/"], [part for part in path.split("/") if part]
-    for number, part in enumerate(parts):
+    for number, part in enumerate(parts, 1):
         link = owner.get(part, getlink=True) if isinstance(owner, h5py.Group) else None
-        if isinstance(link, h5py.SoftLink) and links < _MOST_LINKS:
-            there = link.path if link.path.startswith("/") else f"{owner.name}/{link.path}"
-            return _linked(file, "/".join([there, *parts[number + 1 :]]), links + 1)
+        if isinstance(link, h5py.SoftLink) and links:
+            return _linked(file, posixpath.join(owner.name, link.path, *parts[number:]), links - 1)
         if not isinstance(link, h5py.HardLink):
             return None
         owner = owner[part]
@@ -273,6 +251,6 @@ def _is_here(dataset: h5py.Dataset) -> bool:
 def _check_finished(path: Path, file: h5py.File) -> None:
     """Refuse the part file of a run of ours, whose last rows were never computed."""
     origin = _linked(file, "provenance")
-    about = {} if origin is None else dict(origin.attrs)
-    if _text(file.attrs.get("format")) == FORMAT and _text(about.get("finished", "unknown")) == "":
+    finished = "unknown" if origin is None else _text(origin.attrs.get("finished", "unknown"))
+    if _text(file.attrs.get("format")) == FORMAT and finished == "":
         raise RunFileRefused(f"{path}: {UNFINISHED}")

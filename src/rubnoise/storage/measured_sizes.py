@@ -4,13 +4,13 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.errors import NoColumn, Refused
+from rubnoise.errors import NoColumn, Refused, refusing_files
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
 from rubnoise.storage.foreign import opened
-from rubnoise.storage.samples import check_values, column_of, refusing_files, unit_of
+from rubnoise.storage.samples import check_values, column_of
 from rubnoise.storage.text_heads import check_unit
-from rubnoise.units import LENGTH
+from rubnoise.units import LENGTH, unit_or_one
 
 SMALLEST: Final = 1e-12
 LARGEST: Final = 1e12
@@ -31,10 +31,10 @@ def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
             number = column_of(source, column or "", "column")
         head = source.heads[number]
         check_unit(head.unit, f"{source.where}: {head.name}")
-        if head.unit and unit_of(head.unit).dimension != LENGTH.dimension:
+        if head.unit and unit_or_one(head.unit).dimension != LENGTH.dimension:
             raise Refused(f"{source.where}: {head.name}: has the unit {head.unit}; diameters are lengths")
-        size = float(unit_of(head.unit).size)
-        (values,) = source.columns([number], MOST)
+        size = float(unit_or_one(head.unit).size)
+        (values,) = source.columns([number])
     if values.size > MOST:
         raise Refused(f"{path}: has more than {MOST:,} values, which a result keeps at most; take fewer of it")
     check_values(source, number, values)

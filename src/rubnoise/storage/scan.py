@@ -95,11 +95,10 @@ def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) ->
         raise Refused(f"{name}: channel=: {chosen} names no heights in it; these do: {', '.join(heights)}")
     if len(channels) > 1:
         history = (*history, f"channel {chosen} of {', '.join(channels)}")
-    if channels[chosen].physical_sizes is not None:
-        return from_topography(channels[chosen].topography(), name, told, history)
-    if told.size is None:
+    if channels[chosen].physical_sizes is None and told.size is None:
         raise Refused(f'{name}: does not say how large it is; say it: size="128 um x 128 um"')
-    return from_topography(channels[chosen].topography(physical_sizes=told.size), name, told, history, "um")
+    given = {"physical_sizes": told.size} if channels[chosen].physical_sizes is None else {}
+    return from_topography(channels[chosen].topography(**given), name, told, history, "um" if given else "")
 
 
 def from_topography(topography: Any, name: str, told: Told, history: tuple[str, ...] = (), lateral: str = "") -> Scan:

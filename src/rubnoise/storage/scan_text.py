@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from contextlib import suppress
 from itertools import dropwhile
 from typing import Final
 
@@ -24,10 +25,9 @@ def decoded(raw: bytes) -> tuple[str | None, tuple[str, ...]]:
         return raw.decode("utf-16", "replace"), ("read as UTF-16",)
     if _CONTROL.search(raw, 0, 1 << 16):
         return None, ()
-    try:
+    with suppress(UnicodeDecodeError):
         return raw.decode("utf-8-sig"), ()
-    except UnicodeDecodeError:
-        return raw.decode("cp1252", "replace"), ("read as Windows-1252",)
+    return raw.decode("cp1252", "replace"), ("read as Windows-1252",)
 
 
 def table_of(text: str, name: str) -> tuple[str, Doubles, str]:
@@ -64,7 +64,7 @@ def points_of(head: str, values: Doubles) -> tuple[Doubles, str, str] | None:
     lines = [line.strip("#% \t").replace('"', "") for line in reversed(head.splitlines())]
     cells = [each for line in lines for each in (re.split(r"[;,\t]|\s{2,}", line), line.split()) if len(each) == width]
     if len(cells) > 1 and all(is_unit(unit.strip("[] ")) for unit in cells[0]):
-        cells[0] = [f"{name} ({unit.strip('[] ')})" for name, unit in zip(cells[1], cells[0], strict=True)]
+        cells[0] = [f"{name} [{unit.strip('[] ')}]" for name, unit in zip(cells[1], cells[0], strict=True)]
     heads = [head_of(cell) for cell in cells[0]] if cells else []
     names = [each.name.lower() for each in heads]
     named = {"x", "y", "z"} <= set(names)
