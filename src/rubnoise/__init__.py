@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
     from rubnoise.analysis.comparing.findings import Comparison
-    from rubnoise.analysis.verifying.findings import Verification
     from rubnoise.api.column_group import Columns
     from rubnoise.api.columns import Column
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from rubnoise.api.trace import Trace
     from rubnoise.errors import Refused, RubnoiseError
     from rubnoise.record.rows import JunctionState
+    from rubnoise.runs.verification import Verification
     from rubnoise.scenario import Scenario
     from rubnoise.scenario.sweep import expand
     from rubnoise.simulation.intervention import LiveJunctions
@@ -76,7 +76,7 @@ __all__ = [
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
     "rubnoise.analysis.comparing.findings": ("Comparison",),
-    "rubnoise.analysis.verifying.findings": ("Verification",),
+    "rubnoise.runs.verification": ("Verification",),
     "rubnoise.api.column_group": ("Columns",),
     "rubnoise.api.columns": ("Column",),
     "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),

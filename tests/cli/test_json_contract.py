@@ -248,6 +248,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
     put(here / "long.h5", "trace/junction_count", 17, 4)
     tell(here / "long.h5", "provenance", "seed", 99)
+    tell(here / "long.h5", "provenance", "environment", "another machine")
     tell(here / "bare.h5", "provenance", "intervention", "__main__.largest_goes")
     told.append(("info", call("info", "bare.h5", "--json").json()))
     told.append(("verify", call("verify", "long.h5", "--json").json()))

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.verification import verify
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.point_file import file_of, found
+from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.simulation import draws

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.verification import verify
 from rubnoise.errors import RunFileRefused
+from rubnoise.runs.verification import verify
 from rubnoise.runs.verify import verify_sweep
 from rubnoise.storage import index
 from rubnoise.storage.reader import open_run
@@ -70,22 +70,10 @@ CHANGES: dict[str, tuple[Change, str, str]] = {
     "the formula": (without_sizes, "attributes", "/ junction_area_formula"),
     "the convention": (text("/", "Conventions", "CF-1.0"), "attributes", "/ Conventions"),
     "a title": (text("/", "title", "another"), "", ""),  # the scenario has none: it was the name of the file
-    "an empty title": (text("/", "title", " "), "attributes", "/ title"),
-    "the program": (text("/", "source", "rubnoise 99.0"), "attributes", "/ source"),
     "the stream version": (
         lambda path: tell(path, "provenance", "stream_version", 0),
         "attributes",
         "stream",
-    ),
-    "the scenario as read": (
-        lambda path: tell(path, "provenance", "scenario_toml", "format = 1\n[run]\nseed = 8\n"),
-        "scenario",
-        "scenario_toml",
-    ),
-    "an end that is no time": (
-        lambda path: tell(path, "provenance", "finished", "2001-01-01"),
-        "attributes",
-        "/provenance finished",
     ),
     "a standard error": (
         lambda path: tell(path, "summary", "real_contact_area_mean_standard_error", 1000.0),
@@ -146,14 +134,6 @@ def test_every_unit_counts(result: Path) -> None:
     with open_run(result) as run:
         (check,) = verify(run).different
     assert (check.name, check.different) == ("attributes", columns)
-
-
-def test_a_clock_that_was_set_back_is_a_note(result: Path) -> None:
-    tell(result, "provenance", "finished", "2001-01-01T00:00:00Z")
-    with open_run(result) as run:
-        found = verify(run)
-    assert found.different == []
-    assert [each.name for each in found.omitted] == ["finished"]
 
 
 # The folder of a sweep is what it says, and every change of it is named: index and runs.
@@ -262,7 +242,7 @@ FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
 def test_a_right_folder_is_verified(folder: Path) -> None:
     found = verify_sweep(folder, 2)
     assert [check.name for check in found.checks] == ["index", "names", "runs"]
-    assert (found.different, found.omitted) == ([], ())
+    assert (found.different, list(found.omitted)) == ([], [])
     assert min(check.values for check in found.checks) > 0
 
 

@@ -13,7 +13,7 @@ from rubnoise.record.sink import Extent
 from rubnoise.storage.reader import open_run
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.verification import ResultFile
+    from rubnoise.record.reader import HashedReader
     from rubnoise.runs.making import KeptRun
 
 
@@ -60,7 +60,7 @@ class Record(Run):
         return Run(open_run(path))
 
     @contextmanager
-    def _file_of(self) -> "Iterator[ResultFile]":
+    def _file_of(self) -> "Iterator[HashedReader]":
         with TemporaryDirectory(prefix="rubnoise-") as folder, self.save(Path(folder) / "record.h5") as run:
             yield run.reader()  # type: ignore[misc]
 

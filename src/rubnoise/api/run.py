@@ -44,12 +44,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.analysis.comparing.findings import Comparison
-    from rubnoise.analysis.verification import ResultFile
-    from rubnoise.analysis.verifying.findings import Verification
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.kinds import Kind, Style
     from rubnoise.api.trace import Trace
     from rubnoise.model import Model
+    from rubnoise.record.reader import HashedReader
+    from rubnoise.runs.verification import Verification
     from rubnoise.scenario import Scenario
     from rubnoise.theory.exact import Exact
 
@@ -237,7 +237,7 @@ class Run:
         ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
         random numbers cannot be drawn again. A run in memory is saved first.
         """
-        from rubnoise.analysis.verification import verify
+        from rubnoise.runs.verification import verify
 
         if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
             raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
@@ -309,7 +309,7 @@ class Run:
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
         return self.scenario.model()
 
-    def _file_of(self) -> "AbstractContextManager[ResultFile]":
+    def _file_of(self) -> "AbstractContextManager[HashedReader]":
         """Return the run as an open file."""
         return nullcontext(self._reader)  # type: ignore[arg-type]
 

@@ -14,7 +14,7 @@ from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.verifying.findings import Check, Difference, Verification
+    from rubnoise.runs.verification import Check, Difference, Verification
 
 REGENERATE: Final = "--regenerate"
 
@@ -54,8 +54,8 @@ def command(
 
     Example: rubnoise verify fig5.h5
     """
-    from rubnoise.analysis.verification import verify
     from rubnoise.cli.loading import finished_run
+    from rubnoise.runs.verification import verify
 
     if regenerate is not None and regenerate < 1:
         raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number; it is 1 or more")

@@ -70,6 +70,10 @@ class HashedReader(Reader, Protocol):
         """Return the columns that cannot be read or differ from their stored hash."""
         ...
 
+    def inventory(self) -> Mapping[str, Mapping[str, Any]]:
+        """Return every group, column and attribute of the file, also objects of others."""
+        ...
+
 
 class Chunk(Mapping[str, NDArray[Any]]):
     """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is needed."""

@@ -12,7 +12,7 @@ from rubnoise.arrays import slices
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.reader import Attributes
-from rubnoise.record.sink import Sink, Tee
+from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
@@ -69,15 +69,16 @@ def describe(
     path: str | os.PathLike[str],
     command: Sequence[str],
     intervene: Intervention | str | None = None,
+    known: Extent | None = None,
 ) -> RunDescription:
-    """Return the description of a result; this counts its births and does nothing else.
+    """Return the description of a result; this counts its births, if its rows are not ``known``, and nothing else.
 
     ``intervene`` is the function that may end lives, or its name.
     """
     model, seed = scenario.model(), scenario.run.seed
     return RunDescription(
         title=scenario.title or Path(path).stem,
-        extent=extent(model, seed),
+        extent=known or extent(model, seed),
         features=features_of(model),
         compression="gzip" if scenario.output.compression == "gzip" else "none",
         scenario_toml=scenario.text,

@@ -7,7 +7,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.answer import LeftOut
-from rubnoise.analysis.verification import verify
-from rubnoise.analysis.verifying.attributes import shown
-from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import DONE, FAILED
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import run_files
 from rubnoise.runs.index import index_of, keys_in, scenario_at
 from rubnoise.runs.point_file import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
+from rubnoise.runs.verification import LONGEST, Check, Difference, Verification, verify
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
@@ -40,7 +38,7 @@ SHOWN: Final = 10
 class Results:
     """The files of runs: the figures and the scenario of each by its name, and the findings about them."""
 
-    names: Notes = field(default_factory=lambda: Notes("names"))
+    names: Check = field(default_factory=lambda: Check("names"))
     figures: dict[str, Figures] = field(default_factory=dict)
     scenarios: dict[str, Mapping[str, Any]] = field(default_factory=dict)
     values: int = 0
@@ -51,7 +49,7 @@ class Results:
         """Check that files have the names of their runs, and that each of them is verified."""
         first = self.different[0] if self.different else None
         runs = Check(name="runs", values=self.values, different=len(self.different), first=first)
-        return [self.names.check(), runs]
+        return [self.names, runs]
 
     def take(self, path: Path, resolved: Mapping[str, Any], figures: Figures) -> None:
         """Note what a file is of."""
@@ -64,7 +62,7 @@ class Results:
     def differ(self, path: Path, place: str, found: str, expected: str) -> None:
         """Note a wrong place of a file."""
         where = f"{RUNS}/{path.name}{place}"
-        self.different.append(Difference(place=where, row=None, found=found, expected=expected))
+        self.different.append(Difference(where, found[:LONGEST], expected[:LONGEST]))
 
 
 def verify_sweep(
@@ -119,7 +117,7 @@ def _verify_run(results: Results, path: Path, regenerate: int) -> None:
     results.left_out.update((each.name, each.reason) for each in found.omitted)
     for check in found.different:
         if check.first is not None:
-            results.different.append(replace(check.first, place=f"{RUNS}/{path.name} {check.first.place}"))
+            results.different.append(check.first.within(f"{RUNS}/{path.name}"))
 
 
 def _verify_summary(results: Results, path: Path) -> None:
@@ -135,7 +133,7 @@ def _verify_summary(results: Results, path: Path) -> None:
         one, other = (np.asarray(each.get(name, "missing")) for each in (found, right))
         results.values += other.size
         if one.dtype != other.dtype or one.shape != other.shape or one.tobytes() != other.tobytes():
-            results.differ(path, f" {name}", shown(str(one.tolist())), shown(str(other.tolist())))
+            results.differ(path, f" {name}", str(one.tolist()), str(other.tolist()))
 
 
 def _left_out(root: Path, results: Results) -> Iterator[LeftOut]:
@@ -161,13 +159,13 @@ def _some(names: Sequence[str], reason: str, of: str) -> Iterator[LeftOut]:
 # The index.
 def _index_check(root: Path, results: Results, left_out: list[LeftOut]) -> Check:
     """Check that the index is as it was written, and that it is what the runs make it."""
-    notes = Notes("index", of=INDEX)
+    notes = Check("index")
     try:
         index = read_index(root / INDEX)
     except RunFileRefused as refusal:
         missing = "missing" if not (root / INDEX).exists() else str(refusal).removeprefix(f"{root / INDEX}: ")
-        first = Difference(place=INDEX, row=None, found=missing, expected="the index; the same sweep writes it again")
-        return Check(name="index", values=1, different=1, first=first)
+        notes.say(INDEX, found=missing, expected="the index; the same sweep writes it again")
+        return notes
     rows = [index.runs[name].values.tolist() for name in ("run_id", "point", "state")]
     states = dict(zip(rows[0], rows[2], strict=True))
     if any(state != DONE and name in results.figures for name, state in states.items()):
@@ -184,7 +182,8 @@ def _index_check(root: Path, results: Results, left_out: list[LeftOut]) -> Check
         _compare(notes, index, _made_again(index, root, results))
     beside = [f"{RUNS}/{name}" for name in results.figures if name not in states]
     left_out += _some(beside, "it is no run that the index names", "runs")
-    return notes.check()
+    notes.first = notes.first.within(INDEX) if notes.first else None
+    return notes
 
 
 def _made_again(index: Index, root: Path, results: Results) -> Index:
@@ -223,7 +222,7 @@ def _made_again(index: Index, root: Path, results: Results) -> Index:
     return index_of(sweep, points, results.figures, failed, index.texts["command"])
 
 
-def _compare(notes: Notes, index: Index, right: Index) -> None:
+def _compare(notes: Check, index: Index, right: Index) -> None:
     columns = [_columns(each) for each in (index, right)]
     notes.say("/ columns", found=", ".join(columns[0]), expected=", ".join(columns[1]))
     for path in (path for path in columns[0] if path in columns[1]):
@@ -242,13 +241,13 @@ def _columns(index: Index) -> dict[str, Filled]:
     return {f"/{group}/{name}": column for group, columns in groups for name, column in columns.items()}
 
 
-def _compare_rows(notes: Notes, path: str, found: NDArray[Any], right: NDArray[Any]) -> None:
+def _compare_rows(notes: Check, path: str, found: NDArray[Any], right: NDArray[Any]) -> None:
     """Compare a column of any type bit for bit, and note the first row that differs."""
     if found.shape != right.shape or found.dtype != right.dtype:
         notes.say(path, found=f"{found.shape} {found.dtype}", expected=f"{right.shape} {right.dtype}")
         return
     bits = [np.ascontiguousarray(each).view(np.uint8).reshape(len(each), -1) for each in (found, right)]
     row = int(np.argmax((bits[0] != bits[1]).any(axis=1))) if len(found) else 0
-    one, other = (shown(str(each[row : row + 1].tolist())) for each in (found, right))
+    one, other = (str(each[row : row + 1].tolist()) for each in (found, right))
     same = np.array_equal(bits[0], bits[1])
     notes.say(f"{path} row {row}", found=other if same else one, expected=other)

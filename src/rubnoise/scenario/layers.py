@@ -83,11 +83,6 @@ def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
     return _layered([source], refused if "extends" in source.data else [], overrides)
 
 
-def from_text_over(values: Mapping[str, Any], text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
-    """Return the layers of a text on top of values, which replace the file that it extends."""
-    return _layered([_values(values, name), read_toml(name, text)], [], overrides)
-
-
 def from_values(values: Mapping[str, Any], name: str) -> Layers:
     """Return the one layer of values given in Python."""
     source = _values(values, name)

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.format import add_group, compose, hdf5_on, text_bytes
+from rubnoise.storage.format import add_group, compose, hdf5_on
 from rubnoise.storage.layout import RunDescription, row_count, stored_groups
 from rubnoise.storage.objects import ATTRIBUTE_BYTES, MOST_ATTRIBUTES
 
@@ -38,11 +38,6 @@ def expected_inventory(about: RunDescription) -> Inventory:
             if group.name not in file:
                 add_group(file, group, row_count(group, about.extent), about.compression)
         return inventory_of(file)
-
-
-def form_of_text(text: str) -> dict[str, Any]:
-    """Return type and shape of the attribute in which our files keep a text."""
-    return {"type": f"utf-8 text of {max(2, len(text_bytes(text)))} bytes", "shape": []}
 
 
 def inventory_of(file: h5py.File) -> Inventory:

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.reading import Ahead
-from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import CHUNK_ROWS, Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.reader import Chunk, Rows, chunks
+from rubnoise.runs.verification import Check
+from tests.oracle.second.notes import Notes
 from tests.oracle.second.sums import add_areas
 
 
@@ -159,7 +160,7 @@ def contact_checks(model: Model, rows: Rows) -> list[Check]:
         )
         if "friction_force" in chunk:
             _check_force(forces, model, chunk, rebuilt)
-    return [notes.check() for notes in (ticks, counts, areas, forces)][: 4 if model.strengths is not None else 3]
+    return [ticks, counts, areas, forces][: 4 if model.strengths is not None else 3]
 
 
 def _check_force(notes: Notes, model: Model, chunk: Chunk, rebuilt: Rebuilt) -> None:

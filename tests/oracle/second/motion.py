@@ -8,12 +8,13 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis.reading import Ahead
-from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import CHUNK_ROWS, Doubles
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows, chunks
+from rubnoise.runs.verification import Check
 from rubnoise.theory.sizes import panels
 from tests.oracle.second.contact import Window
+from tests.oracle.second.notes import Notes
 from tests.oracle.second.sums import force_moments
 
 _NODES = 20
@@ -137,7 +138,7 @@ def motion_check(model: Model, rows: Rows, cells: int) -> Check:
             allowed = _allowed(model, motion, largest, np.arange(first, end, dtype=np.float64) * model.tick)
         for name, expected, limit in zip(largest, led, allowed, strict=True):
             notes.near(f"/slider/{name}", first, ahead.column("slider", name, first, end), expected, limit)
-    return notes.check()
+    return notes
 
 
 def _allowed(

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.reading import Ahead
-from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows, chunks
 from rubnoise.record.rows import LandmarkKind, Phase
+from rubnoise.runs.verification import Check
+from tests.oracle.second.notes import Notes
 from tests.oracle.second.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
 
 PHASES: Final = np.array([Phase.STICK, Phase.SLIP, Phase.REVERSAL, Phase.SLIP])
@@ -90,7 +91,7 @@ def motion_checks(model: Model, rows: Rows) -> tuple[list[Check], list[LeftOut]]
             f"the slider is behind its start at {behind:,} rows or landmarks, where no row says which junctions lived"
         )
         left_out.append(LeftOut(name="motion", reason=reason))
-    return [motion.check(), passages.check()], left_out
+    return [motion, passages], left_out
 
 
 def chosen_stretches(model: Model, rows: int) -> tuple[int, list[int]]:
@@ -252,7 +253,7 @@ def _compare(notes: Notes, model: Model, slider: Slider, stretch: Stretch, led: 
             expected = np.where(skip, found, right)
             notes.near(f"/{group}/{name}", row, found[chosen], expected[chosen], limit[chosen])
         kept = skip | (lowest >= -allowed[1])
-        notes.holds(f"/{group}/velocity", row, nodes.velocity[chosen], kept[chosen], "of a slip without a turn before")
+        notes.true(f"/{group}/velocity", row, nodes.velocity[chosen], kept[chosen], "of a slip without a turn before")
         if group == "slider":
             expected = np.where(unknown | (way == 0.0), stretch.force, way * led.force)
             notes.near("/slider/friction_force", row, stretch.force[chosen], expected[chosen], loose)
@@ -267,7 +268,7 @@ def _compare(notes: Notes, model: Model, slider: Slider, stretch: Stretch, led: 
             [np.abs(f) <= bears + loose, f <= loose - bears],
             f >= bears - loose,
         )
-        notes.holds("/landmarks/kind", row, kind[chosen], (unknown | right)[chosen], "what f and G make of w = 0")
+        notes.true("/landmarks/kind", row, kind[chosen], (unknown | right)[chosen], "what f and G make of w = 0")
 
 
 def _compare_passages(notes: Notes, model: Model, slider: Slider, stretch: Stretch, led: Led, lives: Between) -> None:

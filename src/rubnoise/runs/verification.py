@@ -1,0 +1,344 @@
+"""Verify a result: its bytes against their hashes, its attributes, and its run, played again and compared row by row.
+
+Scenario and seed fix every row, and every attribute except some texts about the origin, which the seal covers. So a
+file is right if it is, to the last bit, what this program writes of its scenario.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from math import inf, isnan
+from typing import Any, ClassVar, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.answer import Answer, LeftOut
+from rubnoise.analysis.reading import Ahead
+from rubnoise.analysis.summary import summarise
+from rubnoise.arrays import Doubles, Integers
+from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
+from rubnoise.record.reader import HashedReader, Reader, Rows, column_chunks
+from rubnoise.record.rows import JunctionState
+from rubnoise.record.sink import Columns, Tee
+from rubnoise.record.tally import Moments, Tally
+from rubnoise.runs.making import describe
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.reading import stored
+from rubnoise.simulation.batch import Ended
+from rubnoise.simulation.run import simulate
+from rubnoise.storage.format import seal_of
+from rubnoise.storage.inventory import OF_HDF5, expected_inventory
+from rubnoise.storage.life_curve import life_tables
+from rubnoise.storage.provenance import environment
+from rubnoise.storage.schema import HASH, INTERVENTION
+from rubnoise.streams import STREAM_VERSION
+
+ORIGIN: Final = {"source", "scenario_toml", "software", "environment", "command", "started", "finished", HASH}
+"""Attributes that the scenario does not fix: only the seal says whether they are as they were written."""
+
+MEASURED, EXACT = 1e-9, 1e-6
+"""Relative: measured figures are sums in any order, exact ones and errors come from quadratures."""
+
+LONGEST: Final = 160
+"""Characters of a value that are shown."""
+
+_CONSTANT: Final = 2.0**-30
+"""Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
+
+
+class Difference(NamedTuple):
+    """A wrong value in a file; ``row`` is None for an attribute, or for a column as a whole."""
+
+    place: str
+    found: str
+    expected: str
+    row: int | None = None
+
+    def __str__(self) -> str:
+        """Return the place with both values, on one line."""
+        row = "" if self.row is None else f" row {self.row}"
+        verb = "" if self.found.startswith(("is ", "has ")) else "is "  # which reasons of a refusal begin with
+        return f"{self.place}{row} {verb}{self.found}, should be {self.expected}"
+
+    def within(self, file: str) -> "Difference":
+        """Return the same in a file of several."""
+        return self._replace(place=f"{file} {self.place}")
+
+
+@dataclass(slots=True)
+class Check:
+    """One check, which every correct file passes: how many values it compared, how many differ, and the first."""
+
+    name: str
+    values: int = 0
+    different: int = 0
+    first: Difference | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether no value differs."""
+        return self.different == 0
+
+    def equal(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any]) -> None:
+        """Compare rows of a column bit for bit: -0 differs from 0, and nan equals nan."""
+        right = expected.astype(found.dtype, copy=False)
+        self.note(place, first_row, found, _bits(found) == _bits(right), lambda row: repr(right[row].item()))
+
+    def note(self, place: str, first_row: int, found: NDArray[Any], right: NDArray[np.bool_], expected: Any) -> None:
+        """Count rows of a column and the wrong ones; ``expected`` returns what a row should be, as text."""
+        self.values += found.size
+        if not right.all():
+            self.different += int(right.size - np.count_nonzero(right))
+            row = int(np.argmin(right))
+            self._keep(Difference(place, repr(found[row].item()), expected(row), first_row + row))
+
+    def say(self, place: str, *, found: object, expected: object) -> None:
+        """Compare one value without a row; long texts are shown from a little before the place where they differ."""
+        self.values += 1
+        if found != expected:
+            self.different += 1
+            one, other = str(found), str(expected)
+            shared = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), 0)
+            begin = max(shared - LONGEST // 2, 0)
+            shown = slice(begin, begin + LONGEST)
+            self._keep(Difference(place, one[shown], other[shown]))
+
+    def _keep(self, difference: Difference) -> None:
+        kept, row = self.first, difference.row
+        if kept is None or (kept.row is not None and (row is None or row < kept.row)):
+            self.first = difference
+
+
+def _bits(values: NDArray[Any]) -> NDArray[np.unsignedinteger[Any]]:
+    return np.ascontiguousarray(values).view(f"u{values.dtype.itemsize}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Verification(Answer):
+    """A result checked against its own hashes, rows and scenario, one row per check, in the order of ``checks``.
+
+    ``passed`` is true if every value is right; ``left_out`` names the checks that could not be made, with the reason;
+    ``remark`` says what may explain a difference.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     answer = run.verify()
+    >>> answer.passed, answer.rows[0]["check"], answer.rows[0]["different"]
+    (True, 'hashes', 0)
+    """
+
+    names: ClassVar = ("check", "values", "different", "first_difference")
+    checks: Sequence[Check]
+    omitted: Sequence[LeftOut] = ()
+    remark: str = ""
+    heading: str = ""
+
+    @property
+    def different(self) -> list[Check]:
+        """The checks with differences."""
+        return [check for check in self.checks if not check.holds]
+
+    @property
+    def failing(self) -> tuple[str, ...]:
+        """Names of the checks with differences."""
+        return tuple(check.name for check in self.different)
+
+    @property
+    def values(self) -> int:
+        """Number of values of all checks together."""
+        return sum(check.values for check in self.checks)
+
+    @property
+    def rows(self) -> tuple[Mapping[str, Any], ...]:
+        """One row per check: the number of its values, how many differ, and the first of these."""
+        rows = ((each.name, each.values, each.different, str(each.first or "")) for each in self.checks)
+        return tuple(dict(zip(self.names, row, strict=True)) for row in rows)
+
+    @property
+    def _counts(self) -> str:
+        return f"{len(self.checks)} checks of {self.values:,} values"
+
+
+def verify(run: HashedReader, regenerate: int = 0) -> Verification:
+    """Return the verification of a result file; memory does not grow with the run.
+
+    ``regenerate`` adds no check, but raises Refused if the seed gives other random numbers here. Checks that depend on
+    something found different are left out.
+    """
+    version, others = run.provenance["stream_version"], ""
+    if version != STREAM_VERSION:
+        drawn = f"this rubnoise draws version {STREAM_VERSION}, and {run.attributes['source']} wrote the file"
+        others = f"has random streams of version {version}, which can't be drawn again: {drawn}"
+    if regenerate and others:
+        raise Refused(f"{others}; leave --regenerate away")
+    hashes, structure, attributes = checks = [Check("hashes"), Check("structure"), Check("attributes")]
+    if lost := _check_hashes(hashes, run):
+        return _stopped(checks[:1], f"{lost[0]} cannot be read")
+    try:
+        scenario = stored(run.provenance["scenario_resolved"])
+    except RunFileRefused as refusal:
+        structure.say("/provenance scenario_resolved", found=str(refusal), expected="the scenario of the run")
+        return _stopped(checks[:2], "there is no scenario")
+    _check_description(structure, attributes, scenario, run)
+    if not structure.holds:
+        return _stopped(checks, "groups and columns are not those of the scenario")
+    if others:
+        left_out = [LeftOut(name=name, reason=others) for name in ("replay", "summary")]
+        return Verification(checks=checks, omitted=left_out)
+    return _played(checks, scenario, run)
+
+
+def _stopped(checks: list[Check], reason: str) -> Verification:
+    return Verification(checks=checks, omitted=[LeftOut(name="everything else", reason=reason)])
+
+
+def _check_hashes(check: Check, run: HashedReader) -> list[str]:
+    """Compare columns and attributes with their hashes; return the columns that cannot be read."""
+    check.values += sum(run.rows(group) * len(names) for group, names in run.columns.items())
+    lost = []
+    for place in run.damaged():
+        group, name = place[1:].split("/")
+        try:
+            for _ in column_chunks(run, group, name):
+                pass
+        except RunFileRefused:
+            lost.append(place)
+        found = "unreadable" if place in lost else "not what its hash was taken of"
+        check.say(place, found=found, expected="as it was written")
+    right = seal_of(run.attributes, run.summary, run.provenance)
+    check.say(f"/provenance {HASH}", found=run.seal or "missing", expected=right)
+    return lost
+
+
+def _check_description(structure: Check, attributes: Check, scenario: Scenario, run: HashedReader) -> None:
+    """Compare objects, attributes and types with those of a file that is composed from the scenario."""
+    model = scenario.model()
+    extent = replace(run.extent, ticks=model.tick_count + 1, slider=model.slider_rows or run.extent.slider)
+    right = describe(scenario, run.path, (), str(run.provenance.get(INTERVENTION, "")), extent)
+    right = right if scenario.title else replace(right, title=str(run.attributes["title"]))
+    found, expected = run.inventory(), expected_inventory(right)
+    for path in dict.fromkeys([*expected, *found]):
+        there, here = (dict(each.get(path, {"kind": "missing"})) for each in (found, expected))
+        has, should = (each.pop("attributes", {}) for each in (there, here))
+        structure.say(path, found=", ".join(map(str, there.values())), expected=", ".join(map(str, here.values())))
+        for name in dict.fromkeys([*should, *has]) if path in found and path in expected else ():
+            of_rows = path == "/summary" and name not in should
+            if not of_rows and not (name in ORIGIN and name in has and name in should):
+                one, other = (each.get(name, _MISSING) for each in (has, should))
+                same = json.dumps(one["value"]) == json.dumps(other["value"])
+                about = "type" if same and name not in OF_HDF5 else "value"
+                attributes.say(f"{path} {name}", found=_shown(one[about]), expected=_shown(other[about]))
+
+
+_MISSING: Final = {"value": "missing", "type": "missing"}
+
+
+def _shown(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _played(checks: list[Check], scenario: Scenario, run: HashedReader) -> Verification:
+    """Return the verification with a check of each group, and of the summary if rows are right."""
+    compared, tally = _Compared(run), Tally.of(scenario.model())
+    compared.play(scenario, run, tally)
+    groups = [*compared.checks.values()]
+    if all(check.holds for check in groups):
+        summary = _summary_check(scenario, tally, run.summary)
+        return Verification(checks=[*checks, *groups, summary])
+    there, here = str(run.provenance["environment"]), json.dumps(environment())
+    return Verification(
+        checks=[*checks, *groups],
+        omitted=[LeftOut(name="summary", reason="rows of the columns that it sums up differ")],
+        remark="" if there == here else f"the run was made on {there} and played again on {here}",
+    )
+
+
+class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)
+    """Raised at the first row that a file does not have."""
+
+
+class _Compared:
+    """A sink that compares the rows of a run with those of a file, in one check for each group."""
+
+    def __init__(self, rows: Rows) -> None:
+        self._rows = Ahead(rows)
+        self.checks = {group: Check(group) for group in rows.columns}
+        self._written = dict.fromkeys(self.checks, 0)
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Compare rows of a group (see Sink)."""
+        total, end = self._rows.rows(group), first_row + next(iter(columns.values())).size
+        for name, values in columns.items():
+            found = self._rows.column(group, name, first_row, min(end, total))
+            self.checks[group].equal(f"/{group}/{name}", first_row, found, values[: found.size])
+        if end > total:
+            self._count(group, "more")
+            raise _BeyondFile
+        self._written[group] = end
+
+    def _count(self, group: str, expected: object) -> None:
+        self.checks[group].say(f"/{group} rows", found=self._rows.rows(group), expected=expected)
+
+    def play(self, scenario: Scenario, run: Reader, tally: Tally) -> None:
+        """Compare the table of a life, and the run, played again up to the first row that its file does not have.
+
+        If an intervention ended lives, births come from the seed and these ends from the file.
+        """
+        model = scenario.model()
+        for group, columns in () if model.free else life_tables(model.pulse).items():
+            self.write(group, 0, columns)
+        ended = ended_of(run) if INTERVENTION in run.provenance and not model.is_two_way else None
+        try:
+            scenario.check_size()
+            with suppress(_BeyondFile):
+                simulate(model, scenario.run.seed, Tee((self, tally)), engine="batch", ended=ended)
+                for group, written in self._written.items():
+                    self._count(group, written)
+        except (RubnoiseError, ArithmeticError) as problem:
+            self._count("slider" if model.slider else "trace", str(problem).partition("\n")[0])
+
+
+def ended_of(rows: Rows) -> Ended:
+    """Return a function for the places (um) at which a file ended junctions early, never before run and life begin."""
+
+    def ended(number: Integers) -> Doubles:
+        if not number.size:
+            return np.empty(0)
+        first, end = int(number[0]), int(number[-1]) + 1
+        names = ("state", "birth_distance", "death_distance")
+        state, birth, death = (rows.column("junctions", name, first, end) for name in names)
+        begin, found = np.fmax(birth, 0.0), np.full(end - first, np.inf)
+        early = (state & JunctionState.ENDED_EARLY) != 0
+        found[: death.size] = np.where(early, np.where(death > begin, death, begin), np.inf)
+        return found[number - first]
+
+    return ended
+
+
+def _summary_check(scenario: Scenario, tally: Tally, stored: Mapping[str, object]) -> Check:
+    """Compare the summary with every figure of the rows, and of the theory of the scenario."""
+    check, right, allowed = Check("summary"), dict[str, float](), dict[str, float]()
+    for figure in summarise(scenario.model(), tally):
+        for name, value in figure.as_attributes().items():
+            right[name] = value
+            allowed[name] = _allowed(figure, tally) if name == figure.name else EXACT * abs(value)
+    for name in dict.fromkeys([*right, *stored]):
+        found, expected = stored.get(name, "missing"), right.get(name, "no figure of this run")
+        same = isinstance(found, float) and isinstance(expected, float) and _near(found, expected, allowed[name])
+        check.say(f"/summary {name}", found=found, expected=found if same else expected)
+    return check
+
+
+def _near(found: float, expected: float, allowed: float) -> bool:
+    return found == expected or abs(found - expected) <= allowed or (isnan(found) and isnan(expected))
+
+
+def _allowed(figure: Agreement, tally: Tally) -> float:
+    """Return the allowed deviation of a measured figure; the shape of a column that is constant to rounding is free."""
+    seen = next((seen for name, seen in tally.moments.items() if figure.name.startswith(name)), Moments())
+    if figure.name.endswith(("_skewness", "_kurtosis")):
+        return MEASURED * max(abs(figure.observed), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else inf
+    return MEASURED * (abs(figure.observed) + seen.std + 1e-3 * abs(seen.mean))
