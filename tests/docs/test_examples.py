@@ -95,7 +95,7 @@ OPENED = re.compile(r'\b(?:open|open_sweep|File)\("(\w+)')
 """Results and sweeps that an example in Python reads."""
 SAVED = re.compile(r'\.save\("(\w+)')
 """Results that an example in Python makes."""
-WITHOUT_INPUT = {"new", "figures", "claims", "examples"}
+WITHOUT_INPUT = {"new", "figures", "examples"}
 
 
 @pytest.mark.parametrize("page", FIRST)

@@ -50,7 +50,6 @@ HEADINGS: Final = {
         "compare": "compare.command",
         "verify": "verify.command",
         "figures": "figures.command",
-        "claims": "claims.command",
     },
     "Measure": {
         "infer": "infer.command",
