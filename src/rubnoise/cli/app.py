@@ -49,7 +49,6 @@ HEADINGS: Final = {
         "theory": "theory.command",
         "compare": "compare.command",
         "verify": "verify.command",
-        "figures": "figures.command",
     },
     "Measure": {
         "infer": "infer.command",

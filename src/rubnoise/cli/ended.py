@@ -12,6 +12,7 @@ INSTEAD: Final = {
     "claims": "`python tools/paper` in a clone of the project tests the claims of the paper and of its field",
     "contact": "call rubnoise.greenwood_williamson(...) in Python, which takes the same words",
     "docs": "the pages stand in the folder docs of the project, and on its site",
+    "figures": "`python tools/paper -o figures` in a clone of the project draws the figures of the paper",
     "resume": "a run is not resumed any more; the `rubnoise run` that began it makes it again, with the same bits",
 }
 """What to do in place of each."""
