@@ -16,10 +16,9 @@ from pathlib import Path
 from shlex import split
 from typing import Final
 
+from paper.figures import FIGURES, Sources, paper_figure
 from PIL import Image
 from small_png import small
-
-from rubnoise.figures.paper import FIGURES
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 PAGE: Final = ROOT / "docs" / "gallery.md"
@@ -31,7 +30,7 @@ ROOMS_FILE: Final = Path(__file__).with_name("gallery.toml")
 class Shown:
     """A picture: its title, the command that makes it, what there is to see, and where it lies below docs/pictures.
 
-    ``made`` is the file that the command writes; without one another tool keeps the picture.
+    ``made`` is the file that the command writes; a figure of the paper is drawn without a command.
     """
 
     title: str
@@ -69,9 +68,9 @@ def of_the_paper() -> Iterator[Shown]:
     """Yield the figures of the paper."""
     for name, figure in FIGURES.items():
         yield Shown(
-            title=f"Figure {name.removeprefix('fig')}: {figure.title[0].lower()}{figure.title[1:]}",
-            command=f"rubnoise figures {name} -o figures --format png",
-            says=figure.caption,
+            title=f"Figure {name.removeprefix('fig')}: {figure['title'][0].lower()}{figure['title'][1:]}",
+            command=f"python tools/paper {name} -o figures --format png",
+            says=" ".join(figure["caption"].split()),
             kept=f"paper/{name}.png",
         )
 
@@ -111,6 +110,9 @@ def page() -> Iterator[str]:
 def draw(folder: Path, pictures: Path) -> None:
     """Call the commands in a folder, and keep their pictures in another."""
     (folder / "scenarios").symlink_to(ROOT / "scenarios")
+    (pictures / "paper").mkdir(parents=True, exist_ok=True)
+    for name in FIGURES:
+        (pictures / "paper" / f"{name}.png").write_bytes(small(paper_figure(name, ("png",), Sources())["png"]))
     for room in ROOMS:
         for command in room.before:
             call(folder, command)

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from rubnoise.api.fit import Inference
     from rubnoise.api.inferring import infer
     from rubnoise.api.junction import Junction
-    from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
     from rubnoise.api.run import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.running import exact, run, simulate
@@ -56,7 +55,6 @@ __all__ = [
     "Verification",
     "__version__",
     "build",
-    "draw_figures",
     "exact",
     "example",
     "examples",
@@ -82,7 +80,6 @@ HOMES: Final = {
     "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
     "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
-    "rubnoise.api.pictures": ("draw_figures",),
     "rubnoise.api.junction": ("Junction",),
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.run": ("Run", "open"),

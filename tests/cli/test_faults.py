@@ -284,7 +284,6 @@ DRAWING = {
     "plot": ("good.h5",),
     "junction": ("good.h5", "0", "--plot"),
     "theory": ("scenario.toml", "--plot"),
-    "figures": ("fig3",),
 }
 
 

@@ -19,10 +19,8 @@ from rubnoise.cli.app import COMMANDS as REGISTERED
 from rubnoise.cli.app import program
 from rubnoise.cli.commands import literal
 from rubnoise.cli.ended import INSTEAD
-from rubnoise.cli.figures import PICTURES
 from rubnoise.cli.options import ENGINES
 from rubnoise.cli.version import commit_of_checkout, version_line
-from rubnoise.figures.style import FORMATS
 from rubnoise.scenario import json_schema
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call, spawn
@@ -83,7 +81,6 @@ def test_brackets_in_help_are_no_styles(monkeypatch: pytest.MonkeyPatch) -> None
     [
         ("run", "--engine", ENGINES),
         ("sweep", "--engine", ENGINES),
-        ("figures", "--format", PICTURES),
         ("export", "--to", tuple(export.ExportFormat)),
         ("export", "--group", tuple(export.ExportedGroup)),
         ("listen", "--what", tuple(listen.What)),
@@ -106,7 +103,6 @@ def test_an_option_with_fixed_choices_names_them_all(
 def test_choices_are_those_of_scenarios_and_pictures() -> None:
     engine = json_schema()["$defs"]["Run"]["properties"]["engine"]
     assert set(ENGINES) == set(engine["enum"])
-    assert PICTURES == FORMATS
 
 
 def test_help_of_no_command_loads_anything_heavy() -> None:

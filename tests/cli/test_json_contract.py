@@ -4,9 +4,9 @@ import json
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import chdir
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
-from math import inf, nan
+from math import inf
 from pathlib import Path
 from string import Formatter
 from typing import Any, NoReturn
@@ -14,13 +14,9 @@ from typing import Any, NoReturn
 import numpy as np
 import pytest
 
-from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.api.surface import Surface
-from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
-from rubnoise.claims.field import FieldClaim, Known, Publication
 from rubnoise.cli import derivation, theory
 from rubnoise.cli import load as load_lines
-from rubnoise.cli.claims import claim_as_json, row_as_json
 from rubnoise.cli.layout import LineWords, json_text
 from rubnoise.cli.surface import contents, motions
 from tests.architecture.sources import ROOT
@@ -43,37 +39,6 @@ TYPES: dict[str, Any] = {
     "objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
     "strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }
-
-# The command itself takes a minute; what it prints of a claim is what this is made into.
-A_CLAIM = Claim(
-    name="mean",
-    where="Eq. (1)",
-    says="It is so.",
-    quantities=(
-        ClaimedNumber(
-            name="mean",
-            unit="um",
-            printed=1.0,
-            simulated=PooledEstimate(value=1.0, standard_error=0.1, runs=8),
-            exact=1.0,
-        ),
-    ),
-    if_agreed=Verdict.HOLDS,
-    because="It is.",
-    scenario="claims/mean.toml",
-)
-
-A_ROW = FieldClaim(
-    id="someone1956",
-    label="number",
-    source=Publication(label="Someone", name="Someone 1956", doi=None, known=Known.ABSTRACT),
-    statement="It is 1.",
-    conditions="dry",
-    because="It is.",
-    quantity=A_CLAIM.quantities[0],
-    published=(0.5, inf),
-    scenario="claims/mean.toml",
-)
 
 
 @dataclass(frozen=True)
@@ -252,15 +217,12 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     tell(here / "bare.h5", "provenance", "intervention", "__main__.largest_goes")
     told.append(("info", call("info", "bare.h5", "--json").json()))
     told.append(("verify", call("verify", "long.h5", "--json").json()))
-    claim = _printed(claim_as_json(A_CLAIM))
-    told += [("claim", claim), ("claims", {"claims": [claim]})]
     # A scan needs another library; what the command prints of two surfaces is what these are made into.
     track, slider = (Surface.synthesise(points=64, cutoff="8 um", seed=seed) for seed in (1, 2))
     found = track.slide(slider, cutoff="8 um", load="90 mN", hardness="1 GPa")
     moving = motions(found, {"speed": 1e4, "mass": 0.01, "damping_ratio": 0.1})
     told.append(("surface", _printed(contents(found) | moving)))
-    rows = [_printed(row_as_json(row)) for row in (A_ROW, replace(A_ROW, quantity=None, published=None, scenario=None))]
-    return [*told, *(("row", row) for row in rows), ("ledger", {"claims": rows})]
+    return told
 
 
 def _printed(answer: Any) -> Any:
@@ -268,11 +230,6 @@ def _printed(answer: Any) -> Any:
 
 
 def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:
-    bound = A_CLAIM.quantities[0].simulated
-    endless = replace(A_CLAIM.quantities[0], simulated=replace(bound, standard_error=inf), exact=nan)
-    told = _printed(claim_as_json(replace(A_CLAIM, quantities=(endless,))))["quantities"][0]
-    assert told["simulated"] == {"value": bound.value, "low": None, "high": None, "runs": bound.runs}
-    assert told["exact"] is None
     assert _printed({"curve": np.array([1.0, inf])}) == {"curve": [1.0, None]}
 
 

@@ -1,4 +1,4 @@
-"""`rubnoise plot` and `rubnoise figures`: pictures of runs, of sweeps and of the paper in files."""
+"""`rubnoise plot`: pictures of runs and of sweeps in files."""
 
 from pathlib import Path
 from typing import get_args
@@ -11,7 +11,6 @@ from rubnoise.api.kinds import Kind
 from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from tests.cli.terminal import call, names
-from tests.figures.papers import short_papers
 from tests.unit.scenarios import HEAD
 
 # `rubnoise plot`: pictures of a run in files.
@@ -153,50 +152,3 @@ def test_quantities_are_completed(here: Path) -> None:
 
     assert complete("displ") == ["displacement_mean", "displacement_std"]
     assert complete("ac") == ["acf"]
-
-
-# `rubnoise figures`: the paper's figures as files.
-@pytest.fixture
-def papers(here: Path) -> Path:
-    """Return a folder with short scenarios."""
-    (folder := here.parent / "papers").mkdir()
-    return short_papers(folder)
-
-
-def test_a_figure_is_written_in_every_format(here: Path, papers: Path) -> None:
-    answer = call("figures", "fig3", "-o", "out", "--scenarios", papers)
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out == "out/fig3.png\nout/fig3.pdf\nout/fig3.svg\n"
-    assert names(here / "out") == ["fig3.pdf", "fig3.png", "fig3.svg"]
-
-
-def test_it_goes_into_a_folder_of_its_own_by_default(here: Path, papers: Path) -> None:
-    answer = call("figures", "fig2", "--format", "svg", "--scenarios", papers)
-    assert (answer.code, answer.out) == (0, "figures/fig2.svg\n")
-    assert names(here) == ["figures"]
-
-
-def test_the_shipped_scenarios_are_those_of_the_paper(here: Path) -> None:
-    assert call("figures", "fig4", "--format", "png", "-o", ".").code == 0
-    assert names(here) == ["fig4.png"]
-
-
-def test_an_existing_picture_is_replaced_only_by_force(here: Path, papers: Path) -> None:
-    (here / "out").mkdir()
-    (here / "out" / "fig3.pdf").write_text("precious", encoding="utf-8")
-    arguments = ("figures", "fig2", "fig3", "-o", "out", "--scenarios", papers)
-    answer = call(*arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("out/fig3.pdf: exists already (--force replaces it)\n")
-    assert names(here / "out") == ["fig3.pdf"]
-    assert call(*arguments, "--force").code == 0
-    assert (here / "out" / "fig3.pdf").read_bytes().startswith(b"%PDF")
-    assert len(names(here / "out")) == 6
-
-
-def test_wrong_scenarios_are_refused_with_their_lines(here: Path, papers: Path) -> None:
-    (papers / "fig7.toml").write_text((papers / "fig7.toml").read_text().replace("[10, 30", "[-1, 30"))
-    answer = call("figures", "--scenarios", papers)
-    assert (answer.code, answer.out) == (2, "")
-    assert "fig7.toml:10: error: interface.mean_junction_count: must be above 0" in answer.err
-    assert names(here) == []

@@ -1,7 +1,4 @@
-"""Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
-
-Claims are not evaluated again: tests/verification evaluates them once, and lets the command tell what it found.
-"""
+"""Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5."""
 
 import os
 import sys
@@ -10,9 +7,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.claims import catalogue
 from tests.architecture.sources import ROOT
-from tests.cli.test_json_contract import A_CLAIM, A_ROW
 
 
 @pytest.fixture(scope="session")
@@ -37,6 +32,4 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("PATH", f"{commands}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.chdir(here)
-    monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
-    monkeypatch.setattr(catalogue, "evaluate_field", lambda _: (A_ROW,))
     return here

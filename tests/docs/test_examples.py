@@ -16,13 +16,13 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 import pytest
+from paper.figures import FIGURES
 from PIL import Image
 
 import rubnoise
 from rubnoise.cli.app import COMMANDS
 from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.motion_spectrum import Heard
-from rubnoise.figures.paper import FIGURES
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call
 from tools import build_site, draw_pages
@@ -95,7 +95,7 @@ OPENED = re.compile(r'\b(?:open|open_sweep|File)\("(\w+)')
 """Results and sweeps that an example in Python reads."""
 SAVED = re.compile(r'\.save\("(\w+)')
 """Results that an example in Python makes."""
-WITHOUT_INPUT = {"new", "figures", "claims", "examples"}
+WITHOUT_INPUT = {"new", "examples"}
 
 
 @pytest.mark.parametrize("page", FIRST)
@@ -229,7 +229,7 @@ def test_it_shows_every_picture_that_can_be_drawn() -> None:
     drawn = [split(shown.command)[3:] for shown in SHOWN if shown.command.startswith("rubnoise plot")]
     assert {words[0] for words in drawn} >= set(PICTURES)
     assert {words[2] for words in drawn if "--of" in words} == set(get_args(Heard))
-    assert {words[2] for words in map(split, COMMAND_LINES) if words[1] == "figures"} == set(FIGURES)
+    assert {shown.kept for shown in SHOWN} >= {f"paper/{name}.png" for name in FIGURES}
     assert {"junction", "theory"} <= {split(command)[1] for command in COMMAND_LINES}
 
 

@@ -9,6 +9,8 @@ from typing import Any
 import matplotlib.image
 import numpy as np
 import pytest
+from paper.figures import Sources
+from paper.traces import draw_fig5
 from scipy.signal import welch
 
 import rubnoise
@@ -20,8 +22,6 @@ from rubnoise.figures.axis_labels import quantity_label
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.motion import STICKS, Motion, spans
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
-from rubnoise.figures.paper_sources import Sources
-from rubnoise.figures.paper_traces import draw_fig5
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure, time_shares
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
 from rubnoise.figures.study import study_of_sweep

@@ -185,16 +185,13 @@ def test_a_grid_takes_what_numpy_and_pint_have() -> None:
         rubnoise.sweep(small, grid=grid, jobs="2")  # type: ignore[arg-type]
 
 
-def test_what_is_none_of_it_is_refused(tmp_path: Path) -> None:
+def test_what_is_none_of_it_is_refused() -> None:
     wrong: Any = {"format": 1}
     for ask in (rubnoise.load, rubnoise.simulate, rubnoise.exact, rubnoise.load_sweep, rubnoise.run_sweep):
         with pytest.raises(Refused, match=r"{'format': 1}: is neither a file nor a name; rubnoise\.build"):
             ask(wrong)
     with pytest.raises(Refused, match="expand: a Sweep is needed"):
         rubnoise.expand(BASE)  # type: ignore[arg-type]
-    with pytest.raises(Refused, match="names=: names no figure"):
-        rubnoise.draw_figures([], tmp_path)
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:

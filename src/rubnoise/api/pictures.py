@@ -1,9 +1,8 @@
-"""Pictures of runs and of the paper, drawn from Python as by `rubnoise plot` and `rubnoise figures`."""
+"""Pictures of runs, drawn from Python as by `rubnoise plot`."""
 
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
@@ -13,7 +12,7 @@ from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
-from rubnoise.errors import OutputRefused, Refused, refusing_files
+from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.real_numbers import number_in
 from rubnoise.regular_file import is_hdf5
@@ -242,82 +241,3 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
 UNITS: Final = {"displacement": "um", "velocity": "um/s", "force": "uN", "normal-velocity": "um/s", "load": "uN"}
 PICTURED: Final = {"displacement": 1e12, "velocity": 1e6, "force": 1e6, "normal-velocity": 1e6, "load": 1e6}
 """From m^2/Hz, (m/s)^2/Hz and N^2/Hz to the um^2/Hz, (mm/s)^2/Hz and mN^2/Hz of the pictures."""
-
-
-def draw_figures(
-    names: str | Iterable[str] = "all",
-    folder: str | os.PathLike[str] = "figures",
-    *,
-    formats: str | Iterable[str] = ("png", "pdf", "svg"),
-    scenarios: str | os.PathLike[str] | None = None,
-    force: bool = False,
-) -> list[Path]:
-    """Draw figures of the paper into a folder, which is made if it is missing, and return the files.
-
-    ``names`` are "fig2" to "fig9" or "all"; ``scenarios`` is a folder of scenarios to use in place of those that come
-    with rubnoise; ``force`` allows existing files to be replaced. Raises Refused for an unknown name or format,
-    OutputRefused if a file may not be written, PicturesMissing without matplotlib.
-
-    >>> import rubnoise
-    >>> [file.name for file in rubnoise.draw_figures("fig3", "from_python", formats="png", force=True)]
-    ['fig3.png']
-    """
-    wanted = [names] if isinstance(names, str) else list(names)
-    if not wanted:
-        raise Refused('names=: names no figure; right form: names="fig3", or names="all" for every one')
-    asked = [formats] if isinstance(formats, str) else list(formats)
-    return list(drawn_figures(wanted, Path(folder), asked, scenarios, force=force))
-
-
-def drawn_figures(
-    names: Iterable[str],
-    folder: Path,
-    formats: Collection[str],
-    scenarios: str | os.PathLike[str] | None,
-    *,
-    force: bool,
-    report: Callable[[str], None] = lambda _text: None,
-) -> Iterator[Path]:
-    """Draw figures and yield each file as it is written; see draw_figures. ``report`` gets the progress of each."""
-    from rubnoise.figures.paper import check_sources, chosen, paper_figure
-    from rubnoise.figures.paper_sources import Sources
-    from rubnoise.figures.style import FORMATS, house_style
-    from rubnoise.storage.output import whole_file
-
-    wanted, kinds = chosen(names), tuple(kind for kind in FORMATS if kind in formats)
-    if wrong := [kind for kind in formats if kind not in FORMATS]:
-        raise Refused(f"{', '.join(wrong)}: no format of a picture; there are {', '.join(FORMATS)}")
-    house_style()  # says at once if matplotlib is missing
-    place = None if scenarios is None else Path(scenarios)
-    check_sources(wanted, place)
-    files = {name: {kind: folder / f"{name}.{kind}" for kind in kinds} for name in wanted}
-    _make_folder(folder, [file for own in files.values() for file in own.values()], force=force)
-    for name, own in files.items():
-        report(name)
-        watch = partial(_report_runs, report, name)
-        pictures = paper_figure(name, kinds, Sources(folder=place, watch=watch))
-        for kind, file in own.items():
-            with whole_file(file, force=force) as part:
-                part.write_bytes(pictures[kind])
-            yield file
-
-
-def _make_folder(folder: Path, files: Iterable[Path], *, force: bool) -> None:
-    """Make a folder if it is missing; raises OutputRefused if that fails, or if a file in it may not be written."""
-    from rubnoise.storage.output import check_output
-
-    try:
-        above = next(place for place in (folder, *folder.absolute().parents) if place.exists())
-        if not above.is_dir():
-            raise OutputRefused(f"{above}: is no folder")
-        for file in files if above == folder else ():
-            check_output(file, force=force)
-        if above != folder:
-            check_output(above / folder.name, force=True)
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
-
-
-def _report_runs(report: Callable[[str], None], name: str, done: int, runs: int) -> None:
-    report(f"{name}: {done} of {runs} runs")

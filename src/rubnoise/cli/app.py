@@ -49,8 +49,6 @@ HEADINGS: Final = {
         "theory": "theory.command",
         "compare": "compare.command",
         "verify": "verify.command",
-        "figures": "figures.command",
-        "claims": "claims.command",
     },
     "Measure": {
         "infer": "infer.command",

@@ -1,0 +1,86 @@
+"""The figures of the paper by name, what they are drawn from, and their files."""
+
+import tomllib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final
+
+from paper.ledger import Tell
+from rubnoise.api.running import simulate
+from rubnoise.errors import Refused
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.runs.measuring import Measurement, run_points
+from rubnoise.scenario import Scenario, load
+from rubnoise.scenario.points import Point
+from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.sweep import expand, load_sweep
+from rubnoise.storage.output import check_output, whole_file
+
+FIGURES: Final[dict[str, dict[str, Any]]] = tomllib.loads(
+    Path(__file__).with_name("figures.toml").read_text(encoding="utf-8")
+)
+"""Title and caption of each figure, and the module that draws it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sources:
+    """The scenarios of the figures: those of rubnoise, or those of the same names in a folder."""
+
+    folder: Path | None = None
+    tell: Tell = lambda _text: None
+
+    def scenario(self, name: str, *changes: str) -> Scenario:
+        """Return a scenario; raises ScenarioRefused."""
+        return load(self._path(name), list(changes))
+
+    def stretch(self, name: str, stop: float | None = None) -> Stretch:
+        """Run a scenario, and return its run from the start to a distance in um, or all of it."""
+        return Stretch.of(simulate(self.scenario(name)).reader(), 0.0, stop)
+
+    def points(self, name: str, measure: Measurement[MemoryRecord, Any]) -> Iterator[tuple[Point, Any]]:
+        """Run a sweep, and yield its points with what was measured."""
+        points = expand(load_sweep(self._path(name)))
+        for done, found in enumerate(run_points(points, measure), 1):
+            self.tell(f"{name}: {done} of {len(points)} runs")
+            yield found
+
+    def _path(self, name: str) -> Path:
+        return shipped(f"paper/{name}.toml") if self.folder is None else self.folder / f"{name}.toml"
+
+
+def chosen(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the named figures in the paper's order, all without a name; raises Refused for an unknown one."""
+    wanted = tuple(names) or tuple(FIGURES)
+    if wrong := [name for name in wanted if name not in FIGURES]:
+        raise Refused(f"{', '.join(wrong)}: no figure of the paper; there are {', '.join(FIGURES)}")
+    return tuple(name for name in FIGURES if name in wanted)
+
+
+def paper_figure(name: str, formats: Iterable[Format], sources: Sources) -> dict[Format, bytes]:
+    """Return a figure as the bytes of its files, which are equal at each call."""
+    draw = getattr(import_module(f"paper.{FIGURES[name]['drawn_by']}"), f"draw_{name}")
+    with house_style():
+        figure = draw(sources)
+        # Once for all formats, so that none depends on which others are wanted.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        return {kind: as_bytes(figure, kind) for kind in formats}
+
+
+def draw(names: Iterable[str], folder: Path, formats: Iterable[Format], sources: Sources, *, force: bool) -> None:
+    """Draw figures into a folder, which is made; raises Refused before any run for a name or an existing file."""
+    kinds = tuple(formats) or FORMATS
+    wanted = chosen(names)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in wanted:
+        for kind in kinds:
+            check_output(folder / f"{name}.{kind}", force=force)
+    for name in wanted:
+        for kind, content in paper_figure(name, kinds, sources).items():
+            with whole_file(folder / f"{name}.{kind}", force=force) as part:
+                part.write_bytes(content)
+            print(folder / f"{name}.{kind}")

@@ -1,0 +1,101 @@
+"""Figures 4 to 6 of the paper: traces of the real contact area, the force, and the vibration."""
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from paper.figures import Sources
+from rubnoise.analysis.selection import neighbours
+from rubnoise.figures.area import draw_lives
+from rubnoise.figures.motion import Motion, shade_sticks
+from rubnoise.figures.slider import MILLI, draw_in_time
+from rubnoise.figures.style import BLUE, FAINT, INK, STUCK, VERMILION, legend_above, new_figure
+from rubnoise.theory.distribution import distribution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def draw_fig4(sources: Sources) -> "Figure":
+    """Draw A_r over the whole of a short run, below it the area of every junction, and in both one life in black."""
+    run = sources.stretch("fig4")
+    figure = new_figure(7.2, 4.4)
+    draw_lives(figure, run, neighbours(run.file, -1, run.start, run.stop))
+    return figure
+
+
+COLUMNS: Final = {
+    "friction_force": (MILLI, "friction force (mN)"),
+    "displacement": (1.0, "displacement (µm)"),
+    "velocity": (MILLI, "velocity (mm/s)"),
+}
+SECONDS, NEAR_SECONDS, NEAR_SPEEDS = 1.0, 0.2, 6.0
+"""How much is shown, some forty periods of the slider; how much of the velocity again, to how many sliding speeds."""
+
+
+def draw_fig5(sources: Sources) -> "Figure":
+    """Draw force, displacement and velocity over the first second, each about its exact mean and spread.
+
+    These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
+    """
+    motion = Motion.of(sources.stretch("fig5"))
+    figure = new_figure(7.2, 7.0)
+    panes = figure.subplots(4, 1)
+    for axes, (name, (scale, label)) in zip(panes, COLUMNS.items(), strict=False):
+        draw_in_time(axes, [motion.between(0.0, SECONDS)], name, scale)
+        axes.set_ylabel(label)
+        axes.tick_params(labelbottom=name == "velocity")
+    # A two-way slider that runs back feels the force from the other side.
+    panes[0].set_ylim(bottom=min(0.0, panes[0].get_ylim()[0]) if panes[0].dataLim.y0 < 0.0 else 0.0)
+    panes[2].set_xlabel("time (s)")
+    _draw_near_zero(panes[3], motion.between(0.0, NEAR_SECONDS))
+    legend_above(panes[0])
+    figure.align_ylabels()
+    return figure
+
+
+def _draw_near_zero(axes: "Axes", motion: Motion) -> None:
+    """Draw the velocity again near zero and the drive's speed, and shade where it is above that, or sticks."""
+    (time, velocity), speed = motion.curve("velocity"), MILLI * motion.speed
+    if motion.model.is_two_way:
+        shade_sticks(axes, motion)
+    else:
+        look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": STUCK, "lw": 0.0, "zorder": 0}
+        faster = MILLI * velocity > speed
+        axes.fill_between(time, 0.0, 1.0, where=faster, label="slider faster than the drive", **look)
+    axes.plot(time, MILLI * velocity, color=BLUE, lw=1.2)
+    axes.axhline(0.0, color=FAINT, lw=0.8)
+    axes.axhline(speed, color=INK, lw=1.2, ls=(0, (5, 2)), label=f"sliding speed, {speed:.3g} mm/s")
+    axes.set(xlim=(0.0, time[-1]), ylim=(-NEAR_SPEEDS * speed, NEAR_SPEEDS * speed))
+    axes.set(ylabel="velocity near\nzero (mm/s)", xlabel="time (s), the beginning of the curves above")
+    legend_above(axes)
+
+
+COUNTS: Final = (10, 20, 30, 40, 50)
+SHOWN, HIGHEST, BINS = 1000.0, 560.0, 56
+"""How much of each trace is drawn, in um; the largest area that is drawn, in um^2; bins of the histograms."""
+
+
+def draw_fig6(sources: Sources) -> "Figure":
+    """Draw a trace, and a histogram of the whole run, for each number of junctions, all on one scale of areas."""
+    figure = new_figure(7.2, 7.4)
+    rows = figure.subplots(len(COUNTS), 2, sharex="col", sharey=True, width_ratios=[2.6, 1.0])
+    for (trace, histogram), count in zip(rows, COUNTS, strict=True):
+        run = sources.stretch(f"fig6_n{count}", SHOWN)
+        trace.plot(*run.curve("trace", "real_contact_area"), color=BLUE, lw=0.8)
+        trace.set(xlim=(0.0, SHOWN), ylim=(0.0, HIGHEST), title=f"{count} junctions on average")
+        area, edges = run.whole().record("trace", "real_contact_area"), np.linspace(0.0, HIGHEST, BINS + 1)
+        share = np.histogram(area, edges)[0] / (area.size * np.diff(edges))
+        look: dict[str, Any] = {"orientation": "horizontal", "fill": True, "color": BLUE, "alpha": 0.4, "lw": 0.0}
+        histogram.stairs(share, edges, label="simulated", **look)
+        areas = np.linspace(0.0, HIGHEST, 600)[1:]
+        histogram.plot(distribution(run.model).density(areas), areas, color=VERMILION, lw=1.3, label="exact")
+    rows[0][1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1, columnspacing=1.0)
+    rows[-1][0].set_xlabel("sliding distance (µm)")
+    rows[-1][1].set(xlabel="density (1/µm²)")
+    rows[-1][1].set_xlim(left=0.0)
+    rows[-1][1].locator_params(axis="x", nbins=3)
+    rows[-1][1].xaxis.set_major_formatter("{x:g}")
+    figure.supylabel("real contact area (µm²)", fontsize=9.0)
+    return figure
