@@ -48,6 +48,7 @@ GUARDS = {
     "kills": ("survive.py", "minutes: after kills and on full disks nothing is lost"),
     "damage": ("fuzz_results.py", "10 minutes: damaged results get a sentence"),
     "bits": ("determinism.py", "10 minutes: equal bits on other processors, libraries, hash seeds and threads"),
+    "paper": ("paper", "2 minutes: every claim of the paper and its field; with -o DIR its figures instead"),
     "right-runs": ("right_runs.py", "15 minutes: how many of some thousands of right runs `compare` rejects"),
 }
 """The program of each guard, how long it takes on two cores, and what it asks."""

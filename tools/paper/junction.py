@@ -1,22 +1,20 @@
 """Figures 2 and 3 of the paper: the geometry of one junction, and its life."""
 
 from math import pi
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
 
 from paper.figures import Sources
 from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, VERMILION, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from rubnoise.model import Model
-    from rubnoise.scenario import Scenario
+from rubnoise.model import Model
+from rubnoise.scenario import Scenario
 
 SHARE: Final = 0.6
 """How far the shown junction has come, as a share of its diameter: on its way up."""
@@ -27,7 +25,7 @@ HEIGHT, FLANK, ABOVE = 0.5, 0.5, 2.9
 DOTS: Final = 36
 
 
-def draw_fig2(sources: Sources) -> "Figure":
+def draw_fig2(sources: Sources) -> Figure:
     """Draw the cones from the side and their tops from above, in diameters, at one tick of a simulated junction."""
     model, (age, area, diameter) = sources.scenario("fig2").model(), _first_life(sources.scenario("fig2"))
     tick = int(np.argmin(np.abs(age - SHARE * diameter)))
@@ -46,7 +44,7 @@ def draw_fig2(sources: Sources) -> "Figure":
     return figure
 
 
-def _first_life(scenario: "Scenario") -> tuple[Doubles, Doubles, float]:
+def _first_life(scenario: Scenario) -> tuple[Doubles, Doubles, float]:
     """Return ages and areas at the ticks of the first junction that is born, which lives and dies alone, and its d."""
     record = simulate(scenario)
     rows, trace = record["junctions"], record["trace"]
@@ -56,10 +54,8 @@ def _first_life(scenario: "Scenario") -> tuple[Doubles, Doubles, float]:
     return trace["distance"][ticks] - ends[0], trace["real_contact_area"][ticks], float(rows["diameter"][first])
 
 
-def _draw_side(axes: "Axes", slid: float) -> None:
+def _draw_side(axes: Axes, slid: float) -> None:
     """Draw the cones, the resting one with its top from 0 to 1 and the other so far to the left that they overlap."""
-    from matplotlib.patches import Polygon
-
     cone = np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + FLANK, -HEIGHT], [-FLANK, -HEIGHT]])
     apart = 1.0 - slid
     for corners in (cone, cone * [1.0, -1.0] + [-apart, 0.0]):
@@ -75,9 +71,7 @@ def _draw_side(axes: "Axes", slid: float) -> None:
     axes.text(-1.45, 1.0, "The asperities, from the side", fontsize=10.0)
 
 
-def _draw_above(axes: "Axes", slid: float) -> None:
-    from matplotlib.patches import Circle
-
+def _draw_above(axes: Axes, slid: float) -> None:
     middle, other = (ABOVE + 0.5, 0.0), (ABOVE + slid - 0.5, 0.0)
     moving = Circle(other, 0.5, facecolor="none", edgecolor=INK, lw=1.0)
     lens = Circle(middle, 0.5, facecolor=BLUE, alpha=0.35, edgecolor="none")
@@ -90,13 +84,13 @@ def _draw_above(axes: "Axes", slid: float) -> None:
     axes.text(ABOVE - 0.45, 1.0, "Their flat tops, from above", fontsize=10.0)
 
 
-def _mark_overlap(axes: "Axes", start: float, end: float) -> None:
+def _mark_overlap(axes: Axes, start: float, end: float) -> None:
     """Mark s, the width of the overlap, below the drawing."""
     axes.vlines([start, end], -0.76, 0.0, color=FAINT, lw=0.8, ls=(0, (3, 3)))
     _measure(axes, (start, end), -0.7, "s")
 
 
-def _measure(axes: "Axes", ends: tuple[float, float], height: float, name: str, ground: str = "white") -> None:
+def _measure(axes: Axes, ends: tuple[float, float], height: float, name: str, ground: str = "white") -> None:
     """Draw a length between two places, with its name in the middle."""
     arrow = {"arrowstyle": "<|-|>", "color": INK, "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 8.0}
     axes.annotate("", (ends[1], height), (ends[0], height), arrowprops=arrow)
@@ -104,7 +98,7 @@ def _measure(axes: "Axes", ends: tuple[float, float], height: float, name: str, 
     label.set_bbox({"facecolor": ground, "edgecolor": "none", "pad": 1.5})
 
 
-def draw_fig3(sources: Sources) -> "Figure":
+def draw_fig3(sources: Sources) -> Figure:
     """Draw one life as a lens and as a triangle of the same diameter, simulated and by formula."""
     lens = sources.scenario("fig3")
     triangle = sources.scenario("fig3", *_as_triangle(lens.model()))
@@ -121,14 +115,14 @@ def draw_fig3(sources: Sources) -> "Figure":
     return figure
 
 
-def _as_triangle(model: "Model") -> list[str]:
+def _as_triangle(model: Model) -> list[str]:
     """Return the changes that make the junctions triangles of the same diameter, whose mean area is (pi/8) d^2."""
     area = model.mean_junction_count * TRIANGLE.life_integral(1) / 2.0 * model.calibrated_diameter**2
     whole = f'interface.mean_real_contact_area="{area!r} um^2"'
     return ["pulse.shape=triangle", "interface.calibration=exact", whole]
 
 
-def _draw_life(axes: "Axes", scenario: "Scenario", title: str) -> None:
+def _draw_life(axes: Axes, scenario: Scenario, title: str) -> None:
     model, (age, area, _) = scenario.model(), _first_life(scenario)
     diameter, pulse, some = model.calibrated_diameter, model.pulse, slice(None, None, max(1, age.size // DOTS))
     slid = np.linspace(0.0, 2.0 * diameter, 401)

@@ -211,18 +211,10 @@ class Ledger:
             numbers = tuple(Claimed(**each, found=_evaluated(each["number"], names)) for each in row["numbers"])
             shown = [_evaluated(each, names) for each in row.get("shown", ())]
             reason = row["because"] % tuple(_best(each) for each in shown) if shown else row["because"]
-            yield Claim(
-                id=row["id"],
-                source=self.source(row["source"]),
-                statement=_one_line(row["statement"]),
-                because=_one_line(reason),
-                expected=row["expected"],
-                scenario=row["scenario"],
-                conditions=_one_line(row.get("conditions", "")),
-                readings=row.get("readings", 1),
-                numbers=numbers,
-                words=self.data["verdicts"],
-            )
+            told = {key: _one_line(text) for key, text in {**row, "because": reason}.items() if isinstance(text, str)}
+            known = {**row, **told, "source": self.source(row["source"]), "numbers": numbers}
+            known.pop("shown", None)
+            yield Claim(**known, words=self.data["verdicts"])
 
     def _swept(self, scenario: str, rows: Sequence[Mapping[str, Any]]) -> tuple[Point, ...]:
         """Run every point of a sweep in memory, and measure what the rows about it name."""
@@ -279,24 +271,19 @@ def unexpected(claims: Sequence[Claim]) -> list[str]:
 
 def as_row(claim: Claim, number: Claimed) -> dict[str, Any]:
     """Return one number of a claim as a row of JSON; an end of a range at infinity is None."""
+    found, source = number.found, claim.source
     return {
-        "id": claim.id,
-        "source": claim.source.name,
-        "doi": claim.source.doi,
-        "known_from": claim.source.known,
-        "statement": claim.statement,
-        "conditions": claim.conditions,
+        **{key: getattr(claim, key) for key in ("id", "statement", "conditions", "verdict", "because")},
+        "source": source.name,
+        "doi": source.doi,
+        "known_from": source.known,
+        **{key: getattr(number, key) for key in ("unit", "number", "printed")},
         "quantity": number.name,
-        "unit": number.unit,
-        "number": number.number,
-        "printed": number.printed,
         "range": None if number.range is None else [_finite(end) for end in number.range],
-        "exact": _finite(number.found.exact),
-        "simulated": number.found.simulated.value,
-        "interval": [_finite(end) for end in number.found.simulated.interval],
-        "runs": number.found.simulated.runs,
-        "verdict": claim.verdict,
-        "because": claim.because,
+        "exact": _finite(found.exact),
+        "simulated": found.simulated.value,
+        "interval": [_finite(end) for end in found.simulated.interval],
+        "runs": found.simulated.runs,
         "scenario": f"scenarios/claims/{claim.scenario}.toml",
     }
 

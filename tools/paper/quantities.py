@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, nan, pi
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -59,14 +59,13 @@ class Run:
         return self.spectra[column, ticks]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class Quantity(NamedTuple):
     """A quantity of a run and of its model.
 
     Theory has none where ``exact`` is left out; one that is not ``measured`` is a number of the model alone.
     """
 
-    measured: Callable[[Run], float] | None = None
+    measured: Callable[[Run], float] | None
     exact: Callable[[Model], float] = lambda _model: nan
 
 
@@ -85,7 +84,7 @@ class Band:
 
     def quantity(self) -> Quantity:
         """Return the power as a quantity."""
-        return Quantity(measured=self._measured, exact=self._exact)
+        return Quantity(self._measured, self._exact)
 
     def _unit(self, model: Model) -> float:
         return model.mean_life_distance if self.in_lives else 1.0
@@ -215,46 +214,46 @@ def _one_way(model: Model, name: str) -> float:
     return nan if model.is_two_way else float(getattr(response(model), name))
 
 
-def _std(column: str, exactly: Callable[[Model], float] = lambda _model: nan) -> Quantity:
-    return Quantity(measured=lambda run: float(run[column].std()), exact=exactly)
+def _mean(column: str) -> Callable[[Run], float]:
+    return lambda run: float(run[column].mean())
+
+
+def _std(column: str) -> Callable[[Run], float]:
+    return lambda run: float(run[column].std())
 
 
 QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "life_mean": Quantity(measured=_life_mean, exact=lambda model: float(model.pulse.life_mean())),
-    "present": Quantity(measured=_present, exact=_exact_present),
-    "area_mean": Quantity(measured=lambda run: float(run["area"].mean()), exact=lambda model: exact(model).area.mean),
-    "area_std": _std("area", lambda model: area_cumulants(model).std),
-    "area_relative_std": Quantity(measured=_relative_std, exact=_exact_relative_std),
+    "life_mean": Quantity(_life_mean, lambda model: float(model.pulse.life_mean())),
+    "present": Quantity(_present, _exact_present),
+    "area_mean": Quantity(_mean("area"), lambda model: exact(model).area.mean),
+    "area_std": Quantity(_std("area"), lambda model: area_cumulants(model).std),
+    "area_relative_std": Quantity(_relative_std, _exact_relative_std),
     "area_relative_variance": Quantity(
-        measured=lambda run: _relative_std(run) ** 2, exact=lambda model: _exact_relative_std(model) ** 2
+        lambda run: _relative_std(run) ** 2, lambda model: _exact_relative_std(model) ** 2
     ),
-    "area_skewness": Quantity(measured=_skewness, exact=lambda model: area_cumulants(model).skewness),
-    "area_half_width": Quantity(measured=_half_width, exact=_exact_half_width),
-    "count_mean": Quantity(
-        measured=lambda run: float(run["count"].mean()), exact=lambda model: exact(model).count_mean
-    ),
-    "count_variance": Quantity(
-        measured=lambda run: float(run["count"].var()), exact=lambda model: exact(model).count_variance
-    ),
-    "force_std": _std("force", lambda model: force_cumulants(model).std),
-    "displacement_std": _std("displacement", lambda model: _one_way(model, "displacement_std")),
-    "velocity_std": _std("velocity", lambda model: _one_way(model, "velocity_std")),
+    "area_skewness": Quantity(_skewness, lambda model: area_cumulants(model).skewness),
+    "area_half_width": Quantity(_half_width, _exact_half_width),
+    "count_mean": Quantity(_mean("count"), lambda model: exact(model).count_mean),
+    "count_variance": Quantity(lambda run: float(run["count"].var()), lambda model: exact(model).count_variance),
+    "force_std": Quantity(_std("force"), lambda model: force_cumulants(model).std),
+    "displacement_std": Quantity(_std("displacement"), lambda model: _one_way(model, "displacement_std")),
+    "velocity_std": Quantity(_std("velocity"), lambda model: _one_way(model, "velocity_std")),
     "frequency": Quantity(
-        measured=lambda run: float(run["velocity"].std() / run["displacement"].std()),
-        exact=lambda model: _one_way(model, "velocity_std") / _one_way(model, "displacement_std"),
+        lambda run: float(run["velocity"].std() / run["displacement"].std()),
+        lambda model: _one_way(model, "velocity_std") / _one_way(model, "displacement_std"),
     ),
-    "normal_velocity_std": _std("late_normal_velocity"),
-    "separation_std": _std("late_separation"),
-    "apart": Quantity(measured=lambda run: float((run["late_count"] == 0).mean())),
-    "shocks": Quantity(measured=_shocks),
-    "impact_speed": Quantity(measured=lambda run: float(_impacts(run).mean())),
-    "light_peaks": Quantity(measured=_light_peaks),
-    "diameter": Quantity(exact=lambda model: model.calibrated_diameter),
-    "variance_and_life": Quantity(exact=lambda model: area_cumulants(model).variance * model.mean_life_distance),
-    "area_std_of_one_size": Quantity(exact=_of_one_size),
-    "density_at_zero": Quantity(exact=density_at_zero),
-    "relative_density_at_zero": Quantity(exact=lambda model: density_at_zero(model) / area_cumulants(model).mean ** 2),
-    "density_at_one": Quantity(exact=lambda model: _over_zero(model, 1.0)),
-    "half_phase": Quantity(exact=_half_phase),
+    "normal_velocity_std": Quantity(_std("late_normal_velocity")),
+    "separation_std": Quantity(_std("late_separation")),
+    "apart": Quantity(lambda run: float((run["late_count"] == 0).mean())),
+    "shocks": Quantity(_shocks),
+    "impact_speed": Quantity(lambda run: float(_impacts(run).mean())),
+    "light_peaks": Quantity(_light_peaks),
+    "diameter": Quantity(None, lambda model: model.calibrated_diameter),
+    "variance_and_life": Quantity(None, lambda model: area_cumulants(model).variance * model.mean_life_distance),
+    "area_std_of_one_size": Quantity(None, _of_one_size),
+    "density_at_zero": Quantity(None, density_at_zero),
+    "relative_density_at_zero": Quantity(None, lambda model: density_at_zero(model) / area_cumulants(model).mean ** 2),
+    "density_at_one": Quantity(None, lambda model: _over_zero(model, 1.0)),
+    "half_phase": Quantity(None, _half_phase),
 }
 """Every quantity by name; a ledger adds its bands."""

@@ -2,9 +2,12 @@
 
 from itertools import cycle
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from paper.figures import Sources
 from rubnoise.analysis.spectra import Spectrum, hann, welch
@@ -18,10 +21,6 @@ from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import spectral_density
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 LAW: Final = 1.5 * sqrt(2.0 * pi / 3.0 - 64.0 / 45.0)
 """std/mean times sqrt(N) for lenses of one size: sqrt(c_2) / (c_1 sqrt(2 / N)) with c_1 = 2/3, c_2 = pi/3 - 32/45."""
@@ -48,7 +47,7 @@ def spreads_of(sources: Sources) -> list[list[Spot]]:
     return [[spot for place, spot in spots.items() if place[0] == area] for area in sorted({area for area, _ in spots})]
 
 
-def draw_fig7(sources: Sources) -> "Figure":
+def draw_fig7(sources: Sources) -> Figure:
     """Draw the standard deviation for each mean area, and all of them over their mean on logarithmic axes."""
     figure = new_figure(7.2, 3.8)
     absolute, relative = figure.subplots(1, 2, width_ratios=[1.2, 1.0])
@@ -78,10 +77,8 @@ def draw_fig7(sources: Sources) -> "Figure":
     return figure
 
 
-def _draw_law(axes: "Axes", counts: Doubles) -> None:
+def _draw_law(axes: Axes, counts: Doubles) -> None:
     """Draw the law for sizes that are all the same, which no mean area enters, and finish its axes."""
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
     axes.plot(counts, LAW / np.sqrt(counts), color=VERMILION, lw=1.2, zorder=2)
     middle = float(np.sqrt(counts.prod()))
     place = (middle, LAW / sqrt(middle))
@@ -127,7 +124,7 @@ def merged_bins(spectrum: Spectrum) -> tuple[Doubles, Doubles]:
     return np.add.reduceat(wavenumber, starts) / counts, np.add.reduceat(density, starts) / counts
 
 
-def draw_fig8(sources: Sources) -> "Figure":
+def draw_fig8(sources: Sources) -> Figure:
     """Draw Welch's estimate and S(k), the mean of its tail, and near the end the ratio of both, with the aliases."""
     scenario = sources.scenario("fig8")
     model = scenario.model()
@@ -151,7 +148,7 @@ def draw_fig8(sources: Sources) -> "Figure":
     return figure
 
 
-def _draw_tail(axes: "Axes", model: Model, highest: float) -> None:
+def _draw_tail(axes: Axes, model: Model, highest: float) -> None:
     """Draw 4 lam m_2 / k^4, about which the density of lenses swings."""
     ends = np.array([3.0 / model.calibrated_diameter, highest])
     level = 4.0 * model.birth_rate * model.sizes.moment(2)
@@ -161,7 +158,7 @@ def _draw_tail(axes: "Axes", model: Model, highest: float) -> None:
     axes.legend(loc="lower left")
 
 
-def _draw_aliased(axes: "Axes", model: Model, seen: Spectrum) -> None:
+def _draw_aliased(axes: Axes, model: Model, seen: Spectrum) -> None:
     """Draw the estimate over S(k) near the last wavenumber, and its expectation with the aliases of the ticks."""
     wavenumber, density = merged_bins(seen)
     bins, level = expected_periodogram(model, model.tick, hann(seen.ticks))
@@ -176,7 +173,7 @@ def _draw_aliased(axes: "Axes", model: Model, seen: Spectrum) -> None:
     axes.legend(loc="upper left")
 
 
-def draw_fig9(sources: Sources) -> "Figure":
+def draw_fig9(sources: Sources) -> Figure:
     """Draw S(k) of every point, and all of them again over variance and mean life."""
     figure = new_figure(7.2, 3.9)
     plain, scaled = figure.subplots(1, 2)

@@ -1,8 +1,10 @@
 """Figures 4 to 6 of the paper: traces of the real contact area, the force, and the vibration."""
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from paper.figures import Sources
 from rubnoise.analysis.selection import neighbours
@@ -12,12 +14,8 @@ from rubnoise.figures.slider import MILLI, draw_in_time
 from rubnoise.figures.style import BLUE, FAINT, INK, STUCK, VERMILION, legend_above, new_figure
 from rubnoise.theory.distribution import distribution
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-
-def draw_fig4(sources: Sources) -> "Figure":
+def draw_fig4(sources: Sources) -> Figure:
     """Draw A_r over the whole of a short run, below it the area of every junction, and in both one life in black."""
     run = sources.stretch("fig4")
     figure = new_figure(7.2, 4.4)
@@ -34,7 +32,7 @@ SECONDS, NEAR_SECONDS, NEAR_SPEEDS = 1.0, 0.2, 6.0
 """How much is shown, some forty periods of the slider; how much of the velocity again, to how many sliding speeds."""
 
 
-def draw_fig5(sources: Sources) -> "Figure":
+def draw_fig5(sources: Sources) -> Figure:
     """Draw force, displacement and velocity over the first second, each about its exact mean and spread.
 
     These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
@@ -55,7 +53,7 @@ def draw_fig5(sources: Sources) -> "Figure":
     return figure
 
 
-def _draw_near_zero(axes: "Axes", motion: Motion) -> None:
+def _draw_near_zero(axes: Axes, motion: Motion) -> None:
     """Draw the velocity again near zero and the drive's speed, and shade where it is above that, or sticks."""
     (time, velocity), speed = motion.curve("velocity"), MILLI * motion.speed
     if motion.model.is_two_way:
@@ -77,7 +75,7 @@ SHOWN, HIGHEST, BINS = 1000.0, 560.0, 56
 """How much of each trace is drawn, in um; the largest area that is drawn, in um^2; bins of the histograms."""
 
 
-def draw_fig6(sources: Sources) -> "Figure":
+def draw_fig6(sources: Sources) -> Figure:
     """Draw a trace, and a histogram of the whole run, for each number of junctions, all on one scale of areas."""
     figure = new_figure(7.2, 7.4)
     rows = figure.subplots(len(COUNTS), 2, sharex="col", sharey=True, width_ratios=[2.6, 1.0])
