@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
-    from rubnoise.analysis.comparing.findings import Comparison
+    from rubnoise.analysis.findings import Comparison
     from rubnoise.api.column_group import Columns
     from rubnoise.api.columns import Column
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
@@ -73,7 +73,7 @@ __all__ = [
 
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
-    "rubnoise.analysis.comparing.findings": ("Comparison",),
+    "rubnoise.analysis.findings": ("Comparison",),
     "rubnoise.runs.verification": ("Verification",),
     "rubnoise.api.column_group": ("Columns",),
     "rubnoise.api.columns": ("Column",),

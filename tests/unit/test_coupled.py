@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.analysis.balance import Balance, FrictionIntegral
+from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.landmarks import StickSlip
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
@@ -31,6 +31,7 @@ from rubnoise.simulation.coupled.steps import WORK, clock_at, integral_to, rate_
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
 from tests.models import model
+from tests.oracle.second.balance import FrictionIntegral
 from tests.oracle.slow_contact import lens_area, triangle_area
 
 # G in one cell and over a stretch: polynomial, near lives and primitives against the areas themselves.

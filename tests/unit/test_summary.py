@@ -15,7 +15,8 @@ from rubnoise.analysis.agreement import (
     outside,
 )
 from rubnoise.analysis.answer import LeftOut
-from rubnoise.analysis.comparing.findings import (
+from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.findings import (
     LARGEST_TAIL_SKEWNESS,
     NORMAL,
     Tail,
@@ -23,7 +24,6 @@ from rubnoise.analysis.comparing.findings import (
     tail_of,
     tail_of_squares,
 )
-from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.moments import FEWEST_LIVES
 from rubnoise.analysis.summary import missing_for_motion, summarise
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Spread

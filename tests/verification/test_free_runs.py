@@ -394,7 +394,6 @@ def result(tmp_path: Path) -> Path:
 
 FAULTS: dict[str, tuple[str, Callable[[Any], Any], set[str]]] = {
     "more load than the overlaps give": ("load/load", lambda load: 1.5 * load, {"load", "load_mean"}),
-    "overlaps of one where there are two": ("load/live_overlap", lambda overlap: 2.0 * overlap, {"live_overlap"}),
     "the force is not that of the area": ("trace/friction_force", lambda force: 1.001 * force, {"friction_force"}),
 }
 

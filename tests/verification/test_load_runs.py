@@ -208,7 +208,6 @@ def result(tmp_path: Path) -> Path:
 
 
 FAULTS: dict[str, tuple[str, Callable[[Any], Any], str]] = {
-    "c^2 is E[d]^2 and not E[d^2]": ("load/live_overlap", lambda overlap: overlap * 4.0 / np.pi, "live_overlap"),
     "W - P for P - W": ("load/load", lambda load: 4e5 - load, "load"),
     "the slider falls where it should rise": ("load/separation", lambda z: -z, "load"),
     "the force is not that of the load": ("trace/friction_force", lambda force: 1.001 * force, "friction_force"),

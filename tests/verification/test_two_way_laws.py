@@ -12,9 +12,8 @@ import pytest
 
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.comparing.findings import Comparison, Identity
-from rubnoise.analysis.comparing.motion import Path, two_way_identities
 from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.findings import Comparison, Identity
 from rubnoise.analysis.summary import expected_figure
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
@@ -25,6 +24,7 @@ from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import mean_force_error
 from tests.models import UNEQUAL, coupled, model, recorded
+from tests.oracle.second.balance import Path, two_way_identities
 from tests.verification.scores import Held, seed_of
 
 
@@ -245,7 +245,7 @@ def test_strong_coupling_leaves_the_motion_out_and_keeps_the_contact() -> None:
     found = compare(run, rows)
     assert found.outside == ()
     names = {figure.name for figure in found.figures}
-    assert {"birth_count", "real_contact_area_mean", "life_mean_area", "mean_force"} <= names
+    assert {"birth_count", "real_contact_area_mean", "mean_force"} <= names
     assert not any(name.startswith(("displacement", "velocity")) for name in names)
     reason = next(each.reason for each in found.omitted if each.name == "displacement")
     assert "this slider pushes back" in reason

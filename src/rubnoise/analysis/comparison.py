@@ -1,111 +1,340 @@
-"""Compare a run with the theory of its scenario: only its stored rows count, and no figure that it has stored."""
+"""Compare a run with the theory of its scenario: only its stored rows count, and no figure that it has stored.
 
-from collections.abc import Callable
-from dataclasses import replace
+`PARTS` lists what yields the figures of each part of a run, from what `measured` sums up.
+"""
 
+from collections.abc import Callable, Iterator
+from math import inf, sqrt
+from typing import Final
+
+import numpy as np
+
+from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.answer import LeftOut
-from rubnoise.analysis.comparing.asked import Cubes, asked_findings
-from rubnoise.analysis.comparing.births import Births, birth_findings
-from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
-from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, comparison
-from rubnoise.analysis.comparing.free import free_comparison
-from rubnoise.analysis.comparing.lives import Lives, life_findings
-from rubnoise.analysis.comparing.load import first_still_tick, load_findings
-from rubnoise.analysis.comparing.motion import (
-    Path,
-    first_tick,
-    mean_force_findings,
-    motion_findings,
-    two_way_identities,
+from rubnoise.analysis.balance import Balance
+from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
+from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
+from rubnoise.analysis.findings import (
+    LARGEST_ERROR,
+    LARGEST_TAIL_SKEWNESS,
+    Comparison,
+    Finding,
+    Findings,
+    Identity,
+    Tail,
+    comparison,
+    judged,
+    judged_mean,
+    tail_of,
+    too_short,
 )
-from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
-from rubnoise.analysis.comparing.sizes import AliveAtStart, Marks, mark_findings, start_findings
-from rubnoise.analysis.comparing.trace import TraceSums, read_trace
-from rubnoise.analysis.reading import checked_chunks
-from rubnoise.analysis.records import RecordTooShort
+from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
+from rubnoise.analysis.measured import STRETCHES, Measured, measured
+from rubnoise.analysis.moments import covariance_errors, needed_for_mean, over_ticks
+from rubnoise.analysis.records import RecordTooShort, longer
+from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
+from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
+from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
+from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.model import Model
+from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
-from rubnoise.theory.motion import response
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.live_count import zero_share
+from rubnoise.theory.load import load_motion
+from rubnoise.theory.motion import contact_drive_of, drive_of
+from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.sampling import (
+    mean_force_error,
+    variance_of_time_mean,
+)
+from rubnoise.theory.second_order import (
+    autocovariance,
+    need_random_births,
+)
 
-COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "lateral_offset", "shear_strength", "state")
+BANDS, FEWEST_SEGMENTS = 8, 8
+SMALLEST_ATOM: Final = 1e-3
+"""Probability of no contact up to which it is but a step in the distribution that nothing is said of."""
+
+SILENT: Final = "free motion has no theory of its spreads, its shocks and its touches"
+
+_FAR: Final = 12.0
+
+
+def area(seen: Measured) -> Iterator[Finding]:
+    """Yield the moments of real contact area, or a relation if regular births keep it constant."""
+    expected, found = area_cumulants(seen.model), seen.moments[AREA]
+    if expected.variance == 0.0:
+        away = max(abs(found.mean - expected.mean), found.std)
+        yield Identity(name="real_contact_area", deviation=away, allowed=1e-9 * expected.mean, units="um^2")
+    else:
+        yield from moments(seen, AREA)
+
+
+def force(seen: Measured) -> Iterator[Finding]:
+    """Yield the friction force beside its law: psi A_r tick by tick for one strength, else its moments."""
+    strengths, found = seen.model.strengths, seen.moments[AREA]
+    if isinstance(strengths, Fixed) and "friction_force" in seen.off and seen.model.held is None:
+        allowed = ROUNDING * strengths.mean * (found.mean + _FAR * found.std)
+        yield Identity(name="friction_force", deviation=seen.off["friction_force"], allowed=allowed, units="uN")
+    elif strengths is not None:
+        yield from moments(seen, FORCE)
+
+
+def memory(seen: Measured) -> Iterator[Finding]:
+    """Yield the autocovariance at shares of a mean life; raises Refused unless births are random.
+
+    It is taken about the mean of the record, which makes it smaller by the variance of that mean.
+    """
+    model, stretch, length = _stretch(seen)
+    need_random_births(model, "the error of an autocovariance")
+    _need_fine_ticks(model)
+    step = seen.layout.stride * model.tick
+    lags = step * np.array(seen.layout.lags, dtype=np.float64)
+    exact = autocovariance(model, lags) - variance_of_time_mean(stretch)
+    errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
+    scale, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
+    for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
+        yield judged(f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail)
+
+
+def spectrum(seen: Measured) -> Iterator[Finding]:
+    """Yield the power of eight bands of wavenumber beside that of an estimate, aliases and leakage included.
+
+    Raises Refused unless births are random.
+    """
+    model, _, length = _stretch(seen)
+    need_random_births(model, "the error of a spectrum")
+    _need_fine_ticks(model)
+    found, layout = seen.spectrum.spectrum(), seen.layout
+    if found.segments < FEWEST_SEGMENTS:
+        ticks = found.ticks + (FEWEST_SEGMENTS - 1) * half_of(found.ticks)
+        yield too_short("spectrum", (layout.first["trace"] + layout.stride * ticks) * model.tick)
+        return
+    _, expected = expected_periodogram(model, layout.stride * model.tick, hann(found.ticks))
+    # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
+    tails = {power: tail_of(model, length, power) for power in (2, 6)}
+    for band in band_powers(model, found, expected, length, BANDS):
+        name = f"spectrum_{band.lowest:.3g}_to_{band.highest:.3g}"
+        tail = _band_tail(model, band, tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2], length)
+        yield judged(name, band.observed, band.expected, band.standard_error, length=length, tail=tail)
+
+
+def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
+    """Return the tail of a band's power: off the centre line a few lives with a sharp tip have most short waves."""
+    if model.pulse.offset == "none" or band.skewness <= LARGEST_TAIL_SKEWNESS:
+        return of_sizes
+    needed = max(of_sizes.needed, longer(length, band.skewness, LARGEST_TAIL_SKEWNESS))
+    return Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
+
+
+def _need_fine_ticks(model: Model) -> None:
+    if model.mean_life_distance < FEWEST_TICKS_A_LIFE * model.tick:
+        raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
+
+
+def _stretch(seen: Measured) -> tuple[Model, Model, float]:
+    """Return the model, that of the stationary part of the trace, and the length of this in um."""
+    ticks = seen.ticks()
+    return seen.model, over_ticks(seen.model, ticks, seen.model.tick), ticks * seen.model.tick
+
+
+def law_of_area(seen: Measured) -> Iterator[Finding]:
+    """Yield the share of ticks without contact, and the distance of the areas' distribution from the exact one.
+
+    If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
+    figure each. If not, it is the whole distribution, with the atom. Raises Refused if theory has none.
+    """
+    atom = distribution(seen.model).atom_at_zero
+    share = _zero_share(seen)
+    if isinstance(share, Agreement):
+        yield from (share, _distance(seen, in_contact=True))
+    else:
+        yield _distance(seen, in_contact=False)
+        yield from [share] if atom > SMALLEST_ATOM else []
+
+
+def _zero_share(seen: Measured) -> Finding:
+    """Return the share of ticks at which no junction is alive, all ticks of the stationary part."""
+    _, stretch, length = _stretch(seen)
+    law, name = zero_share(stretch), "junction_count_zero_share"
+    relative = law.standard_error / min(law.expected, 1.0 - law.expected) if law.standard_error else inf
+    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(law.skewness), LARGEST_TAIL_SKEWNESS))
+    tail = Tail(skewness=law.skewness, needed=needed if needed > length else 0.0)
+    value = seen.zero_ticks / seen.ticks()
+    return judged_mean(name, value, law.expected, law.standard_error, length=length, tail=tail)
+
+
+def _distance(seen: Measured, *, in_contact: bool) -> Finding:
+    """Return the distance from the law of all areas, or from that of the areas while a junction is alive.
+
+    Ticks farther apart than the longest life share no junction: their areas are independent.
+    """
+    name, exact = "real_contact_area_kolmogorov", distribution(seen.model)
+    first, apart = seen.layout.first["trace"], seen.layout.apart
+    areas, counts, _ = seen.sampled[:, first // apart :]
+    areas = areas[counts > 0] if in_contact else areas
+    atom = exact.atom_at_zero
+    share = 1.0 - atom if in_contact else 1.0
+    if areas.size < FEWEST:
+        return too_short(name, (first + apart * FEWEST / share) * seen.model.tick)
+    heights = np.asarray(exact.cdf(areas), dtype=np.float64)
+    if in_contact:
+        return kolmogorov_figure(name, sample_distance(areas, (heights - atom) / share), areas.size)
+    return kolmogorov_figure(name, sample_distance(areas, heights, atom=atom), areas.size, atom)
+
+
+# The motion.
+def balance(seen: Measured) -> Iterator[Finding]:
+    """Yield what a two-way slider's balance of energy lacks: 0, but for the tolerance of its steps and rounding."""
+    if seen.model.is_two_way and seen.last:
+        found = Balance.of(seen.model, seen.last)
+        rounding = 2.0 * ROUNDING * sqrt(max(100.0 * seen.model.distance / seen.model.calibrated_diameter, 1.0))
+        allowed, away = (found.slider.tolerance + rounding) * found.scale, abs(found.energy_residual) * found.scale
+        yield Identity(name="energy", deviation=away, allowed=allowed, units="uN um")
+
+
+def mean_force(seen: Measured) -> Iterator[Finding]:
+    """Yield the mean force over time beside its law, int G ds being what Campbell's theorem expects of it.
+
+    <F> = (E[F] s + c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T); int G ds has the standard error s sqrt(S_F(0)/s),
+    exact for every length. Raises Refused unless births are random.
+    """
+    model = seen.model
+    if not (model.is_two_way and seen.last) or model.start != "stationary":
+        return
+    need_random_births(model, "the standard error of a mean force")
+    found, needed = Balance.of(model, seen.last), needed_for_mean(model)
+    if model.distance < needed:
+        yield too_short("mean_force", needed)
+        return
+    share = found.distance / (found.speed * found.time)
+    expected = force_cumulants(model).mean * share + found.expected_excess()
+    error, tail = mean_force_error(model, model.distance) * share, tail_of(model, model.distance, 3, 1)
+    yield judged_mean("mean_force", found.mean_force, expected, error, length=model.distance, tail=tail)
+
+
+def motion(seen: Measured) -> Iterator[Finding]:
+    """Yield mean and std of displacement and std of velocity, and over a base how far its height is from the area's.
+
+    For a two-way slider the figures are known if coupling is weak. Raises Refused if theory has no motion for the
+    model, or no errors.
+    """
+    model = seen.model
+    if model.slider is None:
+        return
+    if "base_displacement" in seen.off:
+        highest = model.base_per_area * (seen.moments[AREA].mean + _FAR * seen.moments[AREA].std)
+        off = seen.off["base_displacement"]
+        yield Identity(name="base_displacement", deviation=off, allowed=ROUNDING * highest, units="um")
+    motion_of(model)
+    if model.slider.damping == 0.0:
+        yield LeftOut(name="displacement", reason="a slider without damping never forgets its start")
+        return
+    decays = FEWEST_DECAYS * slowest_decay(model.slider) * drive_of(model).speed
+    needed = seen.layout.first["slider"] * model.tick + max(decays, needed_for_mean(model))
+    if model.distance < needed:
+        yield too_short("displacement", needed)
+    else:
+        yield from moments(seen, PLACE, SPEED)
+
+
+def load(seen: Measured) -> Iterator[Finding]:
+    """Yield the load beside P = H A - W z/s_0 tick by tick, the force beside psi P/H, and moments of the motion."""
+    model = seen.model
+    if model.separation is None:
+        return
+    held, drive, far = model.separation, contact_drive_of(model), _FAR * load_motion(model).separation_std
+    largest = held.load * (1.0 + far / held.height_scale)
+    yield from _borne(seen, 4.0 * ROUNDING * largest)
+    decays = FEWEST_DECAYS * slowest_decay(drive.slider) * drive.speed
+    needed = seen.layout.first["load"] * model.tick + max(decays, needed_for_mean(model))
+    if model.distance < needed:
+        yield too_short("load", needed)
+    else:
+        yield from moments(seen, GAP, RISE, BORNE, RUBBED)
+
+
+def _borne(seen: Measured, allowed: float) -> Iterator[Finding]:
+    """Yield how far load and force are at most from what area and separation give."""
+    if "load" in seen.off:
+        yield Identity(name="load", deviation=seen.off["load"], allowed=allowed, units="uN")
+    if isinstance(seen.model.strengths, Fixed) and seen.model.held is not None and "friction_force" in seen.off:
+        force = allowed * seen.model.strengths.mean / seen.model.held.hardness
+        yield Identity(name="friction_force", deviation=seen.off["friction_force"], allowed=force, units="uN")
+
+
+def flight(seen: Measured, free: FreeSeparation) -> Iterator[Finding]:
+    """Yield the exact relations of free motion: e^2 H A <= P <= H A with a restitution e, F = psi A, and momentum.
+
+    The mean of P, less the momentum m [z'] + c [z] that a stretch has gained, is W, and that of an elastic contact H A.
+    The sum of P over ticks differs from its integral by an error of mean 0, since events fall anywhere between them.
+    """
+    held, found, step = free.held, seen.stretches, seen.model.tick_duration or 1.0
+    yield from _borne(seen, 2.0**-40 * seen.largest)
+    if not found or found["load"].length < 2 * STRETCHES:
+        yield too_short("load_mean", 2 * STRETCHES**2 * seen.model.tick)
+        return
+    gained = (held.mass * found["velocity"].gained + held.damping * found["separation"].gained) / step
+    yield scattered("load_mean", found["load"].means - gained, held.load)
+    if free.restitution == 1.0:
+        means = found["real_contact_area"].means - gained / held.hardness
+        yield scattered("real_contact_area_mean", means, seen.model.mean_real_contact_area)
+
+
+Producer = Callable[[Measured], Iterator[Finding]]
+
+PARTS: Final[dict[str, tuple[str, dict[str, Producer]]]] = {
+    "births": ("", {"birth": births, "start": start}),
+    "junctions": ("", {"diameter": marks, "life": sums}),
+    "contact": (
+        "trace",
+        {
+            "real_contact_area": area,
+            "real_contact_area_kolmogorov": law_of_area,
+            "junction_count": lambda seen: moments(seen, COUNT),
+            "friction_force": force,
+            "real_contact_area_autocovariance": memory,
+            "spectrum": spectrum,
+        },
+    ),
+    "balance": ("", {"balance": balance, "mean_force": mean_force}),
+    "slider": ("slider", {"displacement": motion}),
+    "load": ("load", {"load": load}),
+}
+"""The parts of a comparison: the group in which its record begins, and what yields its figures, by name."""
 
 
 def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     """Return the comparison of a run with theory; ``bound`` replaces the family-wise bound on |z|.
 
-    The run is read twice, /trace and /junctions once each (and /slider), in chunks. Raises RecordTooShort, with the
-    mean area, for a run too short even for a score of that, RunFileRefused for damaged rows.
+    Only stored rows count, and no figure that the run has stored. They are read once, in chunks. Raises
+    RecordTooShort, with the mean area, for a run too short even for a score of that, RunFileRefused for damaged rows.
     """
+    seen = measured(model, rows)
     if model.free is not None:
-        return free_comparison(model, model.free, rows, bound)
-    trace = read_trace(model, rows)
-    missing = missing_length(model, trace)
-    if missing is not None:
-        length = trace.ticks * model.tick
-        raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
-    births, start, marks, lives, cubes = Births(model), AliveAtStart(), Marks(model), Lives(model, trace), Cubes()
-    path = Path(model, rows) if model.is_two_way else None
-    for columns in checked_chunks(rows, "junctions", COLUMNS):
-        for gathered in (births, start, marks, lives, cubes):
-            gathered.add(columns)
-        if path is not None:
-            path.add(columns)
-    parts = (
-        _part("births", birth=lambda: birth_findings(model, births), start=lambda: start_findings(model, start)),
-        _part(
-            "junctions",
-            diameter=lambda: mark_findings(model, marks),
-            asked=lambda: asked_findings(model, cubes),
-            life=lambda: life_findings(model, lives, trace),
-        ),
-        _trace_part(model, trace),
-        _balance_part(model, path),
-        _part(
-            "slider",
-            lambda: first_tick(model, response(model)) * model.tick,
-            displacement=lambda: motion_findings(model, rows),
-        ),
-        _part("load", lambda: first_still_tick(model) * model.tick, load=lambda: load_findings(model, rows)),
-    )
-    return comparison(parts, bound)
+        found = (*flight(seen, model.free), LeftOut(name="everything else", reason=SILENT))
+        return comparison([Findings(heading="load", found=found)], bound)
+    first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
+    if seen.ticks() * model.tick < needed:
+        length, mean = (model.tick_count + 1) * model.tick, seen.moments[AREA].mean
+        raise RecordTooShort("a comparison with the theory", mean, length=length, needed=first + needed)
+    return comparison([_part(seen, heading) for heading in PARTS], bound)
 
 
-def _balance_part(model: Model, path: Path | None) -> Findings:
-    if path is None:
-        return Findings(heading="balance", found=())
-    return _part(
-        "balance",
-        balance=lambda: two_way_identities(model, path),
-        mean_force=lambda: mean_force_findings(model, path),
-    )
-
-
-def _trace_part(model: Model, trace: TraceSums) -> Findings:
-    return _part(
-        "contact",
-        lambda: trace.layout.stationary_from * model.tick,
-        real_contact_area=lambda: area_findings(model, trace),
-        real_contact_area_kolmogorov=lambda: distribution_findings(model, trace),
-        junction_count=lambda: count_findings(model, trace),
-        friction_force=lambda: force_findings(model, trace),
-        real_contact_area_autocovariance=lambda: covariance_findings(model, trace),
-        spectrum=lambda: spectrum_findings(model, trace),
-    )
-
-
-def _part(heading: str, begins: Callable[[], float] = lambda: 0.0, **parts: Callable[[], list[Finding]]) -> Findings:
-    """Return the findings of the parts; of a part that theory refuses, its name and the reason.
-
-    ``begins``: where in um the record of the figures begins. Raises RunFileRefused for damaged rows.
-    """
+def _part(seen: Measured, heading: str) -> Findings:
+    """Return the findings of a part; of a figure that theory refuses, its name and the reason."""
+    group, producers = PARTS[heading]
     found: list[Finding] = []
-    for name, find in parts.items():
+    for name, produce in producers.items():
         try:
-            found += find()
+            found += produce(seen)
         except RunFileRefused:
             raise
         except Refused as refusal:
             found.append(LeftOut(name=name, reason=str(refusal)))
     part = Findings(heading=heading, found=tuple(found))
-    return replace(part, begins=begins()) if part.figures else part
+    begins = seen.layout.first.get(group, 0) * seen.model.tick if part.figures else 0.0
+    return Findings(heading=heading, found=part.found, begins=begins)

@@ -220,7 +220,7 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
     """Return the first row at which the start is no longer heard; raises Refused if no row is left."""
     if group != "load" or model.separation is None:
         return 0
-    from rubnoise.analysis.comparing.load import first_still_tick
+    from rubnoise.analysis.measured import first_still_tick
 
     first = first_still_tick(model)
     if first + 1 >= file.rows(group):

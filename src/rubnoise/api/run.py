@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rubnoise.analysis.comparing.findings import Comparison
+    from rubnoise.analysis.findings import Comparison
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.kinds import Kind, Style
     from rubnoise.api.trace import Trace

@@ -13,7 +13,7 @@ from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.errors import Refused, RunOutside
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.comparing.findings import Comparison, Identity
+    from rubnoise.analysis.findings import Comparison, Identity
     from rubnoise.model import Model
 
 

@@ -1,101 +1,59 @@
-"""Compare the slider's motion with theory: the exact one-way response; the balance and weak coupling two-way."""
+"""The laws of a two-way run from its rows alone: path, sticks, work of friction and reversals, energy, mean force."""
 
-from dataclasses import replace
-from math import hypot, log, sqrt
+from math import sqrt
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.answer import LeftOut
-from rubnoise.analysis.balance import Balance, FrictionIntegral
-from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
-from rubnoise.analysis.moments import first_stationary_tick, needed_for_mean
+from rubnoise.analysis.balance import Balance
+from rubnoise.analysis.findings import Finding, Identity
 from rubnoise.analysis.reading import checked_chunks
-from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
 from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.record.tally import Moments
-from rubnoise.theory.coupling import weak_motion, weak_motion_errors
-from rubnoise.theory.cumulants import force_cumulants
-from rubnoise.theory.motion import Response, drive_of, response
-from rubnoise.theory.sampling import mean_force_error, motion_errors
-from rubnoise.theory.second_order import need_random_births
-
-FORGOTTEN = 1e-3
-"""Part of a spread that the start of a motion may leave."""
 
 
-def motion_findings(model: Model, rows: Rows) -> list[Finding]:
-    """Return mean and std of displacement and std of velocity; nothing without a slider.
+class FrictionIntegral:
+    """Sums P(s) = int_0^s G ds in uN um at places s >= 0 in um, G = sum psi A, from chunks of /junctions."""
 
-    The record begins when the start has decayed to a thousandth of the spread and the contact is stationary.
-    For a two-way slider the figures are known if coupling is weak. Raises Refused if theory has no motion for the
-    model, or no errors.
-    """
-    if model.slider is None:
-        return []
-    need_random_births(model, "the standard error of a slider's motion")
-    speed, exact = drive_of(model).speed, weak_motion(model) if model.is_two_way else response(model)
-    if model.slider.damping == 0.0:
-        return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
-    first = first_tick(model, exact)
-    decays = FEWEST_DECAYS * slowest_decay(model.slider) * speed
-    needed = first * model.tick + max(decays, needed_for_mean(model))
-    if model.distance < needed:
-        return [too_short("displacement", needed)]
-    return _figures(model, exact, *_moments_from(rows, first * model.tick))
+    def __init__(self, pulse: Pulse, places: Doubles) -> None:
+        """Start without rows; ``places`` may be in any order and may repeat."""
+        self._pulse = pulse
+        self._places, self._order = np.unique(places, return_inverse=True)
+        self._found = np.zeros(self._places.size)
+        self.largest = 0.0
 
+    def add(self, columns: dict[str, NDArray[Any]]) -> None:
+        """Add rows of /junctions, whose lives are 2d long."""
+        birth, diameter = columns["birth_distance"], columns["diameter"]
+        weight = columns["shear_strength"] * diameter**3
+        before = self._so_far(np.maximum(-birth, 0.0) / diameter)
+        first = np.searchsorted(self._places, birth, side="right")
+        last = np.searchsorted(self._places, birth + 2.0 * diameter, side="left")
+        # Places inside a life, one pair of row and place each.
+        count = np.maximum(last - first, 0)
+        row = np.repeat(np.arange(birth.size), count)
+        place = np.arange(row.size) - np.repeat(np.cumsum(count) - count, count) + first[row]
+        part = self._so_far((self._places[place] - birth[row]) / diameter[row]) - before[row]
+        self._found += np.bincount(place, weight[row] * part, self._places.size)
+        whole = weight * (self._pulse.life_integral(1) - before)
+        self._found += np.cumsum(np.bincount(last, whole, self._places.size + 1))[:-1]
+        self.largest = max(self.largest, float(diameter.max(initial=0.0)))
 
-def first_tick(model: Model, exact: Response) -> int:
-    """Return the first tick at which the contact is stationary and the slider's start has decayed."""
-    return first_stationary_tick(model) + int(_forgetting(model, exact) * drive_of(model).speed / model.tick)
+    def at_places(self) -> Doubles:
+        """Return P at the places, in the order in which they were given."""
+        found: Doubles = self._found[self._order]
+        return found
 
-
-def _forgetting(model: Model, exact: Response) -> float:
-    """Return the time in s in which the start decays to a thousandth of the spread."""
-    if model.slider is None:
-        return 0.0
-    away = abs(exact.mean_displacement - model.equilibrium_displacement)
-    if model.start == "empty":
-        away = exact.mean_displacement
-    spread = hypot(exact.displacement_std, exact.velocity_std / model.slider.natural_angular_frequency)
-    return slowest_decay(model.slider) * log((1.0 + away / spread) / FORGOTTEN)
-
-
-def _moments_from(rows: Rows, begin: float) -> tuple[Moments, Moments]:
-    """Return the moments of displacement (um) and velocity (um/s) in the rows from a distance (um) on."""
-    place, speed = Moments(powers=2), Moments(powers=2)
-    for columns in checked_chunks(rows, "slider", ("distance", "displacement", "velocity")):
-        forgotten = columns["distance"] >= begin
-        place.add(columns["displacement"][forgotten])
-        speed.add(columns["velocity"][forgotten])
-    return place, speed
-
-
-def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> list[Finding]:
-    length = place.count * model.tick
-    stretch = replace(model, start="stationary", distance=length)
-    errors = (weak_motion_errors if model.is_two_way else motion_errors)(stretch, length)
-    # A junction pushes with psi d^3, and leaves the energy of as much motion.
-    push, energy = tail_of(model, length, 3, 1), tail_of(model, length, 6, 2)
-    return [
-        judged_mean(
-            "displacement_mean",
-            place.mean,
-            exact.mean_displacement,
-            errors.mean_displacement,
-            length=length,
-            tail=push,
-        ),
-        judged(
-            "displacement_std", place.std, exact.displacement_std, errors.displacement_std, length=length, tail=energy
-        ),
-        judged("velocity_std", speed.std, exact.velocity_std, errors.velocity_std, length=length, tail=energy),
-    ]
+    def _so_far(self, half_lives: Doubles) -> Doubles:
+        """Return the integral of the area over d^2 up to an age over d, over d."""
+        rising = self._pulse.area_so_far(np.clip(np.minimum(half_lives, 2.0 - half_lives), 0.0, 1.0))
+        return np.where(half_lives <= 1.0, rising, self._pulse.life_integral(1) - rising)
 
 
 FIELD: Final = 1e-11
@@ -181,24 +139,6 @@ def two_way_identities(model: Model, path: Path) -> list[Finding]:
             LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows"),
         ]
     return [*found, _work("reverse_work", seen.reverse_work - path.reverse_work, field * seen.scale)]
-
-
-def mean_force_findings(model: Model, path: Path) -> list[Finding]:
-    """Return the mean force over time beside its law, int G ds being what Campbell's theorem expects of it.
-
-    <F> = (E[F] s + c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T); int G ds has the standard error s sqrt(S_F(0)/s),
-    exact for every length. Raises Refused unless births are random.
-    """
-    if model.start != "stationary":
-        return []
-    need_random_births(model, "the standard error of a mean force")
-    needed, seen = needed_for_mean(model), path.balance
-    if model.distance < needed:
-        return [too_short("mean_force", needed)]
-    share = seen.distance / (seen.speed * seen.time)
-    expected = force_cumulants(model).mean * share + seen.expected_excess()
-    error, tail = mean_force_error(model, model.distance) * share, tail_of(model, model.distance, 3, 1)
-    return [judged_mean("mean_force", seen.mean_force, expected, error, length=model.distance, tail=tail)]
 
 
 def _work(name: str, missing: float, allowed: float) -> Identity:

@@ -1,0 +1,224 @@
+"""Births and the junctions that they bring beside their laws: how many, where, how large, how strong, and their sums.
+
+Each function takes what was measured and yields figures, relations that must hold, or what is left out and why.
+"""
+
+from collections.abc import Callable, Iterator
+from math import sqrt
+from typing import Any, Final
+
+import numpy as np
+
+from rubnoise.analysis.agreement import Agreement, normal_deviate
+from rubnoise.analysis.answer import LeftOut
+from rubnoise.analysis.findings import (
+    LARGEST_SKEWNESS,
+    Finding,
+    Identity,
+    judged,
+    poisson_figure,
+    tail_of_squares,
+    too_short,
+)
+from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
+from rubnoise.analysis.measured import STRETCHES, Measured
+from rubnoise.analysis.records import longer
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
+from rubnoise.contact.laws import Fixed
+from rubnoise.contact.laws.discrete import has_single_values
+from rubnoise.contact.off_centre import half_life
+from rubnoise.model import Model
+from rubnoise.theory.live_count import mean_count
+from rubnoise.theory.second_order import (
+    need_random_births,
+)
+from rubnoise.theory.sizes import panels, size_range
+
+ROUNDING: Final = 2.0**-50
+AREA_ROUNDING: Final = 1e-9
+"""In diameters squared: what formulas of a life's area lose near its ends."""
+
+FEWEST_GAPS: Final = 1000
+"""Births from which the spread of their gaps, a mean of squares of exponentials, has a score."""
+
+_NARROW: Final = 1e-3
+_RARE: Final = 1e-9
+
+
+def births(seen: Measured) -> Iterator[Finding]:
+    """Yield the number of births, their gaps and their places beside their law."""
+    model, found = seen.model, seen.births
+    expected = model.birth_rate * model.distance
+    if isinstance(model.births, RegularBirths):
+        yield from _regular(seen)
+        return
+    if isinstance(model.births, PoissonBirths):
+        yield poisson_figure("birth_count", found.count, expected)
+        yield _gap_variation(seen)
+    else:
+        yield from _windows(seen)
+    if found.count < FEWEST:
+        yield too_short("births", FEWEST * model.mean_birth_spacing)
+        return
+    if isinstance(model.births, PoissonBirths | GammaBirths) and found.gaps.count >= FEWEST:
+        yield kolmogorov_figure("birth_gap_kolmogorov", found.gaps.distance(), found.gaps.count)
+    if isinstance(model.births, PoissonBirths):
+        yield kolmogorov_figure("birth_place_kolmogorov", found.places.distance(), found.count)
+
+
+def _gap_variation(seen: Measured) -> Finding:
+    """Return variance over squared mean of the n + 1 gaps into which n births divide the run.
+
+    The births of a Poisson process are uniform on the run once their number is known, and so the sum of squared shares
+    G has the mean 2/(n + 2) and the variance 4n / ((n + 2)^2 (n + 3)(n + 4)). Its skewness tends to 10/sqrt(n).
+    Source: Moran (1947), doi:10.1111/j.2517-6161.1947.tb01572.x.
+    """
+    model, found, n = seen.model, seen.births, seen.births.count
+    name = "birth_gap_variation"
+    if n < FEWEST_GAPS:
+        return too_short(name, (FEWEST_GAPS + 1) * model.mean_birth_spacing)
+    value = (n + 1) * (found.squares + (model.distance - found.last) ** 2) / model.distance**2 - 1.0
+    error = 2.0 * (n + 1) / (n + 2) * (n / ((n + 3) * (n + 4))) ** 0.5
+    return judged(name, value, (n + 1) * 2.0 / (n + 2) - 1.0, error, length=model.distance, skewness=5.0)
+
+
+def _regular(seen: Measured) -> Iterator[Finding]:
+    model, found = seen.model, seen.births
+    spacing = model.mean_birth_spacing
+    away = max(found.longest - spacing, spacing - found.shortest) if found.count > 1 else 0.0
+    rounding = 2.0 * ROUNDING * (model.distance + found.count * spacing)  # a place is a sum of gaps, each rounded
+    missing = abs(found.count - model.distance / spacing)
+    yield Identity(name="birth_gap", deviation=away, allowed=rounding, units="um")
+    yield Identity(name="birth_count", deviation=missing, allowed=1.0 + rounding / spacing, units="")
+
+
+def _windows(seen: Measured) -> Iterator[Finding]:
+    """Yield the number of births, and the variance of their numbers in windows, whose errors are from its scatter."""
+    model, found = seen.model, seen.births
+    needed = max(30.0 * model.births.memory, STRETCHES * 2.0 * model.births.memory)
+    if model.distance < needed:
+        yield too_short("birth_count", needed)
+        return
+    if model.births.dispersion > 0.0:
+        # Long beside what births remember, their number varies by its dispersion; near the ends they lack neighbours.
+        expected = model.birth_rate * model.distance
+        error = (model.births.dispersion * expected) ** 0.5
+        yield Agreement(name="birth_count", observed=float(found.count), expected=expected, standard_error=error)
+    for windows in found.windows:
+        name = f"birth_count_variance_{windows.length:.3g}"
+        if windows.each < STRETCHES:
+            yield too_short(name, STRETCHES * STRETCHES * windows.length)
+        else:
+            yield scattered(name, windows.squares(), number_variance(model, windows.length))
+
+
+def number_variance(model: Model, length: float) -> float:
+    """Return the variance of the number of births in a length L: (1/2 pi) int S_N (2 sin(kL/2)/k)^2 dk, and lines."""
+    k, weights = panels(np.arange(400) * (np.pi / length), 8)
+    lines = 2.0 * np.pi * model.birth_rate * np.arange(1, 1000, dtype=np.float64)
+    smooth, sharp = (np.square(2.0 * np.sin(0.5 * length * each) / each) for each in (k, lines))
+    more = float(weights @ (model.births.excess(k) * smooth)) / np.pi
+    kept = float(model.births.line_share(lines) @ sharp)
+    return model.birth_rate * (length + more + 2.0 * model.birth_rate * kept)
+
+
+def scattered(name: str, means: Doubles, expected: float) -> Agreement:
+    """Return the mean of independent stretches with the error of their scatter; its score is Student's t."""
+    from scipy.special import stdtr
+
+    error = float(means.std(ddof=1)) / sqrt(means.size)
+    t = (float(means.mean()) - expected) / error if error else 0.0
+    deviate = normal_deviate(float(stdtr(means.size - 1, t)), float(stdtr(means.size - 1, -t)))
+    return Agreement(name=name, observed=float(means.mean()), expected=expected, standard_error=error, deviate=deviate)
+
+
+def start(seen: Measured) -> Iterator[Finding]:
+    """Yield number, ages and diameters at the start beside their laws; raises Refused unless births are random.
+
+    The number is Poisson(lam E[life]), ages are uniform over a life, diameters have a density proportional to d f(d),
+    offsets one proportional to the life, (2/pi) sqrt(1 - (b/d)^2); an empty start has no junctions to compare.
+    """
+    model, law = seen.model, seen.births.law
+    if model.start != "stationary":
+        return
+    need_random_births(model, "who is alive at the start")
+    ages, diameters, offsets = seen.births.start
+    yield poisson_figure("start_count", ages.size, mean_count(model))
+    if ages.size < FEWEST:
+        return  # as few as the contact has: no length would bring more
+    yield kolmogorov_figure("start_age_kolmogorov", sample_distance(ages, ages), ages.size)
+    if law[0] < law[-1] and not has_single_values(model.sizes):
+        below = np.append(0.0, np.cumsum(law)) / law.sum()
+        distance = sample_distance(diameters, below[np.searchsorted(law, diameters)])
+        yield kolmogorov_figure("start_diameter_kolmogorov", distance, ages.size)
+    if model.pulse.offset != "none":
+        aside = offsets / diameters
+        below = 0.5 + (aside * half_life(np.ones(aside.size), aside) + np.arcsin(aside)) / np.pi
+        yield kolmogorov_figure("start_offset_kolmogorov", sample_distance(below, below), ages.size)
+
+
+def marks(seen: Measured) -> Iterator[Finding]:
+    """Yield mean, spread and law of the diameters and strengths that junctions are born with."""
+    model, found = seen.model, seen.births
+    if not found.count:
+        yield too_short("diameter", FEWEST * model.mean_birth_spacing)
+        return
+    low, high = size_range(model.sizes)
+    if low == high:
+        yield _alike(seen, "diameter", model.sizes.moment(1), "um")
+    else:
+        yield from _drawn(seen, "diameter", model.sizes)
+        if found.count >= FEWEST and not has_single_values(model.sizes):
+            yield kolmogorov_figure("diameter_kolmogorov", found.sizes.distance(), found.count)
+    if model.pulse.offset != "none" and found.count >= FEWEST:
+        yield kolmogorov_figure("offset_kolmogorov", found.offsets.distance(), found.count)
+    if isinstance(model.strengths, Fixed):
+        yield _alike(seen, "shear_strength", model.strengths.mean, "MPa")
+    elif model.strengths is not None:
+        yield from _drawn(seen, "shear_strength", model.strengths)
+
+
+def _alike(seen: Measured, name: str, value: float, units: str) -> Finding:
+    return Identity(name=name, deviation=seen.births.deviations[name], allowed=ROUNDING * value, units=units)
+
+
+def _drawn(seen: Measured, name: str, law: Any) -> Iterator[Finding]:
+    """Yield mean and std of independent values: errors std/sqrt(n), and sqrt((mu_4 - mu_2^2)/n) over 2 std."""
+    found = seen.births.moments[name]
+    mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing
+    second, third, fourth = central_moments(law.moment)
+    std, skewness = sqrt(second), abs(third) / second**1.5 / sqrt(found.count)
+    if skewness > LARGEST_SKEWNESS:
+        yield too_short(f"{name}_mean", longer(length, skewness, LARGEST_SKEWNESS))
+    else:
+        error = std / sqrt(found.count)
+        yield Agreement(name=f"{name}_mean", observed=found.mean, expected=mean, standard_error=error)
+    if std < _NARROW * mean:
+        yield LeftOut(name=f"{name}_std", reason="the law is too narrow for its moments to show it")
+        return
+    error = sqrt((fourth - second**2) / found.count) / (2.0 * std)
+    tail = tail_of_squares(law, mean, found.count, length)
+    yield judged(f"{name}_std", found.std, std, error, length=length, tail=tail)
+
+
+def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float]:
+    """Return the second, third and fourth central moments of a law from its moments about 0, E[x^n]."""
+    from mpmath import mpf
+
+    m1, m2, m3, m4 = (mpf(moment(n)) for n in (1, 2, 3, 4))
+    second, third = m2 - m1**2, m3 - 3 * m1 * m2 + 2 * m1**3
+    return float(second), float(third), float(m4 - 4 * m1 * m3 + 6 * m1**2 * m2 - 3 * m1**4)
+
+
+def sums(seen: Measured) -> Iterator[Finding]:
+    """Yield how far area, count and force of the trace are from the sums over lives; only rounding is allowed."""
+    model, (area, count, force) = seen.model, seen.differences()
+    reach, largest = model.distance + 2.0 * seen.largest, seen.largest
+    # Distances are known to a rounding of the farthest; so are ages, and areas by their slope of at most pi d/2.
+    rounding = seen.most_alive() * largest * (AREA_ROUNDING * largest + 4.0 * ROUNDING * reach)
+    yield Identity(name="area_from_rows", deviation=float(area), allowed=rounding, units="um^2")
+    yield Identity(name="count_from_rows", deviation=float(count), allowed=0.0, units="")
+    if model.strengths is not None and model.held is None and not isinstance(model.strengths, Fixed):
+        strongest = float(model.strengths.draw(np.array([1.0 - _RARE]))[0])
+        yield Identity(name="force_from_rows", deviation=float(force), allowed=strongest * rounding, units="uN")
