@@ -24,11 +24,13 @@ from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.live_count import area_from_empty, count_covariance, count_from_empty, mean_count
+from rubnoise.theory.live_count import count_covariance, mean_count
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import (
+    area_noise,
     autocovariance,
+    count_noise,
     density_at_zero,
     half_power_wavenumber,
     joint_cumulant,
@@ -225,7 +227,7 @@ def scores(model: Model, area: Doubles, count: NDArray[np.int64], distance: floa
     """Return deviations over their standard errors: mean and variance of the area, and mean and variance of N."""
     exact, size = area_cumulants(model), area.size
     kurtosis = exact.values[3] / exact.variance**2 + 2.0
-    mean, alive = float(area_from_empty(model, distance)), float(count_from_empty(model, distance))
+    mean, alive = float(area_noise(model).from_empty(distance)), float(count_noise(model).from_empty(distance))
     found = [
         (area.mean() - mean) / sqrt(exact.variance / size),
         (count.mean() - alive) / sqrt(alive / size),
@@ -267,7 +269,7 @@ def test_the_live_count_is_poisson_and_its_covariance_is_that_of_chords() -> Non
 def test_growth_ends_with_the_stationary_mean() -> None:
     model = contact(Normal(centre=5.0, std=1.0))
     longest = 2.0 * model.sizes.support[1]
-    grown = area_from_empty(model, np.linspace(0.0, longest, 30))
+    grown = area_noise(model).from_empty(np.linspace(0.0, longest, 30))
     assert grown[0] == pytest.approx(0.0, abs=1e-9)
     assert np.all(np.diff(grown) >= -1e-9 * grown[-1])
     assert grown[-1] == pytest.approx(area_cumulants(model).mean, rel=1e-8)

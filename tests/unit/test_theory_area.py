@@ -21,15 +21,13 @@ from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import exact
 from rubnoise.theory.live_count import (
     count_covariance,
-    count_from_empty,
-    expected_births,
     expected_junction_rows,
     length_biased_mean_diameter,
     mean_count,
     mean_count_error,
     zero_share,
 )
-from rubnoise.theory.second_order import autocovariance, spectral_density
+from rubnoise.theory.second_order import autocovariance, count_noise, spectral_density
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 from tests.verification.scores import seed_of
 
@@ -175,16 +173,16 @@ def test_length_bias_is_the_law_weighted_by_life() -> None:
 def test_an_empty_start_fills_in_one_longest_life() -> None:
     distances = np.array([0.0, 0.5, 3.0, 20.0, 2.0 * WIDE.sizes.support[1], 1e6])
     expected = [WIDE.birth_rate * dense(WIDE, lambda d, s=s: np.minimum(s, 2.0 * d)) for s in distances]
-    found = count_from_empty(WIDE, distances)
+    found = count_noise(WIDE).from_empty(distances)
     np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-12)
     assert found[-1] == pytest.approx(mean_count(WIDE), rel=1e-12)
 
 
 def test_expected_rows_count_those_alive_at_a_stationary_start() -> None:
     model = paper_model()
-    assert expected_births(model) == pytest.approx(40_000.0 / 0.55300126, rel=1e-7)
-    assert expected_junction_rows(model) - expected_births(model) == pytest.approx(20.0, rel=1e-9)
-    assert expected_junction_rows(replace(model, start="empty")) == expected_births(model)
+    assert model.birth_rate * model.distance == pytest.approx(40_000.0 / 0.55300126, rel=1e-7)
+    assert expected_junction_rows(model) - model.birth_rate * model.distance == pytest.approx(20.0, rel=1e-9)
+    assert expected_junction_rows(replace(model, start="empty")) == model.birth_rate * model.distance
 
 
 @pytest.mark.parametrize("distance", [3.0, 11.06, 200.0, 40_000.0])

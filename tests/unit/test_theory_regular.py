@@ -232,10 +232,10 @@ def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines()
     generator = np.random.default_rng(seed_of("regular force covariance"))
     force, _ = drawn(model, LAGS, 100_000, generator)
     for row, lag in enumerate(LAGS):
-        covariance = float(area_noise(model).covariance(lag, psi.moment(2), psi.mean**2))
+        covariance = float(area_noise(model, psi).covariance(lag))
         assert abs(score(force[0], force[row], force_cumulants(model).mean, covariance)) <= 4.0
     lags, weights = panels(np.linspace(0.0, 11.06, 41), 20)
-    force = area_noise(model).covariance(lags, psi.moment(2), psi.mean**2)
+    force = area_noise(model, psi).covariance(lags)
     unphased = 2.0 * weights * (force - 250.0**2 * autocovariance(model, lags))
     found = float(force_spectral_density(model, 0.4))
     assert np.sum(unphased * np.cos(0.4 * lags)) == pytest.approx(found, rel=1e-9)
@@ -304,9 +304,8 @@ def test_slow_slider_under_sizes_and_strengths_that_differ(strengths: Lognormal 
     model = model if strengths is None else replace(model, strengths=strengths)
     lags, weights = panels(np.linspace(0.0, longest_life(model), 201), 16)
     rate = slider.stiffness / (slider.damping * 1000.0)
-    square, squared_mean = model.strengths.moment(2), model.strengths.mean**2
-    unphased = area_noise(model).unphased(lags, square, squared_mean)
+    unphased = area_noise(model, model.strengths).unphased(lags)
     expected = weights @ (unphased * np.exp(-rate * lags)) / (3.0 * 300.0 * 1000.0)
     k, power = area_noise(model).lines
-    expected += squared_mean * np.sum(2.0 * power / (300.0**2 + (3.0 * 1000.0 * k) ** 2))
+    expected += model.strengths.mean**2 * np.sum(2.0 * power / (300.0**2 + (3.0 * 1000.0 * k) ** 2))
     assert response(model).displacement_std ** 2 == pytest.approx(expected, rel=1e-6)

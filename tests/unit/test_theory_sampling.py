@@ -12,10 +12,10 @@ from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.live_count import area_from_empty, count_covariance, mean_count, mean_count_error
+from rubnoise.theory.live_count import count_covariance, mean_count, mean_count_error
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
-from rubnoise.theory.second_order import autocovariance, covariance_reach, density_at_zero, spectral_density
+from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, density_at_zero, spectral_density
 from rubnoise.theory.sizes import cut_sizes, longest_life, panels, size_range, sizes_of
 from rubnoise.theory.unit_pulse import energy
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model
@@ -201,7 +201,7 @@ def test_a_long_record_spreads_by_the_density_at_zero(name: str) -> None:
 @pytest.mark.parametrize("name", MODELS)
 def test_an_empty_start_ends_in_the_mean(name: str) -> None:
     model = MODELS[name]
-    settled = area_from_empty(model, [longest_life(model), 1e9])
+    settled = area_noise(model).from_empty([longest_life(model), 1e9])
     np.testing.assert_allclose(settled, area_cumulants(model).mean, rtol=1e-8)
 
 

@@ -13,8 +13,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.coupling import force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.live_count import area_from_empty, expected_mean_area, expected_mean_count, mean_count
-from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, joint_cumulant, spectral_density
+from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, joint_cumulant, spectral_density
 from rubnoise.theory.sizes import SETTLED
 from rubnoise.theory.unit_pulse import amplitude, energy, from_birth, overlaps
 from tests.unit.theory_models import model_of, one_size, paper_model, regular
@@ -111,7 +110,7 @@ def test_density_at_zero_is_finite_and_even_around() -> None:
     k = np.array([[0.0, 1e-9], [0.3, -0.3]])
     found = spectral_density(model, k)
     assert found.shape == (2, 2)
-    np.testing.assert_allclose(found[0], density_at_zero(model), rtol=1e-12)
+    np.testing.assert_allclose(found[0], float(spectral_density(model, 0.0)), rtol=1e-12)
     assert found[1, 0] == found[1, 1]
 
 
@@ -142,7 +141,6 @@ def test_spectrum_of_triangles_at_zero_and_far_out() -> None:
     assert spectral_density(model, 0.0) == pytest.approx(model.birth_rate * (np.pi / 4.0) ** 2 * m(6), rel=1e-12)
     tail = 6.0 * (np.pi / 4.0) ** 2 * model.birth_rate * m(2) / 1e5**4
     assert spectral_density(model, 1e5) == pytest.approx(tail, rel=1e-5)
-    assert density_at_zero(model) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-12)
 
 
 MODELS = {
@@ -189,7 +187,7 @@ def test_autocovariance_and_density_are_a_fourier_pair(name: str) -> None:
     half = 0.5 * np.diff(edges)[:, None]
     lags = 0.5 * (edges[1:] + edges[:-1])[:, None] + half * x
     weighted = 2.0 * half * w * autocovariance(model, lags)
-    assert np.sum(weighted) == pytest.approx(density_at_zero(model), rel=1e-8)
+    assert np.sum(weighted) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-8)
     for k in (0.1, 0.7, 2.0):
         assert np.sum(weighted * np.cos(k * lags)) == pytest.approx(float(spectral_density(model, k)), rel=1e-6)
 
@@ -227,14 +225,14 @@ def by_trapezium(model: Model, distance: float) -> float:
 @pytest.mark.parametrize("distance", [0.5, 4.0, 9.0])
 def test_area_grows_from_empty_as_the_lives_do(name: str, distance: float) -> None:
     model = STARTS[name]
-    assert area_from_empty(model, distance) == pytest.approx(by_trapezium(model, distance), rel=2e-5)
+    assert area_noise(model).from_empty(distance) == pytest.approx(by_trapezium(model, distance), rel=2e-5)
 
 
 @pytest.mark.parametrize("name", STARTS)
 def test_area_is_settled_from_the_longest_life_on(name: str) -> None:
     model = STARTS[name]
     longest = 2.0 * model.sizes.support[1]
-    found = area_from_empty(model, [0.0, longest, 3.0 * longest])
+    found = area_noise(model).from_empty([0.0, longest, 3.0 * longest])
     np.testing.assert_allclose(found, area_cumulants(model).mean * np.array([0.0, 1.0, 1.0]), rtol=1e-8, atol=1e-6)
 
 
@@ -244,15 +242,15 @@ def test_an_empty_start_lowers_the_means_by_a_lifes_worth(name: str) -> None:
     model = replace(STARTS[name], start="empty")
     m = model.sizes.moment
     area = area_cumulants(model).mean - model.birth_rate * model.pulse.life_integral(1) * m(4) / 500.0
-    count = mean_count(model) - model.birth_rate * 2.0 * m(2) / 500.0
-    assert expected_mean_area(model, 500.0) == pytest.approx(area, rel=1e-8)
-    assert expected_mean_count(model, 500.0) == pytest.approx(count, rel=1e-6)
+    count = count_noise(model).mean - model.birth_rate * 2.0 * m(2) / 500.0
+    assert area_noise(model).expected_mean(500.0) == pytest.approx(area, rel=1e-8)
+    assert count_noise(model).expected_mean(500.0) == pytest.approx(count, rel=1e-6)
 
 
 def test_a_stationary_start_has_nothing_to_wait_for() -> None:
     model = STARTS["fig5"]
-    assert expected_mean_area(model, 3.0) == area_cumulants(model).mean
-    assert expected_mean_count(model, 3.0) == mean_count(model)
+    assert area_noise(model).expected_mean(3.0) == area_cumulants(model).mean
+    assert count_noise(model).expected_mean(3.0) == count_noise(model).mean
 
 
 # The slope of the friction force against differences of its autocovariance, which knows nothing of slopes.
@@ -277,7 +275,7 @@ def _curvature(model: Model) -> float:
     """Return the limit of 2 (R(0) - R(h))/h^2, whose first correction is of the order of h."""
     step = 4e-3
     psi = model.strengths
-    found = area_noise(model).covariance([0.0, step, 0.5 * step], psi.moment(2), psi.mean**2)
+    found = area_noise(model, psi).covariance([0.0, step, 0.5 * step])
     coarse, fine = 2.0 * (found[0] - found[1]) / step**2, 8.0 * (found[0] - found[2]) / step**2
     return float(2.0 * fine - coarse)
 

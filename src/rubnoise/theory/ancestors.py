@@ -1,5 +1,6 @@
 """Models of others: a force that falls with speed (Block), white noise (Kilburn)."""
 
+from cmath import exp as turned
 from dataclasses import dataclass
 from math import atan2, exp, inf, pi, sqrt
 
@@ -42,32 +43,33 @@ def velocity_weakening(model: Model) -> Weakening:
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or slider.excitation != "velocity-weakening":
         raise Refused('this needs slider.excitation = "velocity-weakening" with its slope')
-    force, still = force_cumulants(model).mean, force_cumulants(model).mean / slider.stiffness
+    force = force_cumulants(model).mean
     if slider.slope <= slider.damping:
-        return Weakening(steady=True, border=slider.damping, mean_displacement=still)
-    return _cycle(slider, speed, force, still)
+        return Weakening(steady=True, border=slider.damping, mean_displacement=force / slider.stiffness)
+    return _cycle(slider, speed, force)
 
 
-def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakening:
+def _cycle(slider: Slider, speed: float, force: float) -> Weakening:
     """Return the cycle of sticks and slips: with y = x - F_m/k and g = a - c a slip is m y'' - g y' + k y = 0.
 
-    y' = V e^(s t) (cos w t - (s/w) sin w t), s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before 2
+    y' = V Re((1 + i s/w) e^(r t)), r = s + i w, s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before 2
     pi/w; y = (g y' - m y'')/k is largest where y' = 0 for the first time, and least a half turn later.
     """
     from scipy.optimize import brentq
 
     growth = slider.slope - slider.damping
-    rise, square = 0.5 * growth / slider.mass, slider.natural_angular_frequency**2
-    turn = sqrt(max(square - rise * rise, 0.0))
+    rise = 0.5 * growth / slider.mass
+    turn = sqrt(max(slider.natural_angular_frequency**2 - rise * rise, 0.0))
     if not turn or force < slider.slope * speed * exp(min(rise * pi / turn, 700.0)):
         raise Refused("slider.slope: the force would fall below 0 in the slip; a smaller slope or a larger mean force")
+    rate, begun = complex(rise, turn), speed * complex(1.0, rise / turn)
 
     def velocity(time: float) -> float:
-        return float(speed * np.exp(rise * time) * (np.cos(turn * time) - rise / turn * np.sin(turn * time)))
+        return (begun * turned(rate * time)).real
 
     def place(time: float) -> float:
-        bend = -speed * np.exp(rise * time) * square / turn * np.sin(turn * time)
-        return float((growth * velocity(time) - slider.mass * bend) / slider.stiffness)
+        bend = (begun * rate * turned(rate * time)).real
+        return (growth * velocity(time) - slider.mass * bend) / slider.stiffness
 
     slowest, first_still = pi / turn, atan2(turn, rise) / turn
     slipped = float(brentq(lambda time: velocity(time) - speed, slowest, 2.0 * slowest, xtol=1e-15 * slowest))
@@ -78,7 +80,7 @@ def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakenin
     return Weakening(
         steady=False,
         border=slider.damping,
-        mean_displacement=still + mean / (slipped + stuck),
+        mean_displacement=force / slider.stiffness + mean / (slipped + stuck),
         amplitude=0.5 * (place(first_still) - place(first_still + slowest)),
         slowest=velocity(slowest),
         fastest=speed,
@@ -87,7 +89,7 @@ def _cycle(slider: Slider, speed: float, force: float, still: float) -> Weakenin
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class WhiteNoise:
     """White noise S_F in uN^2 s (two-sided, per rad/s), and the spread of a slider that it drives, in um and um/s.
 
@@ -109,15 +111,11 @@ def white_noise(model: Model) -> WhiteNoise:
     Source: Kilburn (1974); Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     density, slider = _level(model), drive_of(model).slider
-    still = 2.0 * slider.damping
+    lost = 2.0 * slider.damping
+    place, speed = (sqrt(density / (lost * each)) if lost else inf for each in (slider.stiffness, slider.mass))
     corner = half_power_wavenumber(model) if are_at_random(model) else None
-    return WhiteNoise(
-        force_density=density,
-        displacement_std=sqrt(density / (still * slider.stiffness)) if still else inf,
-        velocity_std=sqrt(density / (still * slider.mass)) if still else inf,
-        wavenumber=corner,
-        life_phase=None if corner is None else corner * model.mean_life_distance,
-    )
+    phase = None if corner is None else corner * model.mean_life_distance
+    return WhiteNoise(density, place, speed, corner, phase)
 
 
 def white_displacement_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:

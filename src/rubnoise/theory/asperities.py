@@ -1,6 +1,7 @@
 """The static contact of a rough surface under a load (Greenwood and Williamson): real contact area and contacts."""
 
 from dataclasses import dataclass
+from functools import partial
 from math import exp, gamma, inf, pi, sqrt
 from typing import Any, Literal
 
@@ -11,7 +12,7 @@ from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, Kind
 _FARTHEST = 12.0  # separations over the height scale, to either side, among which a load is looked for
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class RoughContact:
     """A static contact: separation in um, load in uN, real contact area in um^2, contacts, mean pressure in MPa.
 
@@ -81,45 +82,34 @@ def greenwood_williamson(
     if heights not in {"gaussian", "exponential"} or regime not in {"elastic", "plastic"}:
         raise Refused("heights are gaussian or exponential, and a regime elastic or plastic")
     r, s = _positive("radius", radius, LENGTH), _positive("height", height, LENGTH)
-    whole = _positive("density", density, DENSITY) * _positive("nominal area", nominal_area, AREA)
+    count = _positive("density", density, DENSITY) * _positive("nominal area", nominal_area, AREA)
     stiff = _positive("modulus", modulus, STRESS)
-    hard = None if hardness is None else _positive("hardness", hardness, STRESS)
+    hard = inf if hardness is None else _positive("hardness", hardness, STRESS)
+    plastic, integral = regime == "plastic", partial(height_integral, heights)
 
     def area_at(h: float) -> float:
-        return (2.0 if regime == "plastic" else 1.0) * pi * whole * r * s * height_integral(heights, 1.0, h)
+        return (1.0 + plastic) * pi * count * r * s * integral(1.0, h)
 
     def load_at(h: float) -> float:
-        if regime == "plastic" and hard is not None:
-            return hard * area_at(h)
-        return 4.0 / 3.0 * whole * stiff * sqrt(r) * s**1.5 * height_integral(heights, 1.5, h)
+        return hard * area_at(h) if plastic else 4.0 / 3.0 * count * stiff * sqrt(r) * s**1.5 * integral(1.5, h)
 
-    least = 0.0 if heights == "exponential" else -_FARTHEST
     if load is None:
         h = number_in(separation, "separation", LENGTH) / s
     else:
-        h = _separation_of(_positive("load", load, FORCE), load_at, least)
+        from scipy.optimize import brentq
+
+        least = 0.0 if heights == "exponential" else -_FARTHEST
+        wanted, fewest, most = _positive("load", load, FORCE), load_at(_FARTHEST), load_at(least)
+        if not fewest <= wanted <= most:
+            raise Refused(f"a load of {wanted:g} uN: this surface carries {fewest:.3g} to {most:.3g} uN")
+        h = float(brentq(lambda h: load_at(h) - wanted, least, _FARTHEST, xtol=1e-14, rtol=1e-14))
     if heights == "exponential" and h < 0.0:
         raise Refused("exponential heights begin at the mean plane: the separation is not negative")
     if h < -_FARTHEST:
         raise Refused(f"separation: {h:g} heights below the mean plane, where {-_FARTHEST:g} is the least")
     area, force = area_at(h), load_at(h)
-    return RoughContact(
-        separation=h * s,
-        load=force,
-        real_contact_area=area,
-        junction_count=whole * height_integral(heights, 0.0, h),
-        mean_pressure=force / area if area else 0.0,
-        plasticity_index=None if hard is None else stiff / hard * sqrt(s / r),
-    )
-
-
-def _separation_of(load: float, load_at: Any, least: float) -> float:
-    from scipy.optimize import brentq
-
-    fewest, most = load_at(_FARTHEST), load_at(least)
-    if not fewest <= load <= most:
-        raise Refused(f"a load of {load:g} uN: this surface carries {fewest:.3g} to {most:.3g} uN")
-    return float(brentq(lambda h: load_at(h) - load, least, _FARTHEST, xtol=1e-14, rtol=1e-14))
+    pressure, plasticity = force / area if area else 0.0, None if hardness is None else stiff / hard * sqrt(s / r)
+    return RoughContact(h * s, force, area, count * integral(0.0, h), pressure, plasticity)
 
 
 def _positive(name: str, value: Any, kind: Kind) -> float:

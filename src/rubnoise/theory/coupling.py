@@ -1,6 +1,6 @@
 """The numbers that judge one-way coupling: how strongly the slider acts back on the contact that drives it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import hypot, inf, nan, pi, sqrt
 
@@ -9,7 +9,7 @@ import numpy as np
 from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.motion import Response, drive_of, force_spectral_density, need_friction, response, strengths_of
+from rubnoise.theory.motion import Response, drive_of, need_friction, response, strengths_of
 from rubnoise.theory.sampling import MotionErrors, motion_errors
 from rubnoise.theory.second_order import are_at_random, area_noise, is_one_life
 from rubnoise.theory.sizes import panels
@@ -41,7 +41,7 @@ def force_slope_std(model: Model) -> float:
     return sqrt(variance) if variance > _ROUNDING * at_random else 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Coupling:
     """Pi, theta, and std x over that in one-way coupling: numbers, nan where unknown, and why that is."""
 
@@ -58,25 +58,20 @@ def coupling(model: Model) -> Coupling:
     strength Pi = S_F(0)/(2 m c V^3), Poisson births at constant separation, inf without damping: the square of r = std
     x'/V, one-way, for a force white in s. stick_number theta = std F'/k: beyond about 1 a slow slider sticks.
     expected_change as `weak_coupling_change`, for r^2 >= 0.95 Pi and 3 Pi + q < 0.1, q = c_1 E[psi^3] m_9 / (E[psi^2]
-    m_6 m V^2). Raises Refused as `drive_of`,
-    and over a base.
+    m_6 m V^2). Raises Refused as `drive_of`, and over a base.
     """
     need_friction(model)
     drive, known = drive_of(model), are_at_random(model) and model.separation is None
     slider, psi, sizes = drive.slider, strengths_of(model), model.sizes
     strength = inf if known else nan  # a force of other births, or under a load, says nothing at low frequency
     if known and slider.damping > 0.0:
-        density = float(force_spectral_density(model, 0.0))
+        density = float(area_noise(model, psi).density(0.0))
         strength = density / (2.0 * slider.mass * slider.damping * drive.speed**3)
     impulse = model.pulse.cubed_integral / model.pulse.squared_integral * psi.moment(3) / psi.moment(2)
     kick = impulse * sizes.moment(9) / sizes.moment(6) / (slider.mass * drive.speed**2)
     unknown = _unknown(model, strength, kick)
-    return Coupling(
-        strength=strength,
-        stick_number=force_slope_std(model) / slider.stiffness,
-        expected_change=nan if unknown else weak_coupling_change(strength, kick),
-        unknown=unknown,
-    )
+    change = nan if unknown else weak_coupling_change(strength, kick)
+    return Coupling(strength, force_slope_std(model) / slider.stiffness, change, unknown)
 
 
 def _unknown(model: Model, strength: float, kick: float) -> str | None:
@@ -116,14 +111,13 @@ def weak_motion(model: Model) -> Response:
     found = coupling(model)
     if found.unknown is not None:
         raise Refused(f"no theory has the motion here, since this slider pushes back: {found.unknown}")
-    drive, one_way = drive_of(model), response(model)
-    velocity = one_way.velocity_std * found.expected_change
-    excess = drive.slider.damping * velocity * velocity / drive.speed
-    return Response(
+    drive, one_way, change = drive_of(model), response(model), found.expected_change
+    excess = drive.slider.damping * (one_way.velocity_std * change) ** 2 / drive.speed
+    return replace(
+        one_way,
         mean_displacement=one_way.mean_displacement + excess / drive.slider.stiffness,
-        displacement_std=one_way.displacement_std * found.expected_change,
-        velocity_std=velocity,
-        sliding_speed=drive.speed,
+        displacement_std=one_way.displacement_std * change,
+        velocity_std=one_way.velocity_std * change,
     )
 
 
@@ -138,7 +132,7 @@ def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
     coloured = max(1.0 - response(model).one_way_validity ** 2 / found.strength, 0.0)
     unknown = hypot(52.5 * u**3, coloured * (change - 1.0))
     return MotionErrors(
-        mean_displacement=change * errors.mean_displacement,
-        displacement_std=hypot(change * errors.displacement_std, unknown * motion.displacement_std),
-        velocity_std=hypot(change * errors.velocity_std, unknown * motion.velocity_std),
+        change * errors.mean_displacement,
+        hypot(change * errors.displacement_std, unknown * motion.displacement_std),
+        hypot(change * errors.velocity_std, unknown * motion.velocity_std),
     )

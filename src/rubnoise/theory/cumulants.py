@@ -5,15 +5,12 @@ from functools import lru_cache
 from math import nan, sqrt
 from typing import Final
 
-from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.motion import FORCE, covariances, strengths_of
-from rubnoise.theory.second_order import are_at_random, area_noise
+from rubnoise.theory.second_order import AREA_ITSELF, are_at_random, area_noise
 
 ORDERS: Final = 6
-AREA_ITSELF: Final = Fixed(value=1.0)
-"""The strengths with which force is area."""
-
 _UNKNOWN = (nan,) * (ORDERS - 2)
 _CONSTANT = 1e-12  # spread over mean of a constant, as equal triangles are that are born at regular places
 
@@ -77,6 +74,6 @@ def shot_cumulants(model: Model, strengths: Law) -> Cumulants:
     if are_at_random(model):
         lives = (model.pulse.life_integral(n) * model.sizes.moment(2 * n + 1) for n in range(1, ORDERS + 1))
         return Cumulants(values=tuple(strengths.moment(n) * model.birth_rate * life for n, life in enumerate(lives, 1)))
-    variance = float(area_noise(model).covariance(0.0, strengths.moment(2), strengths.moment(1) ** 2))
-    mean = strengths.moment(1) * model.stationary_mean_area
-    return Cumulants(values=(mean, variance if variance > (_CONSTANT * mean) ** 2 else 0.0, *_UNKNOWN))
+    noise = area_noise(model, strengths)
+    variance = float(noise.covariance(0.0))
+    return Cumulants(values=(noise.mean, variance if variance > (_CONSTANT * noise.mean) ** 2 else 0.0, *_UNKNOWN))

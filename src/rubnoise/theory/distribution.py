@@ -19,8 +19,7 @@ from rubnoise.tables import fields_as_text
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.live_count import mean_count
 from rubnoise.theory.second_order import need_random_births
-from rubnoise.theory.sizes import FINE, is_one_size, sizes_of
-from rubnoise.theory.spline import Spline
+from rubnoise.theory.sizes import FINE, Spline, is_one_size, sizes_of
 
 _POINTS = 1 << 17
 _PLACES = 1 << 12

@@ -16,21 +16,11 @@ from rubnoise.tables import as_html, fields_as_text, in_short
 from rubnoise.theory.coupling import Coupling, coupling
 from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.live_count import (
-    area_from_empty,
-    count_from_empty,
-    count_variance,
-    expected_births,
-    expected_junction_rows,
-    expected_mean_area,
-    expected_mean_count,
-    length_biased_mean_diameter,
-    mean_count,
-)
+from rubnoise.theory.live_count import count_variance, expected_junction_rows, length_biased_mean_diameter
 from rubnoise.theory.load import FreeMotion, LoadMotion, free_motion, load_motion
 from rubnoise.theory.motion import Response, response
 from rubnoise.theory.periodogram import EstimatedSpectrum, estimated_spectrum
-from rubnoise.theory.second_order import autocovariance, spectral_density, visible_lines
+from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density, visible_lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -102,20 +92,20 @@ class Exact:
     def area_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean area in um^2 at distances in um after an empty start, of any shape."""
         s = real_numbers(distance, "distance", "um")
-        return at_each(partial(area_from_empty, self.model), s, "distance", (0.0, self.area.mean))
+        return at_each(area_noise(self.model).from_empty, s, "distance", (0.0, self.area.mean))
 
     def count_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean number of live junctions at distances in um after an empty start, of any shape."""
         s = real_numbers(distance, "distance", "um")
-        return at_each(partial(count_from_empty, self.model), s, "distance", (0.0, self.count_mean))
+        return at_each(count_noise(self.model).from_empty, s, "distance", (0.0, self.count_mean))
 
     def expected_mean_area(self, distance: float | None = None) -> float:
         """Return the expected mean of the area in um^2 over a run from its own start, or its first ``distance`` um."""
-        return expected_mean_area(self.model, self._slid(distance))
+        return area_noise(self.model).expected_mean(self._slid(distance))
 
     def expected_mean_count(self, distance: float | None = None) -> float:
         """Return the expected mean of the live count over a run from its own start, or its first ``distance`` um."""
-        return expected_mean_count(self.model, self._slid(distance))
+        return count_noise(self.model).expected_mean(self._slid(distance))
 
     def _slid(self, distance: float | None) -> float:
         slid = self.model.distance if distance is None else real_number(distance, "distance", "um")
@@ -133,21 +123,20 @@ def exact(model: Model) -> Exact:
 
     The response is known by friction or over a base of equal triangles, and not if the contact is left.
     """
-    slider, response_of = model.slider, None
-    if slider is not None and model.free is None:
-        lifted = slider.excitation == "base" and model.pulse == TRIANGLE and isinstance(model.sizes, Fixed)
-        response_of = response(model) if slider.excitation == "friction" or lifted else None
+    slider = model.slider
+    base = slider is not None and slider.excitation == "base" and model.pulse == TRIANGLE
+    known = slider is not None and (slider.excitation == "friction" or (base and isinstance(model.sizes, Fixed)))
     return Exact(
         model=model,
         area=area_cumulants(model),
-        count_mean=mean_count(model),
+        count_mean=model.mean_live_junctions,
         count_variance=count_variance(model),
         mean_diameter=model.sizes.moment(1),
         length_biased_mean_diameter=length_biased_mean_diameter(model),
-        expected_births=expected_births(model),
+        expected_births=model.birth_rate * model.distance,
         expected_junction_rows=expected_junction_rows(model),
         force=None if model.strengths is None else force_cumulants(model),
         load=None if model.separation is None else load_motion(model),
         free=None if model.free is None else free_motion(model),
-        slider=response_of,
+        slider=response(model) if known and model.free is None else None,
     )

@@ -1,4 +1,4 @@
-"""The live count, a queue with infinitely many servers; both after an empty start; and laws of single junctions."""
+"""The live count, a queue with infinitely many servers, and laws of single junctions."""
 
 from dataclasses import dataclass
 from math import exp, sqrt
@@ -9,17 +9,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import BirthLaw, GammaBirths, PoissonBirths
 from rubnoise.model import Model
-from rubnoise.theory.second_order import (
-    ShotNoise,
-    are_at_random,
-    area_noise,
-    count_noise,
-    graded,
-    lag_rule,
-    need_random_births,
-    resolved_error,
-)
-from rubnoise.theory.sizes import longest_life
+from rubnoise.theory.second_order import are_at_random, count_noise, lag_rule, need_random_births
 
 _QUANTILES = 1 << 15  # sizes at even probabilities over which a share of births is right to 3e-5
 
@@ -44,22 +34,17 @@ def count_variance(model: Model) -> float:
     return mean_count(model) if are_at_random(model) else float(count_covariance(model, 0.0))
 
 
-def expected_births(model: Model) -> float:
-    """Return lam T, the expected number of births while sliding the model's distance T (um)."""
-    return model.birth_rate * model.distance
-
-
 def expected_junction_rows(model: Model) -> float:
     """Return the expected number of junctions in a record: the births, and those alive at a stationary start."""
-    return expected_births(model) + (mean_count(model) if model.start == "stationary" else 0.0)
+    return model.birth_rate * model.distance + (mean_count(model) if model.start == "stationary" else 0.0)
 
 
 def mean_count_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error of the mean of N over ``distance`` um or the model's ticks, the start stationary."""
-    return resolved_error(count_noise(model).variance_of_mean(distance), mean_count(model))
+    return count_noise(model).error_of_mean(distance)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class ZeroShare:
     """The share of a record's ticks at which no junction is alive: expected value, standard error and skewness."""
 
@@ -83,41 +68,13 @@ def zero_share(model: Model) -> ZeroShare:
     excess = np.exp(count_noise(model).single(lags) - alive) - empty
     per_empty = float(weights @ excess)
     if empty * per_empty <= 0.0:
-        return ZeroShare(expected=empty, standard_error=0.0, skewness=0.0)
+        return ZeroShare(empty, 0.0, 0.0)
     pairs = 0.5 * (ticks * per_empty - 1.0)
     first = 0.5 * ticks * float(weights @ (excess * lags)) / model.tick
     # Both the third cumulant and the variance over p: of a dense contact p^1.5 is below the smallest number.
     third = 6.0 * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
     error = sqrt(empty * per_empty)
-    return ZeroShare(expected=empty, standard_error=error, skewness=third / (ticks**2 * per_empty * error))
-
-
-def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
-    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start."""
-    return area_noise(model).from_empty(np.maximum(np.asarray(distance, dtype=np.float64), 0.0))
-
-
-def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
-    """Return E[N(s)] = lam E[min(s, life)] at distances s in um (any shape) after an empty start; 0 before it."""
-    return count_noise(model).from_empty(np.maximum(np.asarray(distance, dtype=np.float64), 0.0))
-
-
-def expected_mean_area(model: Model, distance: float) -> float:
-    """Return the expected mean of A_r in um^2 over the first ``distance`` um, from the model's start."""
-    return _mean_from_start(area_noise(model), distance, model.stationary_mean_area)
-
-
-def expected_mean_count(model: Model, distance: float) -> float:
-    """Return the expected mean of N over the first ``distance`` um, from the model's start."""
-    return _mean_from_start(count_noise(model), distance, mean_count(model))
-
-
-def _mean_from_start(noise: ShotNoise, distance: float, settled: float) -> float:
-    if noise.model.start == "stationary":
-        return settled
-    reach = min(distance, longest_life(noise.model))
-    place, weight = graded(reach)
-    return float(weight @ noise.from_empty(place) + (distance - reach) * settled) / distance
+    return ZeroShare(empty, error, third / (ticks**2 * per_empty * error))
 
 
 def share_of_sizes(model: Model, edges: Doubles) -> Doubles:

@@ -85,21 +85,20 @@ def load_motion(model: Model) -> LoadMotion:
     less E[psi] A_rm z/s_0. Raises Refused as `contact_drive_of`, and unless births are a Poisson process.
     """
     need_random_births(model, "the motion under a load")
-    drive, found, live = contact_drive_of(model), covariances(model), model.mean_junction_count
-    load_std, ratio, speed = sqrt(found.of("load")), drive.slider.damping_ratio, relative_speed(model)
-    hardness, mean_area = separation_of(model).hardness, model.mean_real_contact_area
-    area = sqrt(float(autocovariance(model, 0.0)))
+    slider, found, speed = contact_drive_of(model).slider, covariances(model), relative_speed(model)
+    place, velocity, load = (sqrt(found.of(name)) for name in ("separation", "normal_velocity", "load"))
+    held = separation_of(model).hardness * sqrt(float(autocovariance(model, 0.0)))
     return LoadMotion(
-        separation_std=sqrt(found.of("separation")),
-        velocity_std=sqrt(found.of("normal_velocity")),
-        load_std=load_std,
-        contact_resonance=drive.slider.natural_frequency,
-        damping_ratio=ratio,
+        separation_std=place,
+        velocity_std=velocity,
+        load_std=load,
+        contact_resonance=slider.natural_frequency,
+        damping_ratio=slider.damping_ratio,
         relative_speed=speed,
-        regime=_regime(live, speed, load_std / (hardness * area)),
-        suppression=_suppression(model, found, area, hardness),
-        negative_share=0.5 * erfc(hardness * mean_area / (load_std * sqrt(2.0))),
-        error=_error(live, speed, ratio),
+        regime=_regime(model.mean_junction_count, speed, load / held),
+        suppression=_suppression(model, found, held),
+        negative_share=0.5 * erfc(separation_of(model).load / (load * sqrt(2.0))),
+        error=_error(model.mean_junction_count, speed, slider.damping_ratio),
         covariances=found,
     )
 
@@ -114,27 +113,25 @@ def _regime(live: float, speed: float, kept: float) -> Regime:
 
 
 def _error(live: float, speed: float, ratio: float) -> float:
-    """Return the bound of the error of first order, relative to a spread of z, z' or P, from runs of 20 live junctions.
-
-    Fewer err more, as 1/N_jm. inf if nothing is known: little damping, and contacts that bounce.
-    """
+    """Return the error of first order of a spread, from runs of 20 live junctions; fewer err more, as 1/N_jm."""
     if live < FEWEST_LIVE or ratio < 0.05:
-        return inf
+        return inf  # nothing is known of little damping, and of contacts that bounce
     return max(20.0 / live, 1.0) * (0.01 if speed <= 0.1 else 0.02 if ratio >= 0.3 else 0.1)
 
 
-def _suppression(model: Model, found: Covariances, area: float, hardness: float) -> float:
+def _suppression(model: Model, found: Covariances, held: float) -> float:
+    """Return a spread at constant separation over that under the load, ``held`` being that of H A."""
     if model.slider is not None:
-        held = response(replace(model, separation=None)).displacement_std
-        return held / sqrt(found.of("displacement")) if "displacement" in found.names else nan
+        spread = response(replace(model, separation=None)).displacement_std
+        return spread / sqrt(found.of("displacement")) if "displacement" in found.names else nan
     if model.strengths is not None:
-        return sqrt(model.strengths.moment(2) * area**2 / found.of(FORCE))
-    return hardness * area / sqrt(found.of("load"))
+        return held / separation_of(model).hardness * sqrt(model.strengths.moment(2) / found.of(FORCE))
+    return held / sqrt(found.of("load"))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class ThirdOctaves:
-    """Root mean square velocities (um/s) in third-octave bands about frequencies in Hz."""
+    """Root mean square velocities (um/s) in third-octave bands about frequencies in Hz, and their levels in dB."""
 
     frequency: Doubles
     velocity: Doubles
@@ -161,7 +158,7 @@ def third_octaves(model: Model) -> ThirdOctaves:
     density = density_of(model, "normal_velocity", k, exact=False)
     power = np.histogram(k, ends, weights=weight * density / pi)[0]
     kept = power > _PART_LEFT_OUT * covariances(model).of("normal_velocity")
-    return ThirdOctaves(frequency=middles[kept], velocity=np.sqrt(power[kept]))
+    return ThirdOctaves(middles[kept], np.sqrt(power[kept]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,10 +191,11 @@ def free_motion(model: Model) -> FreeMotion:
     """
     if model.free is None:
         raise Refused('the slider leaves its contact with load.motion = "free" alone')
-    free, held, area = model.free, model.free.held, model.mean_real_contact_area
+    free, held = model.free, model.free.held
     linear, resonance = replace(model, free=None, separation=held), held.oscillator
     elastic, e = free.restitution == 1.0, nan if free.restitution is None else free.restitution
     beta = nan if free.impact_damping is None else free.impact_damping
+    area, psi = model.mean_real_contact_area if elastic else nan, model.strengths
     return FreeMotion(
         contact_resonance=resonance.natural_frequency,
         relative_speed=relative_speed(linear),
@@ -206,8 +204,8 @@ def free_motion(model: Model) -> FreeMotion:
         restitution=e,
         impact_damping=beta * held.height_scale * resonance.natural_angular_frequency,
         load_mean=held.load,
-        area_mean=area if elastic else nan,
-        force_mean=model.strengths.mean * area if elastic and model.strengths is not None else nan,
-        fast_area_mean=2.0 * area / (1.0 + e**2),
+        area_mean=area,
+        force_mean=nan if psi is None else psi.mean * area,
+        fast_area_mean=2.0 * model.mean_real_contact_area / (1.0 + e**2),
         first_order=load_motion(linear) if elastic and held.damping > 0.0 else None,
     )

@@ -9,9 +9,10 @@ A covariance equation in time would lose the digits of a slow slider, whose reso
 Source: Crandall and Mark, Random Vibration in Mechanical Systems (1963).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, nan, pi, sqrt
+from math import inf, pi, sqrt
 from typing import Final
 
 import numpy as np
@@ -22,13 +23,15 @@ from rubnoise.contact.laws import Fixed, Law
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Separation, Slider
-from rubnoise.theory.second_order import area_noise
-from rubnoise.theory.sizes import panels, size_range, sizes_of
+from rubnoise.theory.second_order import AREA_ITSELF, area_noise
+from rubnoise.theory.sizes import COARSE, panels, size_range, sizes_of
+from rubnoise.theory.unit_pulse import pass_energies
 
 FORCE: Final = "friction_force"
+MOTION: Final = ("displacement", "velocity")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Drive:
     """An oscillator, and the speed (um/s) that turns distance into its time."""
 
@@ -72,7 +75,7 @@ def drive_of(model: Model) -> Drive:
         raise Refused("excitation by the base is known for equal diameters alone (diameter.law)")
     elif model.pulse != TRIANGLE:
         raise Refused('the slider is driven by a base of triangles, which lives are with pulse.shape = "triangle"')
-    return Drive(slider=model.slider, speed=model.sliding_speed)
+    return Drive(model.slider, model.sliding_speed)
 
 
 def separation_of(model: Model) -> Separation:
@@ -84,7 +87,7 @@ def separation_of(model: Model) -> Separation:
 
 def contact_drive_of(model: Model) -> Drive:
     """Return the separation as an oscillator: s_0 + z is driven by H A, A at constant separation; Refused as above."""
-    return Drive(slider=separation_of(model).oscillator, speed=model.sliding_speed or nan)
+    return Drive(separation_of(model).oscillator, model.sliding_speed or inf)
 
 
 def strengths_of(model: Model) -> Law:
@@ -99,30 +102,29 @@ def spread_of(strengths: Law | None) -> float:
     return 0.0 if strengths is None else max(strengths.moment(2) - strengths.mean**2, 0.0)
 
 
-Answers = dict[str, tuple[Complexes, Complexes]]
-
-
-def answers(model: Model, wavenumber: Doubles, *, moved: bool = True) -> Answers:
+def answers(model: Model, wavenumber: Doubles, *, moved: bool = True) -> dict[str, tuple[Complexes, Complexes]]:
     """Return o and m of each quantity by name, per um^2 of area at wavenumbers in rad/um; not ``moved``, of forces."""
-    found: Answers = {}
     none = np.zeros(wavenumber.shape, dtype=np.complex128)
     borne: Complexes = none + 1.0
+    found: dict[str, tuple[Complexes, Complexes]] = {}
     if model.separation is not None:
         drive, hardness = contact_drive_of(model), model.separation.hardness
         borne, separation = drive.borne(wavenumber), hardness * drive.compliance(wavenumber)
-        velocity = 1.0j * drive.speed * wavenumber * separation
-        found |= {"separation": (none, separation), "normal_velocity": (none, velocity)}
-        found["load"] = (none, hardness * borne)
+        found["separation"] = none, separation
+        found["normal_velocity"] = none, 1.0j * drive.speed * wavenumber * separation
+        found["load"] = none, hardness * borne
     if model.strengths is not None:
-        found[FORCE] = (none + 1.0, model.strengths.mean * borne)
+        found[FORCE] = none + 1.0, model.strengths.mean * borne
     if moved:
         drive = drive_of(model)
         turned = 1.0j * drive.speed * wavenumber
-        brought = found.get(FORCE, (none, none))
+        own, mean = found.get(FORCE, (none, none))
         if drive.slider.excitation == "base":
-            brought = (none, model.base_per_area * (drive.slider.stiffness + drive.slider.damping * turned) + none)
-        own, mean = (part * drive.compliance(wavenumber) for part in brought)
-        found |= {"displacement": (own, mean), "velocity": (turned * own, turned * mean)}
+            raised = drive.slider.stiffness + drive.slider.damping * turned
+            own, mean = none, np.asarray(model.base_per_area * raised, dtype=np.complex128)
+        compliance = drive.compliance(wavenumber)
+        found["displacement"] = own * compliance, mean * compliance
+        found["velocity"] = turned * compliance * own, turned * compliance * mean
     return found
 
 
@@ -133,7 +135,7 @@ _SETTLED, _ABOVE = 256.0, 100.0  # the same for a slower slider, and for a faste
 _AROUND, _SHARP = 2000.0, 30.0  # phases about a far resonance to which it is followed, if narrower than the second
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Frequencies:
     """Wavenumbers k in rad/um with weights over k/pi, and both parts of the spectrum of the area in um^4 per rad/um."""
 
@@ -160,11 +162,8 @@ def frequencies(model: Model) -> Frequencies:
     edges = np.unique(np.concatenate([response_edges(model, drive) for drive in drives]))
     k, weight = panels(edges, _NODES)
     follows = np.repeat(np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING, _NODES)
-    noise, parts = area_noise(model), np.zeros((2, k.size))
-    for exact in (True, False):
-        some = follows == exact
-        parts[:, some] = noise.alone(k[some], exact=exact), noise.together(k[some], exact=exact)
-    return Frequencies(wavenumber=k, weight=weight / pi, alone=parts[0], together=parts[1])
+    noise = area_noise(model)
+    return Frequencies(k, weight / pi, noise.alone(k, exact=follows), noise.together(k, exact=follows))
 
 
 def response_edges(model: Model, drive: Drive) -> Doubles:
@@ -173,8 +172,7 @@ def response_edges(model: Model, drive: Drive) -> Doubles:
     About the resonance they are octaves of the distance from it, from half of its half-width on.
     """
     reach, swinging = size_range(model.sizes)[1], float(sizes_of(model.sizes).followed.max())
-    half_width = drive.slider.damping_ratio * drive.resonance
-    breadth = max(1.0, 2.0 * drive.slider.damping_ratio)
+    half_width, breadth = drive.slider.damping_ratio * drive.resonance, max(1.0, 2.0 * drive.slider.damping_ratio)
     resolved = min(min(_RESOLVED, max(_SETTLED, _ABOVE * drive.resonance * breadth * reach)) / reach, swinging)
     lowest = 1e-3 * min(1.0 / reach, drive.resonance / breadth)
     apart = np.minimum(_octaves(0.5 * min(half_width, drive.resonance), drive.resonance), drive.resonance)
@@ -193,7 +191,7 @@ def _octaves(lowest: float, highest: float) -> Doubles:
     return np.asarray(lowest * 2.0 ** np.arange(0.0, np.ceil(np.log2(highest / lowest)) + 1.0), dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Covariances:
     """Covariances of quantities with one another at one time, in the products of their units: um, um/s, uN."""
 
@@ -210,11 +208,11 @@ def covariances(model: Model) -> Covariances:
     """Return the stationary covariances of all quantities that `answers` names, to 1e-8."""
     rule, (lines, power) = frequencies(model), area_noise(model).lines
     found = answers(model, np.concatenate([rule.wavenumber, lines]), moved=is_moved(model))
-    own, mean = (np.stack([pair[part] for pair in found.values()]) for part in (0, 1))
+    own, mean = np.moveaxis(np.array(list(found.values())), 1, 0)
     single = spread_of(model.strengths) * np.append(rule.weight * rule.alone, np.zeros(lines.size))
     whole = np.append(rule.weight * (rule.alone + rule.together), 2.0 * power)
     values = (own * single) @ own.conj().T + (mean * whole) @ mean.conj().T
-    return Covariances(names=tuple(found), values=np.asarray(values.real, dtype=np.float64))
+    return Covariances(tuple(found), np.asarray(values.real, dtype=np.float64))
 
 
 def force_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
@@ -230,7 +228,7 @@ def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Do
     w = V k_n. Raises Refused as `drive_of` and `contact_drive_of`, and without damping, if nothing is
     stationary. Source: paper Eq. (1) and Fig. 5; see above.
     """
-    drive = drive_of(model) if name in {"displacement", "velocity"} else contact_drive_of(model)
+    drive = drive_of(model) if name in MOTION else contact_drive_of(model)
     if drive.slider.damping == 0.0:
         raise Refused("without damping the slider's motion is not stationary and has no spectrum")
     return density_of(model, name, np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed) / drive.speed
@@ -238,11 +236,9 @@ def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Do
 
 def density_of(model: Model, name: str, k: Doubles, *, exact: bool = True) -> Doubles:
     """Return the two-sided density of a quantity per rad/um at wavenumbers k >= 0 in rad/um, between lines."""
-    own, mean = answers(model, k, moved=name in {"displacement", "velocity"})[name]
-    noise = area_noise(model)
-    alone, together = noise.alone(k, exact=exact), noise.together(k, exact=exact)
-    single = spread_of(model.strengths) * np.square(np.abs(own)) * alone
-    return np.asarray(single + np.square(np.abs(mean)) * (alone + together), dtype=np.float64)
+    own, mean = np.square(np.abs(answers(model, k, moved=name in MOTION)[name]))
+    alone, together = area_noise(model).alone(k, exact=exact), area_noise(model).together(k, exact=exact)
+    return np.asarray(spread_of(model.strengths) * own * alone + mean * (alone + together), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -265,26 +261,39 @@ class Response:
         return self.velocity_std / (2.0 * pi * self.displacement_std)
 
 
-def mean_displacement(model: Model) -> float:
-    """Return the mean of x in um, E[psi] mean A_r / k: the static deflection, or the mean of a base."""
-    drive = drive_of(model)
-    if drive.slider.excitation == "base":
-        return model.base_per_area * model.stationary_mean_area
-    return strengths_of(model).moment(1) * model.stationary_mean_area / drive.slider.stiffness
-
-
 def response(model: Model) -> Response:
     """Return the stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 
-    The spreads are those of `covariances`, inf without damping. Raises Refused as `drive_of`.
+    The mean is the static deflection E[psi] mean A_r / k, or that of a base. The spreads are those of `covariances`,
+    inf without damping. Raises Refused as `drive_of`.
     """
-    speed, spreads = drive_of(model).speed, (inf, inf)
-    if is_moved(model):
-        found = covariances(model)
-        spreads = sqrt(found.of("displacement")), sqrt(found.of("velocity"))
-    return Response(
-        mean_displacement=mean_displacement(model),
-        displacement_std=spreads[0],
-        velocity_std=spreads[1],
-        sliding_speed=speed,
-    )
+    drive = drive_of(model)
+    if drive.slider.excitation == "base":
+        mean = model.base_per_area * model.stationary_mean_area
+    else:
+        mean = strengths_of(model).mean * model.stationary_mean_area / drive.slider.stiffness
+    moved = is_moved(model)
+    place, speed = (sqrt(covariances(model).of(name)) if moved else inf for name in MOTION)
+    return Response(mean_displacement=mean, displacement_std=place, velocity_std=speed, sliding_speed=drive.speed)
+
+
+def spread_errors(model: Model, names: Sequence[str], distance: float) -> list[float]:
+    """Return the standard errors of the stds of some quantities over a run of many lives and decay times.
+
+    The variance of the mean of u^2 is (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
+    junction; the error is the root of that over 2 std u. Source: cumulants of filtered shot noise (Rice 1944).
+    """
+    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
+    psi = sizes_of(model.strengths or AREA_ITSELF, COARSE)
+    found = answers(model, rule.wavenumber, moved=is_moved(model))
+    own, mean = np.moveaxis(np.array([found[name] for name in names]), 1, 0)
+    deviation = psi.diameter - float(psi.probability @ psi.diameter)
+    brought = rule.weight * np.square(np.abs(deviation[:, None] * own[:, None] + mean[:, None]))
+    gaussian = 2.0 * np.square(rule.alone * (psi.probability @ brought)) @ (1.0 / rule.weight)
+    fourth = np.zeros(len(names))
+    for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
+        lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
+        energies = diameter**6 * np.einsum("vpk,lk->vpl", brought, lives)
+        fourth += probability * psi.probability @ np.square(energies) @ shares
+    errors = 0.5 * np.sqrt((gaussian + model.birth_rate * fourth) / distance)
+    return [error / sqrt(covariances(model).of(name)) for name, error in zip(names, errors.tolist(), strict=True)]

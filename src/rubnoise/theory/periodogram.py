@@ -101,7 +101,7 @@ _LONGEST = 4  # lengths of a segment beyond which a correlation is left out: a r
 _EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class EstimatedSpectrum:
     """The expectation of Welch's method for the real contact area, and the standard error of one estimate.
 
@@ -140,12 +140,8 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
     wavenumber, density = expected_periodogram(model, model.tick, window)
     errors = np.full(density.size, np.nan)
     if are_at_random(model) and model.pulse.offset == "none":
-        errors = welch_errors(model, window, count, step)
-        held = np.isfinite(errors)
-        errors[held] *= density[held]
-    return EstimatedSpectrum(
-        model=model, ticks=int(length), segments=count, wavenumber=wavenumber, density=density, standard_error=errors
-    )
+        errors = np.where(density > 0.0, density, 1.0) * welch_errors(model, window, count, step)
+    return EstimatedSpectrum(model, int(length), count, wavenumber, density, errors)
 
 
 def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Doubles:
@@ -174,16 +170,16 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
         turned = np.fft.fft(product)[2 * np.arange(mean.size) % n][held] / energy_of_window
         variance[held] += weight * (np.square(np.abs(ordinary)) + np.square(np.abs(turned)))
         shared += weight * float(product @ product) / energy_of_window**2
-    variance[held] += shared / (model.birth_rate * model.tick) * _scatter(model, mean.size, n)[held]
+    variance[held] += (
+        shared / (model.birth_rate * model.tick) * _scatter(model, segment_wavenumbers(model.tick, n)[held])
+    )
     return np.sqrt(variance)
 
 
-def _scatter(model: Model, bins: int, ticks: int) -> Doubles:
-    """Return E[|A^|^4] / E[|A^|^2]^2 at each bin."""
-    sizes, k = sizes_of(model.sizes, COARSE), segment_wavenumbers(model.tick, ticks)[:bins]
-    mean, fourth = np.zeros(bins), np.zeros(bins)
+def _scatter(model: Model, wavenumber: Doubles) -> Doubles:
+    """Return E[|A^|^4] / E[|A^|^2]^2 at each wavenumber."""
+    sizes, mean, fourth = sizes_of(model.sizes, COARSE), np.zeros(wavenumber.size), np.zeros(wavenumber.size)
     for diameter, share in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
-        own = diameter**6 * energy(model.pulse, k * diameter)
-        mean += share * own
-        fourth += share * np.square(own)
+        own = diameter**6 * energy(model.pulse, wavenumber * diameter)
+        mean, fourth = mean + share * own, fourth + share * np.square(own)
     return fourth / np.square(mean)

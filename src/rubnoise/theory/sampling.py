@@ -1,7 +1,6 @@
 """Standard errors of the figures of a finite record of area, friction force or motion, from theory alone."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import factorial, hypot, inf, nan, sqrt
 
@@ -10,30 +9,30 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model, Slider
-from rubnoise.theory.cumulants import AREA_ITSELF, area_cumulants, shot_cumulants
+from rubnoise.theory.cumulants import area_cumulants, shot_cumulants
 from rubnoise.theory.load import load_motion
 from rubnoise.theory.motion import (
     FORCE,
-    answers,
+    MOTION,
     contact_drive_of,
-    covariances,
     drive_of,
-    frequencies,
-    is_moved,
-    mean_displacement,
     response,
     separation_of,
-    spread_of,
+    spread_errors,
     strengths_of,
 )
-from rubnoise.theory.second_order import area_noise, joint_cumulant, lag_rule, need_random_births, resolved_error
-from rubnoise.theory.sizes import COARSE, sizes_of
-from rubnoise.theory.unit_pulse import pass_energies
+from rubnoise.theory.second_order import (
+    AREA_ITSELF,
+    area_noise,
+    joint_cumulant,
+    lag_rule,
+    need_random_births,
+)
 
 _ORDERS = 5  # 0 to 4
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class StandardErrors:
     """Standard errors of the moments of one record: mean and std in the quantity's unit, the others plain numbers."""
 
@@ -50,7 +49,7 @@ def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
 
 def mean_area_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error in um^2 of the mean of A_r: the root of `variance_of_time_mean`."""
-    return resolved_error(variance_of_time_mean(model, distance), model.stationary_mean_area)
+    return area_noise(model).error_of_mean(distance)
 
 
 def mean_force_error(model: Model, distance: float | None = None) -> float:
@@ -58,20 +57,19 @@ def mean_force_error(model: Model, distance: float | None = None) -> float:
 
     Under a load only the deviations of strengths err, and momentum bounds the mean of P. Refused without a strength.
     """
-    psi, noise = strengths_of(model), area_noise(model)
-    mean = psi.mean * model.stationary_mean_area
+    psi = strengths_of(model)
+    noise = area_noise(model, psi)
     if model.separation is None:
-        return resolved_error(noise.variance_of_mean(distance, psi.moment(2), psi.mean**2), mean)
-    deviations = resolved_error(noise.variance_of_mean(distance, spread_of(psi), 0.0), mean)
-    return deviations + psi.mean / model.separation.hardness * _mean_load_error(
-        model, distance or (model.tick_count + 1) * model.tick
-    )
+        return noise.error_of_mean(distance)
+    deviations = replace(noise, square=max(noise.square - noise.squared_mean, 0.0), squared_mean=0.0)
+    carried = _mean_load_error(model, distance or (model.tick_count + 1) * model.tick)
+    return deviations.error_of_mean(distance) + psi.mean / model.separation.hardness * carried
 
 
 def _mean_load_error(model: Model, distance: float) -> float:
     """Return a bound in uN of the standard error of the mean of P, whose mean less W is (m dz' + c dz)/T."""
     drive, motion = contact_drive_of(model), load_motion(model)
-    return carried_momentum(drive.slider, motion.separation_std, motion.velocity_std) * drive.speed / distance
+    return _carried_momentum(drive.slider, motion.separation_std, motion.velocity_std) * drive.speed / distance
 
 
 def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
@@ -103,11 +101,11 @@ def standard_errors(model: Model, distance: float | None = None, strengths: Law 
     scale = np.array([factorial(i) for i in range(_ORDERS)])
     covariances = (covariances * np.outer(scale, scale))[1:, 1:]
     g, b = cumulants.skewness, cumulants.excess_kurtosis + 3.0
-    influence = ([1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0])
-    mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in map(np.array, influence))
-    return StandardErrors(
-        mean=mean * cumulants.std, std=std * cumulants.std, skewness=skewness, excess_kurtosis=kurtosis
+    influence = np.array(
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0]]
     )
+    mean, std, skewness, kurtosis = np.sqrt(np.diag(influence @ covariances @ influence.T)).tolist()
+    return StandardErrors(mean * cumulants.std, std * cumulants.std, skewness, kurtosis)
 
 
 def _exponential(series: Doubles) -> Doubles:
@@ -122,7 +120,7 @@ def _exponential(series: Doubles) -> Doubles:
     return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class MotionErrors:
     """Standard errors over one run: mean and std of displacement in um, std of velocity in um/s."""
 
@@ -134,19 +132,17 @@ class MotionErrors:
 def expected_mean_displacement(model: Model, distance: float) -> float:
     """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
 
-    From equilibrium x_e = E[psi] mean A_r / k; from rest plus the mean decay of -x_e, (c (y(0) - y(T)) - m y'(T)) / (k
-    T).
+    From rest the mean decay of -x_e is missing, (c (y(0) - y(T)) - m y'(T)) / (k T), x_e being the mean.
     """
     from scipy.linalg import expm
 
-    drive = drive_of(model)
-    slider, still, duration = drive.slider, mean_displacement(model), distance / drive.speed
+    slider, still = drive_of(model).slider, response(model).mean_displacement
     if slider.start == "equilibrium":
         return still
+    duration = distance / drive_of(model).speed
     decay = np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
     y, velocity = expm(decay * duration)[:, 0].tolist()
-    missing = (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration)
-    return still * (1.0 - missing)
+    return still * (1.0 - (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration))
 
 
 def mean_displacement_error(model: Model, distance: float) -> float:
@@ -156,15 +152,15 @@ def mean_displacement_error(model: Model, distance: float) -> float:
     dx)/T. inf without damping.
     """
     drive, motion = drive_of(model), response(model)
-    slider = drive.slider
-    change = carried_momentum(slider, motion.displacement_std, motion.velocity_std) * drive.speed / distance
+    slider, rate = drive.slider, drive.speed / distance
+    change = _carried_momentum(slider, motion.displacement_std, motion.velocity_std) * rate
     if slider.excitation != "base":
         return (mean_force_error(model, distance) + change) / slider.stiffness
-    change += 2.0 * slider.damping * model.base_per_area * area_cumulants(model).std * drive.speed / distance
+    change += 2.0 * slider.damping * model.base_per_area * area_cumulants(model).std * rate
     return model.base_per_area * mean_area_error(model, distance) + change / slider.stiffness
 
 
-def carried_momentum(slider: Slider, std: float, velocity_std: float) -> float:
+def _carried_momentum(slider: Slider, std: float, velocity_std: float) -> float:
     """Return a bound in uN s of the spread of m dv + c dx over a run: of stationary motion plus a decaying start."""
     natural = slider.natural_angular_frequency
     start = hypot(std, velocity_std / natural)
@@ -180,35 +176,8 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     drive = drive_of(model)
     need_random_births(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
-        return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
-    errors = spread_errors(model, ("displacement", "velocity"), distance)
-    return MotionErrors(
-        mean_displacement=mean_displacement_error(model, distance), displacement_std=errors[0], velocity_std=errors[1]
-    )
-
-
-def spread_errors(model: Model, names: Sequence[str], distance: float) -> list[float]:
-    """Return the standard errors of the stds of some quantities over a run of many lives and decay times.
-
-    The variance of the mean of u^2 is (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
-    junction; the error is the root of that over 2 std u. Source: cumulants of filtered shot noise (Rice 1944).
-    """
-    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
-    psi = sizes_of(model.strengths or AREA_ITSELF, COARSE)
-    found = answers(model, rule.wavenumber, moved=is_moved(model))
-    own, mean = (np.stack([found[name][part] for name in names]) for part in (0, 1))
-    deviation = psi.diameter - float(psi.probability @ psi.diameter)
-    brought = rule.weight * np.square(np.abs(deviation[:, None] * own[:, None] + mean[:, None]))
-    density = rule.alone * (psi.probability @ brought)
-    gaussian = 2.0 * np.square(density) @ (1.0 / rule.weight)
-    fourth = np.zeros(len(names))
-    for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
-        lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
-        energies = diameter**6 * np.einsum("vpk,lk->vpl", brought, lives)
-        fourth += probability * psi.probability @ np.square(energies) @ shares
-    variance = (gaussian + model.birth_rate * fourth) / distance
-    stds = np.sqrt([covariances(model).of(name) for name in names])
-    return [float(each) for each in 0.5 * np.sqrt(variance) / stds]
+        return MotionErrors(inf, inf, inf)
+    return MotionErrors(mean_displacement_error(model, distance), *spread_errors(model, MOTION, distance))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -220,8 +189,8 @@ class LoadErrors:
     velocity_std: float
     load_mean: float
     load_std: float
-    force_mean: float
-    force_std: float
+    force_mean: float = nan
+    force_std: float = nan
 
 
 def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
@@ -231,22 +200,20 @@ def load_errors(model: Model, distance: float, *, from_start: bool = True) -> Lo
     squares of z' and P - W, as uncertain as it is large: for Gaussian z and z' at most sqrt(3) times as much.
     """
     contact, psi, motion = separation_of(model), model.strengths, load_motion(model)
-    names = ("separation", "normal_velocity", "load", *((FORCE,) if psi else ()))
-    errors = [*spread_errors(model, names, distance), nan]
     fast, excess = (sqrt(3.0) * each * from_start for each in _start_excess(model, distance))
-    force_std = nan
+    names = ("separation", "normal_velocity", "load", *((FORCE,) if psi else ()))
+    place, velocity, load, *force = spread_errors(model, names, distance)
+    mean_load, known = _mean_load_error(model, distance), {}
     if psi is not None:
-        own = psi.mean / contact.hardness
-        force_std = hypot(errors[3], own**2 * excess / (2.0 * sqrt(motion.covariances.of(FORCE))))
-    mean_load = _mean_load_error(model, distance)
+        part = (psi.mean / contact.hardness) ** 2 * excess / (2.0 * sqrt(motion.covariances.of(FORCE)))
+        known = {"force_mean": mean_force_error(model, distance), "force_std": hypot(force[0], part)}
     return LoadErrors(
         separation_mean=(contact.hardness * mean_area_error(model, distance) + mean_load) / contact.stiffness,
-        separation_std=errors[0],
-        velocity_std=hypot(errors[1], fast / (2.0 * motion.velocity_std)),
+        separation_std=place,
+        velocity_std=hypot(velocity, fast / (2.0 * motion.velocity_std)),
         load_mean=mean_load,
-        load_std=hypot(errors[2], excess / (2.0 * motion.load_std)),
-        force_mean=nan if psi is None else mean_force_error(model, distance),
-        force_std=force_std,
+        load_std=hypot(load, excess / (2.0 * motion.load_std)),
+        **known,
     )
 
 
@@ -257,8 +224,7 @@ def _start_excess(model: Model, distance: float) -> tuple[float, float]:
     y_0^2/2 + m y_0 y'_0 + m e/c)/K.
     """
     drive, motion = contact_drive_of(model), load_motion(model)
-    slider, square = drive.slider, motion.separation_std**2
+    slider, square, rate = drive.slider, motion.separation_std**2, drive.speed / distance
     energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
     decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) * slider.stiffness
-    rate = drive.speed / distance
     return energy / slider.damping * rate, decay * rate

@@ -12,19 +12,22 @@ Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); 
 (Daley and Vere-Jones 2003, section 8.2); Cox and Lewis, The Statistical Analysis of Series of Events (1966).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from math import ceil, floor, isfinite, pi, sqrt
+from math import ceil, isfinite, pi, sqrt
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.laws import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.sizes import (
-    Function,
+    Spline,
     is_one_size,
     longest_life,
     over_phases,
@@ -33,13 +36,14 @@ from rubnoise.theory.sizes import (
     sizes_of,
     table_over_sizes,
 )
-from rubnoise.theory.spline import Spline
 from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps
 
 _ROUNDING, _VISIBLE, _NO_POWER = 1e-12, 1e-26, 1e-32
 _MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
 _AGES, _PHASES, _MOST_LINES = 1 << 19, 4096, 1 << 18
 _RARE = 1e-12
+AREA_ITSELF: Final = Fixed(value=1.0)
+"""The strengths with which force is area."""
 
 
 def are_at_random(model: Model) -> bool:
@@ -51,11 +55,6 @@ def need_random_births(model: Model, quantity: str) -> None:
     """Raise Refused unless births are a Poisson process."""
     if not are_at_random(model):
         raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
-
-
-def is_one_life(model: Model) -> bool:
-    """Return whether all lives are equal."""
-    return is_one_size(model.sizes) and model.pulse.offset == "none"
 
 
 class BirthPart:
@@ -74,8 +73,9 @@ class BirthPart:
         spacings = ceil(2.0 * self._reach / self._spacing)
         self._step = spacings * self._spacing / _AGES
         mean_life, ages = np.zeros(_AGES), min(int(longest / self._step) + 2, _AGES)
-        age = self._step * np.arange(ages, dtype=np.float64)
-        mean_life[:ages] = table_over_sizes(model, life.mean, life.power)(age)
+        mean_life[:ages] = table_over_sizes(model, life.mean, life.power)(
+            self._step * np.arange(ages, dtype=np.float64)
+        )
         mean_life[0] *= 0.5  # by the trapezoidal rule, for a count that jumps at birth
         self._wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(_AGES, self._step), dtype=np.float64)
         self._squares = np.square(np.abs(np.fft.rfft(mean_life)) * self._step)
@@ -89,17 +89,16 @@ class BirthPart:
         self.power = power * model.births.line_share(self.wavenumber)
 
     @cached_property
-    def covariance(self) -> Function:
+    def covariance(self) -> Spline:
         """The part of births at lags >= 0 in um, lines apart; 0 beyond its reach."""
         births, rate = self._model.births, self._model.birth_rate
         values = np.fft.irfft(births.excess(self._wavenumber) * self._squares) / (self._step * rate)
         values[0] -= 0.25 * self._step * rate * self._jumps  # of births that jump, whose square has half the weight
         kept = int(self._reach / self._step) + 3
-        spline = Spline(self._step * np.arange(kept), values[:kept])
-        return lambda lag: np.where(lag < self._reach, spline(np.minimum(lag, self._reach)), 0.0)
+        return Spline(self._step * np.arange(kept + 1), np.append(values[:kept], 0.0))
 
     @cached_property
-    def lines(self) -> Function:
+    def lines(self) -> Callable[[Doubles], Doubles]:
         """2 sum of power cos(k_n tau) at lags tau >= 0 in um; of births that jump lam^2/k^2 has a known sum."""
         if self._jumps and is_one_life(self._model):
             return self._whole_lives
@@ -118,50 +117,66 @@ class BirthPart:
     def _whole_lives(self, lag: Doubles) -> Doubles:
         """Return the covariance of a whole number of equal lives and one more with probability f."""
         lives = longest_life(self._model) / self._spacing
-        f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives - floor(lives)
+        f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives % 1.0
         part = (lag / self._spacing) % 1.0
         return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
 
 
+_birth_part = lru_cache(maxsize=16)(BirthPart)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShotNoise:
-    """The sum over live junctions of d^power a(s/d): real contact area in um^2, or the live count.
+    """The sum over live junctions of psi d^power a(s/d): area in um^2, friction force in uN, or the live count.
 
-    Error some 1e-9 of the variance; of a count whose births are not at random 1e-6. ``square`` is E[psi^2] of
-    strengths, ``squared_mean`` E[psi]^2.
+    ``square`` is E[psi^2], ``squared_mean`` E[psi]^2. Error some 1e-9 of the variance; of a count whose births are not
+    at random 1e-6.
     """
 
     model: Model
     life: UnitLife
+    square: float = 1.0
+    squared_mean: float = 1.0
 
-    @cached_property
-    def single(self) -> Function:
-        """The covariance that each junction has with itself, lam E[int A(s) A(s + tau) ds], at lags >= 0 in um."""
-        return table_over_sizes(self.model, self.life.overlap, 2 * self.life.power + 1)
+    @property
+    def mean(self) -> float:
+        """The stationary mean."""
+        model = self.model
+        return sqrt(self.squared_mean) * (model.stationary_mean_area if self.life.power else model.mean_live_junctions)
 
-    @cached_property
-    def from_empty(self) -> Function:
-        """The mean at distances s >= 0 in um after an empty start, lam E[int_0^s A ds']."""
-        return table_over_sizes(self.model, self.life.so_far, self.life.power + 1)
+    def from_empty(self, distance: ArrayLike) -> Doubles:
+        """Return the mean at distances in um of any shape after an empty start, E[psi] lam E[int_0^s A ds']."""
+        grown = table_over_sizes(self.model, self.life.so_far, self.life.power + 1)
+        return sqrt(self.squared_mean) * grown(np.maximum(np.asarray(distance, dtype=np.float64), 0.0))
 
-    @cached_property
+    def expected_mean(self, distance: float) -> float:
+        """Return the expected mean over the first ``distance`` um, from the model's start."""
+        if self.model.start == "stationary":
+            return self.mean
+        reach = min(distance, longest_life(self.model))
+        place, weight = _graded(reach)
+        return float(weight @ self.from_empty(place) + (distance - reach) * self.mean) / distance
+
+    def single(self, lag: Doubles) -> Doubles:
+        """Return the covariance of each junction with itself, lam E[int A(s) A(s + tau) ds], at lags >= 0 in um."""
+        return table_over_sizes(self.model, self.life.overlap, 2 * self.life.power + 1)(lag)
+
+    @property
     def births(self) -> BirthPart:
         """What births that are not at random add."""
-        return BirthPart(self.model, self.life)
+        return _birth_part(self.model, self.life)
 
-    def density(
-        self, wavenumber: ArrayLike, square: float = 1.0, squared_mean: float = 1.0, *, exact: bool = True
-    ) -> Doubles:
+    def density(self, wavenumber: ArrayLike, *, exact: ArrayLike = True) -> Doubles:
         """Return the two-sided density between lines, k in rad/um; not ``exact``, without the swing of its tail."""
         k = np.abs(np.asarray(wavenumber, dtype=np.float64))
-        return square * self.alone(k, exact=exact) + squared_mean * self.together(k, exact=exact)
+        return self.square * self.alone(k, exact=exact) + self.squared_mean * self.together(k, exact=exact)
 
-    def alone(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+    def alone(self, wavenumber: Doubles, *, exact: ArrayLike = True) -> Doubles:
         """Return the part of single junctions in the density, lam E[|A^(k)|^2]."""
         unit = partial(energy, self.model.pulse)
         return self.model.birth_rate * over_phases(self.model.sizes, wavenumber, unit, 6, exact=exact).real
 
-    def together(self, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+    def together(self, wavenumber: Doubles, *, exact: ArrayLike = True) -> Doubles:
         """Return the part of births in the density, (S_N - lam) |E[A^(k)]|^2; 0 for births at random."""
         if are_at_random(self.model):
             return np.zeros_like(wavenumber)
@@ -171,21 +186,20 @@ class ShotNoise:
         mean_life = np.square(np.abs(over_phases(self.model.sizes, wavenumber, unit, 3, exact=exact)))
         return self.model.birth_rate * self.model.births.excess(wavenumber) * mean_life
 
-    def covariance(self, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
-        """Return the covariance at lags in um of any shape."""
+    def covariance(self, lag: ArrayLike) -> Doubles:
+        """Return the covariance at lags in um of any shape; at 0 the variance."""
         lags = np.abs(np.asarray(lag, dtype=np.float64))
-        found = self.unphased(lags, square, squared_mean)
-        return found + squared_mean * self.births.lines(lags) if self.has_lines else found
+        return self.unphased(lags) + (self.squared_mean * self.births.lines(lags) if self.has_lines else 0.0)
 
-    def unphased(self, lag: Doubles, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
+    def unphased(self, lag: Doubles) -> Doubles:
         """Return the covariance without the lines, at lags >= 0 in um: given the phase of regular births."""
         if are_at_random(self.model):
-            return square * self.single(lag)
+            return self.square * self.single(lag)
         if is_one_life(self.model) and isinstance(self.model.births, RegularBirths):
-            return (square - squared_mean) * self.single(lag)
-        return square * self.single(lag) + squared_mean * self.births.covariance(lag)
+            return (self.square - self.squared_mean) * self.single(lag)
+        return self.square * self.single(lag) + self.squared_mean * self.births.covariance(lag)
 
-    def variance_of_mean(self, distance: float | None, square: float = 1.0, squared_mean: float = 1.0) -> float:
+    def variance_of_mean(self, distance: float | None) -> float:
         """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`.
 
         A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2.
@@ -198,8 +212,12 @@ class ShotNoise:
             kept = np.sinc(ticks * missed) / np.sinc(missed)
         else:
             kept = np.sinc(turns * distance)
-        found = float(weights @ self.unphased(lags, square, squared_mean))
-        return found + 2.0 * squared_mean * float(power @ np.square(kept))
+        return float(weights @ self.unphased(lags)) + 2.0 * self.squared_mean * float(power @ np.square(kept))
+
+    def error_of_mean(self, distance: float | None) -> float:
+        """Return the root of `variance_of_mean`, or 0 if it is below 1e-12 of the mean, where it is rounding."""
+        error = sqrt(max(self.variance_of_mean(distance), 0.0))
+        return error if error > _ROUNDING * self.mean else 0.0
 
     @property
     def has_lines(self) -> bool:
@@ -212,13 +230,17 @@ class ShotNoise:
         return (self.births.wavenumber, self.births.power) if self.has_lines else (np.empty(0), np.empty(0))
 
 
-@lru_cache(maxsize=16)
-def area_noise(model: Model) -> ShotNoise:
-    """Return the second order of real contact area."""
-    return ShotNoise(model=model, life=area_life(model.pulse))
+def is_one_life(model: Model) -> bool:
+    """Return whether all lives are equal."""
+    return is_one_size(model.sizes) and model.pulse.offset == "none"
 
 
-@lru_cache(maxsize=16)
+def area_noise(model: Model, strengths: Law = AREA_ITSELF) -> ShotNoise:
+    """Return the second order of real contact area, or with strengths of friction force at constant separation."""
+    square, squared_mean = strengths.moment(2), strengths.mean**2
+    return ShotNoise(model=model, life=area_life(model.pulse), square=square, squared_mean=squared_mean)
+
+
 def count_noise(model: Model) -> ShotNoise:
     """Return the second order of the live count."""
     return ShotNoise(model=model, life=count_life(model.pulse))
@@ -298,20 +320,14 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
         step = np.arange(within + 1, dtype=np.float64)
         return step * model.tick, np.where(step > 0.0, 2.0 / ticks * (1.0 - step / ticks), 1.0 / ticks)
     length = ticks * model.tick if distance is None else distance
-    lag, weight = graded(min(length, reach))
+    lag, weight = _graded(min(length, reach))
     return lag, weight * (2.0 / length) * (1.0 - lag / length)
 
 
-def graded(reach: float) -> tuple[Doubles, Doubles]:
+def _graded(reach: float) -> tuple[Doubles, Doubles]:
     """Return lags in um and weights of a rule from 0 on, closer there: of lives unlike in length most are short."""
     place, weight = panels(np.linspace(0.0, 1.0, _LAG_PANELS + 1), 10)
     return reach * place**3, 3.0 * reach * place**2 * weight
-
-
-def resolved_error(variance: float, mean: float) -> float:
-    """Return the root of the variance of a mean, or 0 if it is below 1e-12 of the mean, where it is rounding."""
-    error = sqrt(max(variance, 0.0))
-    return error if error > _ROUNDING * mean else 0.0
 
 
 @lru_cache(maxsize=16)

@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import Pulse
-from rubnoise.theory.sizes import SETTLED, Function, panels
-from rubnoise.theory.spline import Spline
+from rubnoise.theory.sizes import SETTLED, Function, Spline, panels
 
 _LEVEL_FROM, _PARTED, _END = 20.0, 256.0, 328.0
 _TABLE = np.arange(328 * 64 + 1) / 64.0
 _STEP_BEFORE, _STEP_WIDTH = 70.0, 12.02  # phases within which a swing that is followed no longer fades
 _HANKEL_TERMS = 16
+Transform = Callable[[Doubles], Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,14 +43,14 @@ class UnitLife:
 @cache
 def area_life(pulse: Pulse) -> UnitLife:
     """Return the area of a pulse; relative error of each function about 1e-9 of its largest value."""
-    centred, lags = pulse.offset == "none", _lags(1024)
-    spline = Spline(lags, pulse.area(lags, 1.0) if centred else _off_centre_mean(pulse, lags))
-    grown = spline.antiderivative()
+    age = _lags(1024)
+    centred = pulse.offset == "none"
+    mean = Spline(age, pulse.area(age, 1.0) if centred else _off_centre_mean(pulse, age))
     return UnitLife(
         power=2,
         overlap=overlaps(pulse, 1, 1),
-        mean=(lambda t: pulse.area(t, 1.0)) if centred else _within(spline),
-        so_far=lambda t: grown(np.minimum(t, 2.0)),
+        mean=(lambda t: pulse.area(t, 1.0)) if centred else mean,
+        so_far=mean.antiderivative(),
         amplitude=partial(amplitude, pulse),
     )
 
@@ -58,16 +58,12 @@ def area_life(pulse: Pulse) -> UnitLife:
 @cache
 def count_life(pulse: Pulse) -> UnitLife:
     """Return the count of a life: 1 until it ends."""
-
-    def mean(t: Doubles) -> Doubles:
-        if pulse.offset == "none":
-            return (t < 2.0).astype(np.float64)
-        return np.asarray(np.sqrt(np.maximum(1.0 - 0.25 * t * t, 0.0)), dtype=np.float64)
-
     return UnitLife(
         power=0,
         overlap=pulse.lives_left,
-        mean=mean,
+        mean=(lambda t: np.heaviside(2.0 - t, 0.0))
+        if pulse.offset == "none"
+        else (lambda t: np.sqrt(np.maximum(1.0 - 0.25 * t * t, 0.0))),
         so_far=lambda t: pulse.mean_life - pulse.lives_left(t),
         amplitude=lambda z: 2.0 * np.sin(z) / z,
     )
@@ -79,10 +75,6 @@ def _lags(count: int) -> Doubles:
     return np.concatenate([turned, 1.0 + turned[1:]])
 
 
-def _within(spline: Spline) -> Function:
-    return lambda t: np.where(t < 2.0, spline(np.minimum(t, 2.0)), 0.0)
-
-
 @lru_cache(maxsize=64)
 def overlaps(pulse: Pulse, i: int, j: int) -> Function:
     """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter as a spline.
@@ -90,7 +82,7 @@ def overlaps(pulse: Pulse, i: int, j: int) -> Function:
     Error some 1e-9 of the largest value of q_11, and 1e-6 of higher powers, which errors of errors need.
     """
     lags = _lags((1024 if pulse.offset == "none" else 256) if i == j == 1 else 128)
-    return _within(Spline(lags, _overlaps_at(pulse, lags, i, j)))
+    return Spline(lags, _overlaps_at(pulse, lags, i, j))
 
 
 def _overlaps_at(pulse: Pulse, lags: Doubles, i: int, j: int, nodes: tuple[int, int] = (12, 24)) -> Doubles:
@@ -135,13 +127,13 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
 
 
 def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own, by a table and far out by its parts."""
-    near = np.asarray(_near(pulse)(np.minimum(phase, _PARTED)), dtype=np.float64)
-    if np.all(phase <= _PARTED):
-        return near
-    far = np.maximum(phase, _PARTED)
-    middle, ends = _parts(pulse, far)
-    return np.where(phase <= _PARTED, near, middle + 2.0 * (ends * np.exp(1j * far)).real)
+    """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own: Struve's function takes long."""
+    if pulse.shape != "lens":
+        return amplitude(pulse, phase)
+    found, far = np.asarray(_near(pulse)(phase), dtype=np.float64), phase > _PARTED
+    middle, ends = _parts(pulse, phase[far])
+    found[far] = middle + 2.0 * (ends * np.exp(1j * phase[far])).real
+    return found
 
 
 def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
@@ -169,8 +161,13 @@ def _near(pulse: Pulse) -> Spline:
         return Spline(_TABLE, amplitude(pulse, _TABLE))
     lag, weight = panels(np.linspace(0.0, 2.0, 21), 32, rooted=True)
     mass = 2.0 * weight * _overlaps_at(pulse, lag, 1, 1, nodes=(24, 32))
-    rows = [np.cos(np.multiply.outer(some, lag)) @ mass for some in np.array_split(_TABLE, 64)]
-    return Spline(_TABLE, np.concatenate(rows) * (9.0 + _TABLE**2) ** 2.5)
+    return Spline(_TABLE, _transform(_TABLE, lag, mass).real * (9.0 + _TABLE**2) ** 2.5)
+
+
+def _transform(phase: Doubles, place: Doubles, mass: Doubles) -> Complexes:
+    """Return the sum of mass times exp(-i z place) at phases z."""
+    rows = [np.exp(-1j * np.multiply.outer(some, place)) @ mass for some in np.array_split(phase, 64)]
+    return np.concatenate(rows)
 
 
 def energy(pulse: Pulse, phase: ArrayLike, settled: float | Doubles = inf) -> Doubles:
@@ -179,17 +176,17 @@ def energy(pulse: Pulse, phase: ArrayLike, settled: float | Doubles = inf) -> Do
     Error below 1e-7 of its value up to z = 16. From the phase ``settled`` on, at least 160, the swing of the tail is
     left out: the integral against what is smooth over z = 10 stays the same. Off the centre line that is 328 at most.
     """
-    z, table = np.asarray(phase, dtype=np.float64), _near(pulse)
-    if pulse.offset == "none":
-        return _faded(z, settled, lambda near: np.square(_amplitude(pulse, near)), partial(level, pulse)).real
 
-    def followed(near: Doubles) -> Doubles:
-        return np.asarray(table(near) / (9.0 + near * near) ** 2.5, dtype=np.float64)
+    def followed(z: Doubles) -> Doubles:
+        if pulse.offset == "none":
+            return np.square(_amplitude(pulse, z))
+        return np.asarray(_near(pulse)(z) / (9.0 + z * z) ** 2.5, dtype=np.float64)
 
-    return _faded(z, np.minimum(settled, _END), followed, partial(level, pulse)).real
+    last = settled if pulse.offset == "none" else np.minimum(settled, _END)
+    return _faded(np.asarray(phase, dtype=np.float64), last, followed, partial(_level, pulse)).real
 
 
-def level(pulse: Pulse, phase: Doubles) -> Doubles:
+def _level(pulse: Pulse, phase: Doubles) -> Doubles:
     """Return the energy about which the swing of the tail turns, for z from 20 on; error some z^-6 of it."""
     if pulse.offset != "none":
         factor, power = pulse.tail
@@ -198,9 +195,7 @@ def level(pulse: Pulse, phase: Doubles) -> Doubles:
     return np.asarray(np.square(middle) + 2.0 * np.square(np.abs(birth)), dtype=np.float64)
 
 
-def _faded(
-    z: Doubles, settled: float | Doubles, followed: Callable[[Doubles], Any], rest: Callable[[Doubles], Any]
-) -> Complexes:
+def _faded(z: Doubles, settled: float | Doubles, followed: Transform, rest: Transform) -> Complexes:
     """Return one function up to some phases and another from 70 before ``settled`` on, by an error function."""
     from scipy.special import erfc
 
@@ -220,11 +215,7 @@ def from_birth(pulse: Pulse, phase: Doubles, settled: float | Doubles = inf) -> 
     """
     if pulse.offset != "none":
         return _faded(phase, SETTLED, _mean_from_birth(pulse), np.zeros_like)
-
-    def followed(z: Doubles) -> Complexes:
-        return np.asarray(np.exp(-1j * z) * _amplitude(pulse, z), dtype=np.complex128)
-
-    return _faded(phase, settled, followed, lambda z: _parts(pulse, z)[1])
+    return _faded(phase, settled, lambda z: np.exp(-1j * z) * _amplitude(pulse, z), lambda z: _parts(pulse, z)[1])
 
 
 @cache
@@ -232,8 +223,7 @@ def _mean_from_birth(pulse: Pulse) -> Spline:
     """Return the transform of the mean life off the centre line up to z = 161, by quadrature over ages."""
     age, weight = panels(np.linspace(0.0, 2.0, 9), 48, rooted=True)
     mass, z = weight * area_life(pulse).mean(age), _TABLE[_TABLE < SETTLED + 1.0]
-    rows = [np.exp(-1j * np.multiply.outer(some, age)) @ mass for some in np.array_split(z, 16)]
-    return Spline(z, np.concatenate(rows))
+    return Spline(z, _transform(z, age, mass))
 
 
 def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
@@ -243,9 +233,9 @@ def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
     """
     if pulse.offset == "none":
         return energy(pulse, phase)[None], np.ones(1)
-    z, rows, share = _passes(pulse)
+    z, rows, shares = _passes(pulse)
     near = np.stack([np.interp(phase, z, row) for row in rows])
-    return np.where(phase < z[-1], near, energy(pulse, phase, SETTLED)), share
+    return np.where(phase < z[-1], near, energy(pulse, phase, SETTLED)), shares
 
 
 @cache
@@ -253,8 +243,10 @@ def _passes(pulse: Pulse) -> tuple[Doubles, list[Doubles], Doubles]:
     """Return phases up to 32, squared transforms there of passes at offsets sin(phi), and their probabilities."""
     phi, weight = panels(0.5 * np.pi * np.array([0.0, 0.001, 0.01, 0.1, 1.0]), 8)
     place, mass = panels([0.0, 0.02, 0.15, 1.0], 32, rooted=True)
-    z, rows = np.arange(0.0, 32.01, 0.02), []
-    for half, offset in zip(np.cos(phi).tolist(), np.sin(phi).tolist(), strict=True):
-        area = 2.0 * half * mass * overlap(np.hypot(half * place, offset), pulse)
-        rows.append(np.square(np.cos(np.multiply.outer(z, half * place)) @ area))
-    return z, rows, weight * np.cos(phi)
+    z, halves = np.arange(0.0, 32.01, 0.02), np.cos(phi)
+    areas = [
+        2.0 * half * mass * overlap(np.hypot(half * place, np.sin(turn)), pulse)
+        for half, turn in zip(halves, phi, strict=True)
+    ]
+    rows = [np.square(_transform(z, half * place, area).real) for half, area in zip(halves, areas, strict=True)]
+    return z, rows, weight * halves
