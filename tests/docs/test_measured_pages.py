@@ -170,13 +170,13 @@ def test_wrong_runs_are_outside_and_right_ones_are_not() -> None:
     name = "diameters 1 % larger"
     assert "diameter_mean" in detection.outside(BY_NAME[name], 3000.0, 1)
     assert detection.outside(detection.Fault(name="none"), 3000.0, 1) == []
-    assert "life_mean_area" in detection.outside(detection.Fault(name="small", area=0.981), 3000.0, 1)
+    assert "area_from_rows" in detection.outside(detection.Fault(name="small", area=0.981), 3000.0, 1)
 
 
 @pytest.mark.parametrize(
     ("fault", "found", "said"),
     [
-        ("stiffness 2 % larger", (["x"] * 12, []), "stiffness 2 % larger: 12 of 20 runs of 50 mm are outside, too few"),
+        ("stiffness 2 % larger", (["x"] * 12, []), "stiffness 2 % larger: 12 of 20 runs of 49 mm are outside, too few"),
         ("stiffness 2 % larger", (["x"] * 20, ["x"] * 13), "13 of 20 runs of 12 mm are outside, too many"),
         ("an empty start", (["x"] * 20, []), "an empty start: start_count does not show it"),
     ],

@@ -202,7 +202,6 @@ def test_the_theory_of_centred_passes_rejects_it(run: Model, through: Pulse) -> 
     """The control: centred passes of the same mean life and births, as many and as large."""
     found = compared(run, replace(run, pulse=through))
     assert scores_off_centre(found)["real_contact_area_mean"] < -REJECTED
-    assert {identity.name for identity in found.identities if not identity.holds} >= {"area_from_rows"}
     bands = [z for name, z in scores_off_centre(found).items() if name.startswith("spectrum")]
     assert bands[-1] < -REJECTED
 
