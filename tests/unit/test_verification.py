@@ -365,13 +365,8 @@ def test_without_their_random_numbers_rows_still_agree_with_themselves(result: P
 
 def off_by(by: Callable[[NDArray[Any]], NDArray[Any]], monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the engine sum areas up wrongly from now on."""
-    deposit = area.deposit
-
-    def wrong(*given: Any, **how: Any) -> Any:
-        found = deposit(*given, **how)
-        return type(found)(total=by(found.total), moments=found.moments)
-
-    monkeypatch.setattr(area, "deposit", wrong)
+    right = area.sum_at_places
+    monkeypatch.setattr(area, "sum_at_places", lambda *given: by(right(*given)))
 
 
 def test_a_fault_of_the_engine_itself_is_seen_by_the_textbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

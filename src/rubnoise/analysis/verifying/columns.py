@@ -19,7 +19,7 @@ from rubnoise.record.reader import Chunk, HashedReader, Reader, Rows, chunks, co
 from rubnoise.record.rows import JunctionState, junction_columns, junction_states, natural_death
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.simulation.free.scales import Scales
-from rubnoise.simulation.kernels import peak_areas
+from rubnoise.simulation.kernel import peak_areas
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.life_curve import life_tables
 from rubnoise.storage.schema import HASH
