@@ -269,6 +269,7 @@ ALLOWED = {
     "simulation/ticks.py _error **": "decides a whole number only: how often a tick is divided",
     "simulation/ticks.py _liveliness **": "decides a whole number only: how often a tick is divided",
     "simulation/ticks.py _rates **": "decides a whole number only: how often a tick is divided",
+    "simulation/kernel.py lobatto np.linalg": "of constants, within what a computed column may differ",
     "simulation/kernel.py _lens_series **": "of constants, within what a computed column may differ",
     "simulation/kernel.py _lens_series np.cumprod": "likewise",
     "simulation/extent.py extent sum": "of whole numbers",

@@ -339,7 +339,7 @@ def _lives(shape: Shape, rows: LiveRows, weight: Doubles) -> tuple[int, Lives]:
     if rows.offset is not None and shape == "parabola":
         weight, diameter = weight * (half / diameter) * (half / diameter), half
     elif rows.offset is not None:
-        number, aside = OFF_CENTRE_LENS, (rows.offset / diameter) ** 2
+        number, aside = OFF_CENTRE_LENS, np.square(rows.offset / diameter)
     return number, (rows.birth, half, rows.death, 1.0 / diameter, aside, weight)
 
 
