@@ -28,7 +28,6 @@ from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constant
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks, start
 from rubnoise.simulation.extent import extent
-from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.two_way import lived
@@ -220,7 +219,7 @@ def coupled(
     told: list[MotionRows] = []
     block, place, junctions = before.block, before.next_birth, before.junctions
     earlier = earlier or partial(lived, model, seed)
-    motion = CoupledMotion(model, numbers, state, Scratch(0), earlier, cells)
+    motion = CoupledMotion(model, numbers, state, earlier, cells)
     while not motion.finished:
         born, known, reached = LiveRows.none(), np.inf, 0.0 if block == 0 else place
         if place <= model.distance:
@@ -240,7 +239,7 @@ def coupled(
         for border in [*borders, known]:
             told.extend(motion.through(born, border))
         if resumed:
-            motion = CoupledMotion(model, numbers, motion.state, Scratch(0), earlier, cells)
+            motion = CoupledMotion(model, numbers, motion.state, earlier, cells)
             motion.finished = known == np.inf
     return _told(told, motion.state, numbers, begin)
 
@@ -255,9 +254,7 @@ def among(
     numbers = constants(model, tolerance)
     state = CoupledState.start(model, numbers, junctions)
     state.numbers[layout.DISPLACEMENT] = displacement
-    motion = CoupledMotion(
-        model, numbers, replace(state, covered=-np.inf), Scratch(0), lambda _begin, _end: LiveRows.none()
-    )
+    motion = CoupledMotion(model, numbers, replace(state, covered=-np.inf), lambda _begin, _end: LiveRows.none())
     told: list[MotionRows] = []
     places = np.linspace(0.0, model.distance, 51)[1:-1].tolist()
     for known in [*places, np.inf]:

@@ -121,12 +121,27 @@ def golden(source: Path = ROOT) -> dict[str, dict[str, Any]]:
 
 
 def differing(found: Mapping[str, Any], expected: Mapping[str, Any]) -> list[str]:
-    """Return the names of the hashes that are not what they should be, or are on one side alone."""
+    """Return the names of the hashes and values that are not what they should be, or are on one side alone."""
     one, other = dict(_flat(found, "")), dict(_flat(expected, ""))
-    return [name for name in sorted(one.keys() | other.keys()) if one.get(name) != other.get(name)]
+    return [name for name in sorted(one.keys() | other.keys()) if not _alike(name, one.get(name), other.get(name))]
 
 
-def _flat(tree: Mapping[str, Any], name: str) -> Iterator[tuple[str, str]]:
+def _alike(name: str, one: Any, other: Any) -> bool:
+    """Return whether hashes are equal, or values that follow the number of rows and the largest within 1e-10 of it.
+
+    A slider that pushes back magnifies what rounds differently, at every stick, to 2e-5 within a second. A velocity is
+    all rounding where the force is constant, so the largest counts as 10 um or um/s at least.
+    """
+    if not (isinstance(one, list) and isinstance(other, list)) or len(one) < 3:
+        return bool(one == other)
+    bound = max(other[1], 10.0) * (2e-5 if "two-way" in name else 1e-10)
+    return len(one) == len(other) and all(
+        abs(a - b) <= bound or (a != a and b != b)  # noqa: PLR0124  (not a number)
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _flat(tree: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
     for key, value in tree.items():
         place = f"{name}, {key}".removeprefix(", ")
         yield from _flat(value, place) if isinstance(value, dict) else [(place, value)]

@@ -16,7 +16,7 @@ SOURCES = (
     "contact/plain_deviates.py",
     "simulation/coupled/*.py",
     "simulation/free/*.py",
-    "simulation/kernels/*.py",
+    "simulation/kernel.py",
     "simulation/slider.py",
     "surface/*.py",
 )
@@ -41,12 +41,12 @@ def compiled(function: Any) -> Any:
     return _kept(function)
 
 
-def compiled_bare(function: Any) -> Any:
-    """Compile a function likewise that makes no arrays, not even in what is compiled into it.
+def compiled_bare(function: Any, *, fuse: bool = False) -> Any:
+    """Compile a function likewise that makes no arrays; with ``fuse`` the compiler may fuse products with sums.
 
     This saves counting references to its arrays, which takes as long as some hundred steps of arithmetic.
     """
-    return _kept(function, **_BARE)
+    return _kept(function, fastmath={"contract"} if fuse else False, **_BARE)
 
 
 def compiled_within(function: Any) -> Any:
@@ -157,7 +157,7 @@ intrinsic: Callable[[Any], Any] = extending.intrinsic
 def fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:
     """Return factor * other + term, rounded once, by one instruction or else by a slow function with the same bits.
 
-    The compiler is never left to choose where to fuse.
+    Except in the kernel, the compiler is not left to choose where to fuse.
     """
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:

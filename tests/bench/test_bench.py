@@ -25,8 +25,6 @@ from bench.plan import FULL, QUICK
 from bench.results import Results
 from bench.two_way import CoupledTimings
 
-from rubnoise.simulation.kernels.fine import FINEST
-
 # The benchmark's judge: a right result passes, and one that is a little wrong does not.
 ELSEWHERE = {"peers.superposed"}
 """Their libraries are in the benchmark's environment only."""
@@ -103,16 +101,6 @@ def test_kernels_are_fed_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not list(found.faults())
     assert {kernel.OURS, "numba loops"} <= set(found.timings)
     assert kernel.ROOTS not in found.errors
-
-
-def test_the_kernel_adds_every_life_also_those_too_short_for_series(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = Case(junctions=200, ticks_per_life=2.0 * FINEST)
-    monkeypatch.setattr(kernel, "CASE", case)
-    _, diameter = Drawn(case, seed=1).rows()
-    assert 0 < (diameter < FINEST * case.tick).sum() < diameter.size
-    found = kernel.measured(repeats=1)
-    assert found.errors[kernel.OURS] <= checks.AREA_BOUND
-    assert not list(found.faults())
 
 
 def test_rubnoise_is_right_at_every_number_of_ticks_and_junctions_that_is_timed(tmp_path: Path) -> None:

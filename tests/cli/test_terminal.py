@@ -25,7 +25,7 @@ from rubnoise.cli.commands import escaped, escaping
 from rubnoise.cli.layout import cut, groups_that_fit, line, remark, sentence, table_row
 from rubnoise.cli.progress import Watcher, announce_compilation_by_workers, watching, watching_reads
 from rubnoise.errors import RunStopped
-from rubnoise.simulation.kernels import coarse
+from rubnoise.simulation import kernel
 from rubnoise.storage.objects import REMEDY
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import (
@@ -361,7 +361,7 @@ def test_a_sweep_announces_what_its_workers_compile(monkeypatch: pytest.MonkeyPa
         patch.setattr("rubnoise.compiling.is_kept", lambda _kernel: True)
         announce_compilation_by_workers()
         assert said == []
-    monkeypatch.setattr(coarse, "deposit_coarse_lives", numba.njit(coarse.deposit_coarse_lives.py_func))
+    monkeypatch.setattr(kernel, "add_areas", numba.njit(kernel.add_areas.py_func))
     announce_compilation_by_workers()
     assert said == ["compiling"]
 

@@ -103,7 +103,7 @@ def test_a_small_score_is_no_kill() -> None:
 @pytest.mark.parametrize(
     ("file", "feeds"),
     [
-        ("simulation/kernels/taylor.py", True),
+        ("simulation/kernel.py", True),
         ("simulation/slider.py", True),
         ("compiling.py", True),
         ("simulation/run.py", False),

@@ -345,13 +345,8 @@ def test_random_numbers_of_another_version_are_not_drawn(result: Path) -> None:
 
 def off_by(by: Callable[[NDArray[Any]], NDArray[Any]], monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the engine sum areas up wrongly from now on."""
-    deposit = area.deposit
-
-    def wrong(*given: Any, **how: Any) -> Any:
-        found = deposit(*given, **how)
-        return type(found)(total=by(found.total), moments=found.moments)
-
-    monkeypatch.setattr(area, "deposit", wrong)
+    right = area.sum_at_places
+    monkeypatch.setattr(area, "sum_at_places", lambda *given: by(right(*given)))
 
 
 def test_rows_of_another_machine_that_differ_name_both(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:

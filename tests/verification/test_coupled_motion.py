@@ -14,7 +14,6 @@ from rubnoise.simulation.coupled.fold import CoupledMotion, constants, look_back
 from rubnoise.simulation.coupled.motion import advance
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
-from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.two_way import lived, past
 from tests.frozen import examples
@@ -128,7 +127,7 @@ def test_after_a_breakaway_the_slider_moves_on() -> None:
     run = model(distance=2000.0)
     numbers = constants(run, 1e-9)
     state = CoupledState.start(run, numbers, start(run, 3).live)
-    motion = CoupledMotion(run, numbers, state, Scratch(0), partial(lived, run, 3))
+    motion = CoupledMotion(run, numbers, state, partial(lived, run, 3))
     # What comes at once, since a slider that sticks for ever tells landmarks for ever.
     told = next(motion.through(lived(run, 3, 0.0, 2000.0), np.inf)).landmarks
     slip = np.flatnonzero(told["kind"][:-1] == 1)
@@ -245,7 +244,7 @@ def test_no_more_is_told_at_once_the_longer_a_stick_is() -> None:
     run = model(distance=100.0, slider=soft)
     numbers = constants(run, 1e-9)
     state = CoupledState.start(run, numbers, start(run, 2).live)
-    motion = CoupledMotion(run, numbers, state, Scratch(0), partial(lived, run, 2))
+    motion = CoupledMotion(run, numbers, state, partial(lived, run, 2))
     sizes = [told.slider["time"].size for told in motion.through(lived(run, 2, 0.0, 100.0), np.inf)]
     assert sum(sizes) > 100_000
     assert max(sizes) <= 65_536
@@ -325,6 +324,6 @@ def test_a_step_that_cannot_be_found_is_said() -> None:
     numbers = constants(run, 1e-9)
     numbers[[6, 8]] = -1.0, 0.0
     state = CoupledState.start(run, numbers, start(run, 1).live)
-    motion = CoupledMotion(run, numbers, state, Scratch(0), partial(lived, run, 1))
+    motion = CoupledMotion(run, numbers, state, partial(lived, run, 1))
     with pytest.raises(ArithmeticError, match="no step of the slider is right to its tolerance near 0 um, 0 s"):
         list(motion.through(lived(run, 1, 0.0, 10.0), np.inf))

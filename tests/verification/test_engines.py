@@ -19,10 +19,9 @@ from rubnoise.errors import Refused
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
-from rubnoise.simulation import draws, slider, ticks
+from rubnoise.simulation import draws, kernel, slider, ticks
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import LiveJunctions
-from rubnoise.simulation.kernels import coarse, fine, grid, lens, triangle
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import finished, simulate
 from rubnoise.simulation.state import LiveRows
@@ -286,15 +285,7 @@ def test_rows_are_written_once_and_in_order():
 
 
 # Every kernel is compiled for one kind of arrays only: a second kind would cost seconds in the middle of a run.
-KERNELS = (
-    fine.deposit_by_chunks,
-    coarse.deposit_coarse_lives,
-    lens.deposit_fine_moments,
-    triangle.deposit_areas,
-    triangle.deposit_moments,
-    slider.advance_slider,
-    grid.count_live,
-)
+KERNELS = (kernel.add_areas, kernel.add_cells, kernel.add_values, kernel.count_changes, slider.advance_slider)
 KINDS_OF_RUNS = (
     model(distance=600.0, tick=0.5),
     model(distance=30.0, tick=0.5, speed=20.0),
@@ -316,7 +307,7 @@ def counted() -> set[int]:
         for engine in ("events", "batch"):
             recorded(run, engine=engine)
     recorded(model(distance=600.0, tick=0.05), intervene=_end_all)
-    return {len(kernel.signatures) for kernel in KERNELS}
+    return {len(each.signatures) for each in KERNELS}
 
 
 def _end_all(env: Environment, live: LiveJunctions) -> ProcessGenerator:

@@ -9,9 +9,7 @@ from bench.case import Case, Doubles, Drawn
 from bench.checks import AREA_BOUND, beyond, relative_error
 from bench.clock import Task, Timing, interleaved
 from bench.peers import c_kernel, naive_numpy, numba_loops
-from rubnoise.simulation.kernels import deposit
-from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
-from rubnoise.simulation.kernels.grid import Grid
+from rubnoise.simulation.kernel import sum_at_places
 from rubnoise.simulation.state import LiveRows
 
 CASE = Case(junctions=20_000)
@@ -21,7 +19,6 @@ REPETITIONS = 3
 ROOTS = "C, square roots alone"
 WAYS = {"C, the same polynomial": "polynomial", "C, textbook formula": "textbook", ROOTS: "roots"}
 OURS = "rubnoise"
-BY_TICK = "rubnoise, tick by tick"
 NUMBA = "numba loops"
 Fill = Callable[[Doubles], None]
 
@@ -46,7 +43,6 @@ def fills(case: Case, birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
     count = np.zeros(case.ticks.size)
     found: dict[str, Fill] = {
         OURS: _by_the_door(case, birth, diameter, weight),
-        BY_TICK: _by_tick(case, birth, diameter, weight),
         NUMBA: lambda total: numba_loops.add_pulses(birth, diameter, case.tick, total, count),
     }
     if c_kernel.available():
@@ -56,29 +52,14 @@ def fills(case: Case, birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
 
 
 def _by_the_door(case: Case, birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
-    """Return our way, as in a run: by the one door, which chooses between series and single ticks life by life."""
-    grid, whole = Grid.around(0, case.ticks.size, case.tick), np.full(birth.size, np.inf)
+    """Return our way, as in a run."""
+    whole = np.full(birth.size, np.inf)
     rows = LiveRows(
         junction=np.arange(birth.size), birth=birth, diameter=diameter, strength=np.ones(birth.size), departure=whole
     )
 
     def fill(total: Doubles) -> None:
-        total += deposit("lens", grid, rows, weight, None).total
-
-    return fill
-
-
-def _by_tick(case: Case, birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
-    """Return our way for lives of few ticks."""
-    grid, nothing = Grid.around(0, case.ticks.size, case.tick), np.empty(0)
-    wanted, whole = grid.wanted, np.zeros(grid.position.size)
-    where = (grid.position, grid.spacing, wanted.start, wanted.stop)
-    lives = (birth, diameter, np.full(birth.size, np.inf), weight)
-
-    def fill(total: Doubles) -> None:
-        whole[:] = 0.0
-        deposit_coarse_lives(*where, *lives, nothing, whole, nothing, 1)
-        total += whole[wanted]
+        total += sum_at_places("lens", rows, weight, 0, case.ticks.size, case.tick)
 
     return fill
 

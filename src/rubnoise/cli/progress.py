@@ -231,9 +231,9 @@ def announce_compilation() -> None:
 def announce_compilation_by_workers() -> None:
     """Print a message that workers will compile the kernels, if their machine code is not kept yet."""
     from rubnoise.compiling import is_kept
-    from rubnoise.simulation.kernels import coarse
+    from rubnoise.simulation.kernel import add_areas
 
-    if not is_kept(coarse.deposit_coarse_lives):
+    if not is_kept(add_areas):
         _say_compiling()
 
 

@@ -7,9 +7,9 @@ motion under their force, for /slider and /load. The sink takes all rows; if the
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -19,20 +19,15 @@ from rubnoise.record.rows import junction_columns, junction_states
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
-from rubnoise.simulation.kernels import Scratch, peak_areas
+from rubnoise.simulation.kernel import peak_areas
 from rubnoise.simulation.load import MovingSeparation
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.slider import Propagator, SliderMotion
 from rubnoise.simulation.state import MOVING, LiveRows, State
-from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, TickRange, tick_ranges
+from rubnoise.simulation.ticks import TickRange, tick_ranges
 
 if TYPE_CHECKING:
     from rubnoise.simulation.two_way import TwoWayMotion
-
-SCRATCH_NUMBERS: Final = 12 * LARGEST_TICK_RANGE
-"""Size of the scratch memory, in numbers; most of it is never touched. A usual system takes free memory at the end of
-the heap back if it is more than twice the largest piece ever freed. If the scratch were smaller, that would be all
-arrays of a tick range after each run, and the next run would have to allocate them again."""
 
 Motion = SliderMotion | MovingSeparation
 
@@ -72,7 +67,6 @@ class RunSetup:
     play: Play
     watch: Watch | None = None
     notifier: Notifier | None = None
-    scratch: Scratch = field(default_factory=partial(Scratch, SCRATCH_NUMBERS))
 
 
 def next_state(run: RunSetup, state: State) -> State:
@@ -130,14 +124,14 @@ def _motion(run: RunSetup, state: State) -> Motion | None:
         return None
     moving = {name: getattr(state, name) for name in MOVING}
     if run.model.separation is not None:
-        return MovingSeparation(run.model, run.model.separation, run.constants, run.scratch, **moving)
-    return SliderMotion(run.model, run.constants, run.scratch, **moving)
+        return MovingSeparation(run.model, run.model.separation, run.constants, **moving)
+    return SliderMotion(run.model, run.constants, **moving)
 
 
 def _two_way(run: RunSetup, state: State) -> "TwoWayMotion":
     from rubnoise.simulation.two_way import TwoWayMotion  # takes long to load, and few runs need it
 
-    return TwoWayMotion(run.model, run.seed, run.sink, run.scratch, state, run.notifier)
+    return TwoWayMotion(run.model, run.seed, run.sink, state, run.notifier)
 
 
 def _moving(
@@ -150,15 +144,13 @@ def _moving(
         return None
     if isinstance(motion, MovingSeparation):
         return partial(_write_load, slider)
-    return lambda tick_range, rows, found: slider.append(motion.through(tick_range, rows, found))
+    return lambda _range, _rows, found: slider.append(motion.through(found))
 
 
 def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, rows: LiveRows) -> Sample:
-    # If a cell is a whole tick, the sample also gives the moments of the force that the motion needs.
-    moving = run.constants is not None and run.constants.cells_per_tick == 1
-    found = sample(run.model, rows, tick_range, run.scratch if moving else None)
+    found = sample(run.model, rows, tick_range, 0 if run.constants is None else run.constants.cells_per_tick)
     if isinstance(motion, MovingSeparation):
-        found = motion.through(tick_range, rows, found)  # /trace has the force after the load has changed it
+        found = motion.through(found)  # /trace has the force after the load has changed it
     run.sink.write("trace", tick_range.first, found.columns)
     if run.watch is not None:
         born = int(rows.junction[-1]) + 1 if len(rows) else 0

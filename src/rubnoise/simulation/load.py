@@ -5,9 +5,8 @@ friction force, less what it loses when the separation grows, drives the slider.
 four numbers.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,9 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, fused
-from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model, Separation
-from rubnoise.simulation.area import ForceMoments, Sample, cell_moments, over_cells
-from rubnoise.simulation.kernels import Scratch
+from rubnoise.simulation.area import Sample
 from rubnoise.simulation.slider import Propagator, Rows, linear_propagator
-from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import TickRange
 
 
 def load_propagator(model: Model, held: Separation, cells_per_tick: int) -> Propagator:
@@ -86,24 +81,21 @@ def advance_load(
 
 @dataclass(slots=True)
 class MovingSeparation:
-    """A moving separation and its slider: their positions (um) and velocities (um/s) at the last finished tick.
-
-    ``scratch``: memory for the moments of cells that are not ticks.
-    """
+    """A moving separation and its slider: their positions (um) and velocities (um/s) at the last finished tick."""
 
     model: Model
     held: Separation
     constants: Propagator
-    scratch: Scratch
     displacement: float
     velocity: float
     separation: float
     separation_velocity: float
-    _others: Scratch = field(default_factory=partial(Scratch, 0))
 
-    def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> Sample:
+    def through(self, sample: Sample) -> Sample:
         """Move through the cells of a tick range; return its sample after that, with columns of /slider and /load."""
-        areas, forces = self._moments(tick_range, rows, sample)
+        areas, forces = sample.area, sample.force
+        if areas is None or forces is None:
+            raise ValueError("a sample without the moments that drive the separation")
         every = self.constants.cells_per_tick
         states = np.empty((4, areas.moments.shape[1] // every + 1))
         states[:, 0] = self.displacement, self.velocity, self.separation, self.separation_velocity
@@ -150,17 +142,3 @@ class MovingSeparation:
                 "velocity": v.copy(),
             }
         return replace(sample, columns=trace, moved=moved)
-
-    def _moments(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> tuple[ForceMoments, ForceMoments]:
-        """Return the moments of area and of force over the cells that end in a tick range."""
-        model, cells = self.model, self.constants.cells_per_tick
-        psi, square = model.strengths, rows.diameter * rows.diameter
-        equal = psi is None or isinstance(psi, Fixed)
-        force = over_cells(sample, tick_range)
-        if force is None:
-            weight = square if equal else rows.strength * square
-            force = cell_moments(model, rows, weight, tick_range, cells, self.scratch)
-        if not equal:
-            return cell_moments(model, rows, square, tick_range, cells, self._others), force
-        areas = replace(force, unit=tick_range.tick / cells)
-        return areas, replace(areas, unit=areas.unit * (1.0 if psi is None else psi.mean))

@@ -15,10 +15,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, fused
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.area import ForceMoments, Sample, cell_moments, over_cells
-from rubnoise.simulation.kernels import Scratch
-from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import TickRange
+from rubnoise.simulation.area import CellMoments, Sample
 
 _DIGITS: Final = 150
 _MOMENTS: Final = 3
@@ -143,24 +140,22 @@ class SliderMotion:
         self,
         model: Model,
         constants: Propagator,
-        scratch: Scratch,
         displacement: float,
         velocity: float,
         separation: float = 0.0,
         separation_velocity: float = 0.0,
     ) -> None:
-        """Start from a state; ``scratch``: for the moments of cells that are not ticks. The separation is constant."""
+        """Start from a state; the separation is constant."""
         self._model = model
         self._constants = constants
-        self._scratch = scratch
         self.displacement = displacement
         self.velocity = velocity
         self.separation, self.separation_velocity = separation, separation_velocity
 
-    def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> dict[str, NDArray[Any]]:
+    def through(self, sample: Sample) -> dict[str, NDArray[Any]]:
         """Move through the cells of a tick range and return the columns of /slider at its ticks."""
         every = self._constants.cells_per_tick
-        force = self._force(tick_range, rows, sample)
+        force = self._force(sample)
         displacement = np.empty(force.moments.shape[1] // every + 1)
         velocity = np.empty_like(displacement)
         displacement[0], velocity[0] = self.displacement, self.velocity
@@ -179,12 +174,10 @@ class SliderMotion:
             columns |= {"base_displacement": base, "velocity": velocity[at_ticks] + slider.damping / slider.mass * base}
         return columns
 
-    def _force(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> ForceMoments:
-        square, cells = rows.diameter * rows.diameter, self._constants.cells_per_tick
-        if self._model.base_per_area > 0.0:
-            area = cell_moments(self._model, rows, square, tick_range, cells, self._scratch)
-            return replace(area, unit=area.unit * self._model.base_per_area)
-        weight = rows.strength * square
-        return over_cells(sample, tick_range) or cell_moments(
-            self._model, rows, weight, tick_range, cells, self._scratch
-        )
+    def _force(self, sample: Sample) -> CellMoments:
+        driving = sample.force if self._model.base_per_area == 0.0 else sample.area
+        if driving is None:
+            raise ValueError("a sample without the moments that drive the slider")
+        if self._model.base_per_area == 0.0:
+            return driving
+        return replace(driving, unit=driving.unit * self._model.base_per_area)

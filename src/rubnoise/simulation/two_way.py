@@ -21,7 +21,6 @@ from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, first_birth, start
-from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import Stream, generator, uniforms
@@ -119,11 +118,10 @@ class TwoWayMotion:
         model: Model,
         seed: int,
         sink: Sink,
-        scratch: Scratch,
         state: State,
         notifier: Notifier | None = None,
     ) -> None:
-        """Continue from a state; scratch: memory for the moments of the field."""
+        """Continue from a state."""
         self._model, self._sink, self._notifier = model, sink, notifier
         numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
         begun: TwoWayState | None = state.motion
@@ -132,7 +130,7 @@ class TwoWayMotion:
         if begun is None:
             self._write_junctions(LiveRows.none(), self._times)
         self._constants = numbers
-        self._motion = CoupledMotion(model, numbers, past.motion, scratch, partial(lived, model, seed))
+        self._motion = CoupledMotion(model, numbers, past.motion, partial(lived, model, seed))
         self._slider = Appender(sink, "slider", state.slider_rows)
         self._landmarks = Appender(sink, "landmarks", past.landmarks)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from bench.case import Case, Doubles
-from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS
+from rubnoise.simulation.kernel import LENS
 
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
 """The last two let gcc make vector instructions of a loop with sqrt and a choice in it."""
@@ -25,7 +25,7 @@ def available() -> bool:
 @cache
 def library() -> ctypes.CDLL:
     """Return the compiled program; raises CalledProcessError where gcc refuses."""
-    coefficients = ",".join(map(repr, AREA_COEFFICIENTS))
+    coefficients = ",".join(map(repr, LENS))
     source = Path(__file__).with_name("kernel.c")
     with TemporaryDirectory() as folder:
         target = Path(folder) / "kernel.so"

@@ -13,9 +13,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.contact.pulses import Shape
-from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES, POWERS
-from rubnoise.simulation.kernels import Grid, Scratch, deposit
-from rubnoise.simulation.kernels.lanes import (
+from rubnoise.simulation.coupled.lanes import (
     fused,
     larger,
     load,
@@ -26,7 +24,15 @@ from rubnoise.simulation.kernels.lanes import (
     store,
     where_above,
 )
-from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS, FIRST_INTEGRAL_COEFFICIENTS, horner
+from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES, POWERS
+from rubnoise.simulation.kernel import (
+    LENS,
+    LENS_SHAPE,
+    PARABOLA_SHAPE,
+    SHAPES,
+    area_over_square,
+    sum_over_cells,
+)
 from rubnoise.simulation.state import LiveRows
 
 Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles]
@@ -34,10 +40,6 @@ Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles]
 
 Part = tuple[float, Doubles, Doubles, int, int]
 """A gathered cell: 2 over its width, `far`, `near`, the number of near lives, and the shape."""
-
-LENS_SHAPE, TRIANGLE_SHAPE, PARABOLA_SHAPE = range(3)
-SHAPES: Final = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE, "parabola": PARABOLA_SHAPE}
-"""Number of each pulse shape in compiled code."""
 
 GROUP: Final = 8
 """Largest number of cells that one step takes; ranges begin and end at multiples of it."""
@@ -48,6 +50,7 @@ misses about (5.8 + 8.2)^-8."""
 
 _QUARTER_TURN: Final = 0.25 * np.pi
 _FOUR_THIRDS: Final = 4.0 / 3.0
+_LENS_INTEGRAL: Final = tuple(c / (n + 2.5) for n, c in enumerate(LENS))
 
 AGE, SIZE, INVERSE, SHARE = range(4)
 """Columns of the lives that are evaluated one by one: age at the cell's origin, d, 1/d, psi d^2."""
@@ -70,11 +73,10 @@ class ForceField:
     lives: Lives
 
     @classmethod
-    def over(cls, pulse: Shape, rows: LiveRows, first: int, end: int, spacing: float, scratch: Scratch) -> Self:
+    def over(cls, pulse: Shape, rows: LiveRows, first: int, end: int, spacing: float) -> Self:
         """Return the field of rows over a range of cells."""
         weight = rows.strength * (rows.diameter * rows.diameter)
-        grid = Grid.around(first + 1, end + 1, spacing)
-        moments = deposit(pulse, grid, rows, weight, scratch, areas=False).moments
+        _, moments = sum_over_cells(pulse, rows, weight, first, end, spacing)
         reach = np.maximum.accumulate(rows.birth + 2.0 * rows.diameter)
         none = np.zeros(NODES)
         return cls(
@@ -82,7 +84,7 @@ class ForceField:
             end=end,
             spacing=spacing,
             shape=SHAPES[pulse],
-            moments=np.ascontiguousarray(moments),
+            moments=moments,
             rows=rows,
             lives=(
                 np.concatenate([rows.birth, none + np.inf]),
@@ -122,7 +124,7 @@ def near_index(ordered: Doubles, place: float, guess: int) -> int:
 def _fraction(u: Any, shape: int) -> Any:
     """Return the area over d^2 in lanes; u in [0, 1] is the distance from the nearer end of the life, over d."""
     if shape == LENS_SHAPE:
-        return (u * root(u)) * polynomial(AREA_COEFFICIENTS, u)
+        return (u * root(u)) * polynomial(LENS, u)
     if shape == PARABOLA_SHAPE:
         return (u * (spread(2.0) - u)) * spread(_QUARTER_TURN)
     return u * spread(_QUARTER_TURN)
@@ -196,14 +198,7 @@ def force_in_cell(offset: float, part: Part) -> float:
     size = len(near) // 4
     for n in range(count):
         s = (offset + near[AGE * size + n]) * near[INVERSE * size + n]
-        u = max(min(s, 2.0 - s), 0.0)
-        if shape == LENS_SHAPE:
-            area = u * np.sqrt(u) * horner(AREA_COEFFICIENTS, u)
-        elif shape == PARABOLA_SHAPE:
-            area = u * (2.0 - u) * _QUARTER_TURN
-        else:
-            area = u * _QUARTER_TURN
-        total += near[SHARE * size + n] * area
+        total += near[SHARE * size + n] * area_over_square(shape, 1.0 - s, 0.0)
     return total
 
 
@@ -213,7 +208,7 @@ def _integral(s: Any, shape: int) -> Any:
     one, two, none = spread(1.0), spread(2.0), spread(0.0)
     u = larger(smaller(s, two - s), none)
     if shape == LENS_SHAPE:
-        rise = ((u * u) * root(u)) * polynomial(FIRST_INTEGRAL_COEFFICIENTS, u)
+        rise = ((u * u) * root(u)) * polynomial(_LENS_INTEGRAL, u)
         return where_above(one, s, spread(2.0 / 3.0) - rise, rise)
     if shape == PARABOLA_SHAPE:
         rise = ((u * u) * (one - u * spread(1.0 / 3.0))) * spread(_QUARTER_TURN)

@@ -16,7 +16,6 @@ from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
 from rubnoise.simulation.coupled.quadrature import NODES, TABLE
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.coupled.steps import WORK
-from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import coupled_spacing
 
@@ -62,14 +61,12 @@ class CoupledMotion:
         model: Model,
         constants: Doubles,
         state: CoupledState,
-        scratch: Scratch,
         earlier: Earlier,
         cells: int = _CELLS,
     ) -> None:
         """Start from a state; ``earlier``: returns junctions behind the carried ones; ``cells``: cells of a range."""
         self._model = model
         self._constants = constants
-        self._scratch = scratch
         self._earlier = earlier
         self._cells = max(cells // GROUP * GROUP, 2 * _BEHIND)
         self.state = state
@@ -141,7 +138,7 @@ class CoupledMotion:
         state, constants = self.state, self._constants
         width = float(constants[layout.SPACING])
         living, births, deaths = self._living(float(begin) * width, float(end) * width)
-        field = ForceField.over(self._model.pulse.shape, living, begin, end, width, self._scratch)
+        field = ForceField.over(self._model.pulse.shape, living, begin, end, width)
         order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
         whole, numbers = state.whole.copy(), state.numbers.copy()
         whole[layout.BORN] = len(living) - np.count_nonzero(np.isnan(births))

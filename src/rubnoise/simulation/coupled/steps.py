@@ -19,6 +19,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, compiled_within, inlined
 from rubnoise.simulation.coupled.field import Part, force_in_lanes
+from rubnoise.simulation.coupled.lanes import fused, larger, load, root, spread, store
 from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, SlipStart, Workspace
 from rubnoise.simulation.coupled.quadrature import (
     BOTH,
@@ -35,7 +36,6 @@ from rubnoise.simulation.coupled.quadrature import (
     THREE_WEIGHTS,
     WEIGHTS,
 )
-from rubnoise.simulation.kernels.lanes import fused, larger, load, root, spread, store
 
 # Results of a step in ``work``: eight numbers each.
 SPEED, PASSED, TIME, FORCE, GROWTH, PUSH, PACE = 16, 24, 32, 40, 48, 56, 64

@@ -174,42 +174,6 @@ def where_above(typing_context: Any, low: Any, high: Any, yes: Any, no: Any) -> 
     return LANES(LANES, LANES, LANES, LANES), generate
 
 
-def _moved(typing_context: Any, one: Any, other: Any, by: int) -> tuple[Any, Generate]:
-    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        del context, sig
-        return _shuffled(builder, values[0], values[1], list(range(by, by + WIDTH)))
-
-    del typing_context, one, other
-    return LANES(LANES, LANES), generate
-
-
-@intrinsic
-def summed(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
-    """Return the sum of all eight, halves first: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))."""
-
-    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        del context, sig
-        (rest,) = values
-        for by in (4, 2, 1):
-            rest = builder.fadd(rest, _shuffled(builder, rest, rest, [(n + by) % WIDTH for n in range(WIDTH)]))
-        return builder.extract_element(rest, ir.Constant(ir.IntType(32), 0))
-
-    del typing_context, lanes
-    return float64(LANES), generate
-
-
-@intrinsic
-def one_before(typing_context: Any, before: Any, lanes: Any) -> tuple[Any, Generate]:
-    """Return each lane's left neighbour; that of the first lane is the last lane of ``before``."""
-    return _moved(typing_context, before, lanes, WIDTH - 1)
-
-
-@intrinsic
-def one_after(typing_context: Any, lanes: Any, after: Any) -> tuple[Any, Generate]:
-    """Return each lane's right neighbour; that of the last lane is the first lane of ``after``."""
-    return _moved(typing_context, lanes, after, 1)
-
-
 @inlined
 def polynomial(coefficients: tuple[float, ...], x: Any) -> Any:
     """Return c_0 + c_1 x + ... in every lane, by Horner's rule."""

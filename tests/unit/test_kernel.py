@@ -1,0 +1,170 @@
+"""The compiled kernel: areas against the formulas, moments of cells against a slow twin, bits, and counts."""
+
+from itertools import pairwise
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.contact.pulses import PULSES
+from rubnoise.simulation.kernel import LENS, count_live, lobatto, peak_areas, sum_at_places, sum_over_cells
+from rubnoise.simulation.state import LiveRows
+from tests.oracle.second.sums import off_centre_fraction
+
+Doubles = NDArray[np.float64]
+SHAPES = ["lens", "triangle", "parabola", "off-centre lens", "off-centre parabola"]
+EVERY_SHAPE = pytest.mark.parametrize("name", SHAPES)
+
+
+def lives(name: str, birth: Any, diameter: Any, departure: Any = np.inf, offset: Any = 0.0) -> LiveRows:
+    """Return rows; offsets (in diameters) count for passes off the centre line only."""
+    birth, diameter, departure, offset = np.broadcast_arrays(*np.atleast_1d(birth, diameter, departure, offset))
+    return LiveRows(
+        junction=np.arange(birth.size),
+        birth=birth.astype(float),
+        diameter=diameter.astype(float),
+        strength=np.ones(birth.size),
+        departure=departure.astype(float),
+        offset=offset * diameter if name.startswith("off") else None,
+    )
+
+
+def fraction(name: str, x: float, aside: float) -> float:
+    """Return the area over d^2 at x d from mid-life, of a pass at aside d from the centre line."""
+    if name == "off-centre lens":
+        return off_centre_fraction(x, aside)
+    if name == "off-centre parabola":
+        return max(0.25 * np.pi * (1.0 - x * x - aside * aside), 0.0)
+    return float(PULSES[name].area(1.0 - abs(x), 1.0))
+
+
+def of_one_life(name: str, rows: LiveRows, row: int, places: Doubles) -> Doubles:
+    """Return the area of a life at places, by the formula."""
+    half, diameter, begin = rows.half_life[row], rows.diameter[row], rows.birth[row]
+    aside = 0.0 if rows.offset is None else rows.offset[row] / diameter
+    there = (places >= begin) & (places < rows.death[row])
+    x = (places - begin - half) / diameter
+    return np.array([diameter**2 * fraction(name, a, aside) if b else 0.0 for a, b in zip(x, there, strict=True)])
+
+
+def moments_of_one_life(name: str, rows: LiveRows, row: int, cells: int) -> Doubles:
+    """The slow twin: Legendre moments over the cells from 0 on, by Gauss nodes in pieces between all landmarks."""
+    half, begin, end = rows.half_life[row], rows.birth[row], rows.death[row]
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    q, middle = 0.5 + 0.5 * nodes, begin + half
+    near = half * np.geomspace(1e-6, 0.5, 24)
+    landmarks = np.concatenate([[begin, middle, end], middle - near, middle + near])
+    found = np.zeros((3, cells))
+    for cell in range(max(int(begin) - 1, 0), min(int(end) + 2, cells)):
+        low, high = max(cell, begin), min(cell + 1, end)
+        cuts = np.unique([low, *landmarks[(landmarks > low) & (landmarks < high)], high]) if low < high else []
+        for a, b in pairwise(cuts):
+            s = a + (b - a) * q * q * (3.0 - 2.0 * q)
+            share = 0.5 * weights * (b - a) * 6.0 * q * (1.0 - q) * of_one_life(name, rows, row, s)
+            z = 2.0 * (s - cell) - 1.0
+            found[:, cell] += share.sum(), (share * z).sum(), (share * (1.5 * z * z - 0.5)).sum()
+    return found
+
+
+@pytest.mark.parametrize("u", [1e-9, 1e-3, 0.1, 0.5, 0.999, 1.0])
+def test_the_series_of_the_lens_is_the_lens(u: float) -> None:
+    with mpmath.workdps(40):
+        x = 1 - mpmath.mpf(u)
+        exact = (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
+        found = mpmath.mpf(u) ** 1.5 * sum(c * mpmath.mpf(u) ** n for n, c in enumerate(LENS))
+        assert abs(found / exact - 1) < 2e-14
+
+
+@EVERY_SHAPE
+@pytest.mark.parametrize("diameter", [0.03, 1.0, 5.53, 240.0])
+def test_area_follows_the_formula_over_a_life(name: str, diameter: float) -> None:
+    rows, spacing = lives(name, 3.7 * diameter, diameter, offset=0.3), diameter / 977.0
+    first, end = 3500, 5700
+    found = sum_at_places(name.rsplit(maxsplit=1)[-1], rows, rows.diameter**2, first, end, spacing)  # type: ignore[arg-type]
+    expected = of_one_life(name, rows, 0, np.arange(first, end) * spacing)
+    # The formula off the centre line loses digits next to the ends.
+    assert np.abs(found - expected).max() < (1e-12 if name == "off-centre lens" else 2e-14) * diameter**2
+    assert found.max() > 0.4 * diameter**2
+
+
+BOUNDS = {4.7: 2e-6, 11.3: 2e-7, 27.5: 2e-8, 110.5: 1e-9}
+"""Largest error of the mean over a cell, by the cells in a diameter; the others matter less, and err more."""
+
+
+@EVERY_SHAPE
+@pytest.mark.parametrize("diameter", BOUNDS)
+@pytest.mark.parametrize("phase", [0.0, 0.13, 0.5, 0.97])
+@pytest.mark.parametrize("offset", [0.002, 0.04, 0.7])
+def test_moments_of_cells_are_those_of_quadrature(name: str, diameter: float, phase: float, offset: float) -> None:
+    if offset != 0.04 and not name.startswith("off"):
+        pytest.skip("a pass through both centres has no offset")
+    rows, cells = lives(name, 3.0 + phase, diameter, offset=offset), int(2.0 * diameter) + 8
+    shape: Any = name.rsplit(maxsplit=1)[-1]
+    _, found = sum_over_cells(shape, rows, np.ones(1), 0, cells, 1.0)
+    error = np.abs(found - moments_of_one_life(name, rows, 0, cells) / diameter**2)
+    bound = BOUNDS[diameter] if "lens" in name else 1e-13
+    assert (error.max(axis=1) < bound * np.array([1.0, 4.0, 50.0])).all()
+    assert error[0].sum() < 2.0 * bound
+
+
+@EVERY_SHAPE
+@pytest.mark.parametrize("share", [0.002, 0.01, 0.31, 0.99, 1.0, 1.01, 1.31, 1.99])
+@pytest.mark.parametrize("diameter", [0.4, 2.6, 40.3])
+def test_a_life_that_is_ended_early_acts_until_then(name: str, share: float, diameter: float) -> None:
+    half = lives(name, 3.2, diameter, offset=0.4).half_life[0]
+    rows, cells = lives(name, 3.2, diameter, 3.2 + share * half, offset=0.4), int(2.0 * diameter) + 8
+    shape: Any = name.rsplit(maxsplit=1)[-1]
+    _, found = sum_over_cells(shape, rows, np.ones(1), 0, cells, 1.0)
+    expected = moments_of_one_life(name, rows, 0, cells) / diameter**2
+    assert np.abs(found - expected).max() < (1e-7 if diameter > 4.0 else 1e-6)
+
+
+def crowd(name: str) -> LiveRows:
+    source = np.random.default_rng(8)
+    count = 1200
+    diameter = np.concatenate([source.uniform(0.05, 6.0, count - 2), [0.01, 30.0]])
+    birth = -10.0 + np.cumsum(source.exponential(0.5, count))
+    departure = np.where(source.random(count) < 0.2, birth + source.uniform(0.0, 2.0, count) * diameter, np.inf)
+    return lives(name, birth, diameter, departure, source.uniform(-1.0, 1.0, count))
+
+
+@EVERY_SHAPE
+@pytest.mark.parametrize("cuts", [[700], [1, 2, 65, 4100, 9000], list(range(37, 9900, 613))])
+def test_no_bit_depends_on_where_a_run_is_cut(name: str, cuts: list[int]) -> None:
+    rows, spacing, shape = crowd(name), 0.05, name.rsplit(maxsplit=1)[-1]
+    weight = rows.diameter**2
+    total, moments = sum_over_cells(shape, rows, weight, 0, 10_000, spacing)  # type: ignore[arg-type]
+    assert np.array_equal(total[:-1], sum_at_places(shape, rows, weight, 0, 10_000, spacing))  # type: ignore[arg-type]
+    for first, end in pairwise([0, *cuts, 10_000]):
+        # Only who is alive there is handed over, as a block hands over its rows.
+        some = np.flatnonzero((rows.birth <= end * spacing) & (rows.death > first * spacing))
+        here = rows.at(some), weight[some], first, end, spacing
+        part, of_part = sum_over_cells(shape, *here)  # type: ignore[arg-type]
+        assert np.array_equal(part, total[first : end + 1])
+        assert np.array_equal(of_part, moments[:, first:end])
+
+
+@EVERY_SHAPE
+def test_one_place_within_a_cell_is_enough_for_long_lives(name: str) -> None:
+    rows, shape = lives(name, 3.3, 130.4, offset=0.3), name.rsplit(maxsplit=1)[-1]
+    two, one = (sum_over_cells(shape, rows, np.ones(1), 0, 270, 1.0, within)[1] for within in (2, 1))  # type: ignore[arg-type]
+    assert np.abs(two - one)[0].max() < 1e-7
+    assert lobatto(1)[1][0] == pytest.approx(np.array([1.0, 4.0, 1.0]) / 6.0)
+    assert lobatto(2)[1][0] == pytest.approx(np.array([1.0, 5.0, 5.0, 1.0]) / 12.0)
+
+
+def test_a_junction_counts_from_its_birth_until_it_is_gone() -> None:
+    birth, departure = np.array([-3.0, 0.5, 2.0, 2.0, 9.0]), np.array([1.0, 4.0, np.inf, 2.0, 9.5])
+    assert count_live(0, 8, 1.0, birth, departure).tolist() == [1, 1, 2, 2, 1, 1, 1, 1]
+    assert count_live(3, 5, 1.0, birth, departure).tolist() == [2, 1]
+
+
+@pytest.mark.parametrize("shape", ["lens", "parabola"])
+def test_the_largest_area_is_that_at_mid_life(shape: Any) -> None:
+    name, offset = f"off-centre {shape}", np.linspace(-0.99, 0.99, 7)
+    rows = lives(name, 0.0, 4.0, offset=offset)
+    found = peak_areas(shape, rows.diameter, offset * 4.0)
+    middle = [of_one_life(name, rows, row, rows.half_life[row : row + 1])[0] for row in range(7)]
+    assert found == pytest.approx(middle, rel=1e-12)
