@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from simpy import Environment
 
 import rubnoise
 from rubnoise.contact.overlap import junction_area
@@ -18,7 +19,8 @@ from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.simulation import draws
-from rubnoise.simulation.intervention import Intervening
+from rubnoise.simulation.junctions import Processes
+from rubnoise.simulation.state import LiveRows
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import call, names
 from tests.unit.tampering import tell
@@ -168,13 +170,15 @@ def test_an_intervention_knows_nothing_of_blocks(scenario: Scenario) -> None:
 
 
 def test_a_clock_made_anew_in_a_block_would_be_seen(scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = Intervening.clock
+    play = Processes.__call__
 
-    def forgetful(self: Intervening, begin: float) -> Any:
-        self._clock, self._started = None, False
-        return clock(self, begin)
+    def forgetful(self: Processes, **block: Any) -> LiveRows:
+        if block["state"].block > 0:
+            self._env = Environment(block["state"].begin)
+            self._start()
+        return play(self, **block)
 
-    monkeypatch.setattr(Intervening, "clock", forgetful)
+    monkeypatch.setattr(Processes, "__call__", forgetful)
     places: list[float] = []
     rubnoise.simulate(scenario, intervene=waits(places))
     assert not np.allclose(np.remainder([place + 1.0 for place in places if place > 0.0], 7.0), 1.0)

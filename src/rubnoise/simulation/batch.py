@@ -29,8 +29,8 @@ def play_at_once(
     sample: Callable[[TickRange, LiveRows], Sample],
     move: Callable[[TickRange, LiveRows, Sample], None] | None,
     ended: Ended | None = None,
-) -> tuple[LiveRows, int]:
-    """Fill the tick ranges of one block; return its rows, carried ones first, and 0 for the number of events.
+) -> LiveRows:
+    """Fill the tick ranges of one block; return its rows, carried ones first.
 
     ``ended``: says where an intervention ended lives, if the run had one and is replayed.
     """
@@ -51,4 +51,4 @@ def play_at_once(
         found = sample(tick_range, seen)
         if move is not None:
             move(tick_range, seen, found)
-    return rows, 0
+    return rows

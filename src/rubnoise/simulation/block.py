@@ -48,8 +48,8 @@ class Play(Protocol):
         run_end: float,
         sample: Callable[[TickRange, LiveRows], Sample],
         move: Callable[[TickRange, LiveRows, Sample], None] | None,
-    ) -> tuple[LiveRows, int]:
-        """Sample every tick range, then move the slider through it; return all rows and the number of events.
+    ) -> LiveRows:
+        """Sample every tick range, then move the slider through it; return all rows.
 
         The carried rows come first, then the newborn ones; each has its departure if its life has ended.
         """
@@ -79,7 +79,7 @@ def next_state(run: RunSetup, state: State) -> State:
     motion = _motion(run, state)
     two_way = _two_way(run, state) if run.model.is_two_way else None
     slider = Appender(run.sink, "slider", state.slider_rows)
-    rows, events = run.play(
+    rows = run.play(
         state=state,
         births_of_block=births,
         born=born,
@@ -100,7 +100,6 @@ def next_state(run: RunSetup, state: State) -> State:
         next_birth=births.next_birth,
         junctions=state.junctions + len(births),
         ticks=ticks,
-        events=state.events + events,
         live=_carried(rows, natural, (ticks - 1) * run.model.tick),
         slider_rows=slider.rows if two_way is None else two_way.slider_rows,
         **{name: getattr(state if motion is None else motion, name) for name in MOVING},

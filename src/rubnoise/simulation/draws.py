@@ -238,7 +238,6 @@ def start(model: Model, seed: int) -> State:
         next_birth=first_birth(model, seed),
         junctions=len(live),
         ticks=0,
-        events=0,
         live=live,
         displacement=model.equilibrium_displacement,
         velocity=_carried_velocity(model, live),

@@ -28,7 +28,7 @@ _NUMBER, _BIRTH, _DEATH, _OVERLAP, _SHARE = range(5)
 _ROWS: Final = 5
 """Rows of a touch: its summit, begin and end (um; infinite outside the run), largest overlap (s_0), and share."""
 
-PlayTouches = Callable[[float, float, Doubles, Doubles], int]
+PlayTouches = Callable[[float, float, Doubles, Doubles], None]
 """Plays the touches of a block; called with its begin and end and those of each touch (um); returns the event count."""
 
 
@@ -72,7 +72,8 @@ class _Block:
         rows = next(self._run.through(model.tick_count))
         self._write_ticks(rows)
         touches, final = self._touches(rows), state.ticks + rows.ticks.shape[1] > model.tick_count
-        events = 0 if play is None else self._among_events(play, touches, final=final)
+        if play is not None:
+            self._among_events(play, touches, final=final)
         known, waiting = self._known(touches, final=final)
         self._write_junctions(known)
         landmarks = self._write_landmarks(rows)
@@ -85,7 +86,6 @@ class _Block:
             next_birth=self._origin(state.block + 1),
             junctions=state.junctions + known.shape[1],
             ticks=state.ticks + rows.ticks.shape[1],
-            events=state.events + events,
             live=LiveRows.none(),
             slider_rows=state.slider_rows + rows.ticks.shape[1] * (model.slider is not None),
             displacement=float(x),
@@ -151,12 +151,12 @@ class _Block:
         share = [ended[columns.TOUCH_SHARE], alive[held.SHARE]]
         return np.array([np.concatenate(each) for each in (number, birth, death, overlap, share)])
 
-    def _among_events(self, play: PlayTouches, touches: Doubles, *, final: bool) -> int:
+    def _among_events(self, play: PlayTouches, touches: Doubles, *, final: bool) -> None:
         begin = self._origin(self._state.block)
         end = self._model.distance if final else self._origin(self._state.block + 1)
         made, lost = (np.clip(touches[each], begin, end) for each in (_BIRTH, _DEATH))
         order = np.lexsort((touches[_NUMBER], made))
-        return play(begin, end, made[order], lost[order])
+        play(begin, end, made[order], lost[order])
 
     def _known(self, touches: Doubles, *, final: bool) -> tuple[Doubles, Doubles]:
         """Return the touches whose rows can be written, in order of birth, and the ended ones that must wait."""

@@ -11,7 +11,7 @@ from simpy.events import ProcessGenerator
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
-from rubnoise.simulation.process import DistanceClock, LiveSet
+from rubnoise.simulation.live_set import LiveSet
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,17 +38,10 @@ class LiveJunctions:
     1
     """
 
-    def __init__(self, pulse: Pulse) -> None:
-        """Start with no live junctions; ``pulse`` gives the areas."""
-        self._pulse = pulse
+    def __init__(self, pulse: Pulse, env: Environment, live: LiveSet) -> None:
+        """Show the live junctions of a run; ``pulse`` gives the areas."""
+        self._pulse, self._env, self._live = pulse, env, live
         self._ended: set[int] = set()
-
-    def look_at(self, env: Environment, live: LiveSet) -> None:
-        """Use the junctions of a block from now on."""
-        self._env, self._live = env, live
-        for number in self._ended & live.processes.keys():  # ended by an observer's function at a block's very end
-            live.processes[number].interrupt()
-        self._ended &= live.processes.keys()
 
     def __len__(self) -> int:
         return len(self._live.processes.keys() - self._ended)
@@ -83,37 +76,15 @@ Intervention = Callable[[Environment, LiveJunctions], ProcessGenerator]
 """A SimPy process function of the user: called with the environment, whose clock is in um, and the live junctions."""
 
 
-class Intervening:
-    """One intervention in all blocks of a run; its clock and queue are kept from block to block."""
-
-    def __init__(self, intervention: Intervention, pulse: Pulse) -> None:
-        """Store the intervention; the first call of ``join`` starts it."""
-        self._intervention = intervention
-        self._live = LiveJunctions(pulse)
-        self._clock: DistanceClock | None = None
-        self._started = False
-
-    def clock(self, begin: float) -> DistanceClock:
-        """Return the clock, set to the begin of a block (um); events that the intervention waits for stay queued."""
-        if self._clock is None:
-            self._clock = DistanceClock(begin)
-        else:
-            self._clock.begin_again(begin)
-        return self._clock
-
-    def join(self, env: DistanceClock, live: LiveSet) -> None:
-        """Use the junctions of a block, and start the process in the first one; raise Refused if it is no process."""
-        self._live.look_at(env, live)
-        if self._started:
-            return
-        self._started = True
-        process = self._intervention(env, self._live)
-        if not hasattr(process, "throw"):
-            raise Refused(
-                f"intervene: returned {process!r}, and has to be a process, a function that yields events:"
-                " `yield env.timeout(100.0)` waits for 100 um"
-            )
-        env.process(process)
+def joined(intervention: Intervention, pulse: Pulse, env: Environment, live: LiveSet) -> None:
+    """Start an intervention among the processes of a run; raise Refused if it is no process."""
+    process = intervention(env, LiveJunctions(pulse, env, live))
+    if not hasattr(process, "throw"):
+        raise Refused(
+            f"intervene: returned {process!r}, and has to be a process, a function that yields events:"
+            " `yield env.timeout(100.0)` waits for 100 um"
+        )
+    env.process(process)
 
 
 def name_of(intervention: Intervention) -> str:

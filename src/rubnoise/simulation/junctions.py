@@ -1,109 +1,80 @@
 """The contact as SimPy processes: junctions are born, live for 2d of sliding, and die.
 
-Distance is the clock: ``env.now`` is the sliding distance in um. Only births, deaths and observed mid-lives are events.
-The aggregator and the slider wake once per tick range, and compute it from exactly the junctions that have joined and
-left by then.
+Distance is the clock: ``env.now`` is the sliding distance in um, within its rounding. Only births, deaths and observed
+mid-lives are events. The aggregator and the slider wake once per tick range, and compute it from exactly the junctions
+that have joined and left by then. No row is computed from the clock, but for lives that an interrupt ends.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from math import inf
 
-from simpy import Environment, Interrupt, Process
-from simpy.events import Event, ProcessGenerator
+import numpy as np
+from simpy import Environment, Interrupt, Process, Store
+from simpy.events import ProcessGenerator, Timeout
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import half_life
+from rubnoise.model import Model
 from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
-from rubnoise.simulation.intervention import Intervening
-from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.process import DistanceClock, LifeProcess, LiveSet, PromptProcess, Wait
+from rubnoise.simulation.intervention import Intervention, joined
+from rubnoise.simulation.live_set import LiveSet
+from rubnoise.simulation.observer import Notifier, OnLife
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import TickRange
 
 Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
+"""The process function of a junction: its number, where it is born, and the distance from birth to mid-life (um)."""
 
 
-def junction(env: Environment, live: LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
-    """Live for another ``rest`` um of sliding and die at ``death``, or die earlier at an interrupt."""
+def until(env: Environment, place: float) -> Timeout:
+    """Return the event at a place (um); the clock adds and rounds, so it may be slightly beyond."""
+    return env.timeout(max(place - env.now, 0.0))
+
+
+def junction(env: Environment, live: LiveSet, number: int, birth: float, half_life: float) -> ProcessGenerator:
+    """Live through two half-lives of sliding and die, or die earlier at an interrupt."""
+    death = birth + 2.0 * half_life
     try:
-        yield Wait(env, rest)
+        yield env.timeout(max(death - env.now, 0.0))
     except Interrupt:
-        death = ended(env, live, row, death)
-    del live.processes[live.numbers[row]]
-    live.departure[row] = death
-
-
-def ended(env: Environment, live: LiveSet, row: int, death: float) -> float:
-    """Return the death (um) of a life that is ended now: within the life, although the clock adds gaps and rounds."""
-    return min(max(env.now, live.birth_and_half_life(row)[0]), death)
+        death = min(max(env.now, birth), death)
+    live.leave(number, death)
 
 
 def observed_junction(
-    env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
+    env: Environment, live: LiveSet, number: int, birth: float, half_life: float, notifier: Notifier
 ) -> ProcessGenerator:
     """Live as a junction does, and report mid-life and death to the observer."""
-    number, (birth, rise_distance) = live.numbers[row], live.birth_and_half_life(row)
+    middle, death = birth + half_life, birth + 2.0 * half_life
     try:
-        rise = birth + rise_distance - env.now
-        if notifier.is_rising(number) and rise > 0.0:
-            yield Wait(env, rise)
-            notifier.mid_life(number, birth + rise_distance)
-            rest = max(rest - rise, 0.0)
-        yield Wait(env, rest)
+        if notifier.is_rising(number) and middle > env.now:
+            yield until(env, middle)
+            notifier.mid_life(number, middle)
+        yield until(env, death)
     except Interrupt:
-        death = ended(env, live, row, death)
-    del live.processes[number]
-    live.departure[row] = death
+        death = min(max(env.now, birth), death)
+    live.leave(number, death)
     notifier.death(number, death)
 
 
-def observed_newborn(
-    env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
-) -> ProcessGenerator:
-    """Report the birth to the observer, then live as an observed junction."""
-    notifier.birth(live.numbers[row], live.birth_and_half_life(row)[0])
-    yield from observed_junction(env, live, row, death, rest, notifier)
-
-
 def births(
-    env: Environment, live: LiveSet, state: State, block: BlockBirths, run_end: float, newborn: Life
+    env: Environment, live: LiveSet, born: LiveRows, end: float, life: Life, told: OnLife | None
 ) -> ProcessGenerator:
-    """Wait for a gap, start a junction, and repeat until the first birth of the next block or the end of the run."""
-    wait = state.next_birth - env.now
-    life_distances = 2.0 * half_life(block.diameter, block.offset)
-    deaths = block.birth + life_distances
-    lives = zip(deaths.tolist(), life_distances.tolist(), block.gaps.tolist(), strict=True)
-    processes, numbers = live.processes, live.numbers
-    for row, (death, life, gap) in enumerate(lives, start=len(state.live)):
-        yield Wait(env, wait)
-        processes[numbers[row]] = LifeProcess(env, newborn(env, live, row, death, life))
-        live.joined = row + 1
-        wait = gap
-    last = block.next_birth > run_end
-    # The clock adds gaps and rounds, so a birth at the very end may have put it slightly beyond the end.
-    yield env.timeout(max(run_end - env.now, 0.0) if last else wait)
-
-
-class NextSample:
-    """The event at which the aggregator publishes the sample of the next tick range."""
-
-    def __init__(self, env: Environment) -> None:
-        """Make the event of the first tick range."""
-        self._env = env
-        self.awaited: Event = env.event()
-
-    def publish(self, rows: LiveRows, found: Sample) -> None:
-        """Trigger the awaited event with rows and sample, and make the next event; the old one is not kept."""
-        done, self.awaited = self.awaited, self._env.event()
-        done.succeed((rows, found))
+    """Wait for a birth, start a junction, and repeat until the end of the block (um)."""
+    waits = np.maximum(np.diff(born.birth, prepend=env.now), 0.0)
+    columns = (waits, born.junction, born.birth, born.half_life)
+    for wait, number, birth, half_life in zip(*(each.tolist() for each in columns), strict=True):
+        yield env.timeout(wait)
+        live.join(number, env.process(life(env, live, number, birth, half_life)))
+        if told is not None:
+            told(number, birth)
+    yield until(env, end)
 
 
 def aggregate(
     env: Environment,
     tick_ranges: Sequence[TickRange],
-    next_sample: NextSample,
+    samples: Store,
     block_end: Process,
     sample: Callable[[TickRange, LiveRows], Sample],
     live: LiveSet,
@@ -113,91 +84,89 @@ def aggregate(
     It wakes half a tick late, so that a birth or death at exactly that tick has happened, whatever the queue's order.
     """
     for tick_range in tick_ranges:
-        if tick_range is tick_ranges[-1]:
-            yield block_end
-        else:
-            yield env.timeout(tick_range.wake - env.now)
+        yield block_end if tick_range is tick_ranges[-1] else until(env, tick_range.wake)
         rows = live.rows()
-        next_sample.publish(rows, sample(tick_range, rows))
+        yield samples.put((tick_range, rows, sample(tick_range, rows)))
     yield block_end
 
 
-def slide(
-    tick_ranges: Sequence[TickRange], next_sample: NextSample, move: Callable[[TickRange, LiveRows, Sample], None]
-) -> ProcessGenerator:
+def slide(count: int, samples: Store, move: Callable[[TickRange, LiveRows, Sample], None]) -> ProcessGenerator:
     """Wait until a tick range has been sampled, then move the slider through it."""
-    for tick_range in tick_ranges:
-        rows, found = yield next_sample.awaited
-        move(tick_range, rows, found)
+    for _ in range(count):
+        move(*(yield samples.get()))
 
 
-def play_block(
-    *,
-    state: State,
-    births_of_block: BlockBirths,
-    born: LiveRows,
-    tick_ranges: Sequence[TickRange],
-    run_end: float,
-    sample: Callable[[TickRange, LiveRows], Sample],
-    move: Callable[[TickRange, LiveRows, Sample], None] | None,
-    intervening: Intervening | None,
-    notifier: Notifier | None,
-) -> tuple[LiveRows, int]:
-    """Play one block; return its rows at its end, carried ones first, and the number of events."""
-    env = DistanceClock(state.begin) if intervening is None else intervening.clock(state.begin)
-    live = LiveSet(state.live, born, state.begin)
-    newborn, survivor = _lives(notifier)
-    if notifier is not None:
-        notifier.begin(state.live, state.begin)
-    for row, death in _survivors(state.live, state.begin):
-        live.processes[live.numbers[row]] = LifeProcess(env, survivor(env, live, row, death, death - state.begin))
-    block_end = LifeProcess(env, births(env, live, state, births_of_block, run_end, newborn))
-    next_sample = NextSample(env)
-    last: Process = PromptProcess(env, aggregate(env, tick_ranges, next_sample, block_end, sample, live))
-    if move is not None:
-        last = PromptProcess(env, slide(tick_ranges, next_sample, move))
-    if intervening is not None:
-        intervening.join(env, live)
-    env.run_to(env.all_of([block_end, last]))
-    rows = live.rows()
-    if notifier is not None:
-        notifier.end_block(rows, min(births_of_block.next_birth, run_end))
-    return rows, env.count()
+class Processes:
+    """The engine of processes: one clock and one live set for all blocks of a run."""
+
+    def __init__(self, model: Model, notifier: Notifier | None, intervene: Intervention | None) -> None:
+        """Begin at a distance of 0; the notifier's observer and the intervention may be None."""
+        self._env = Environment()
+        self._live = LiveSet()
+        self._notifier = notifier
+        self._life: Life = junction if notifier is None else partial(observed_junction, notifier=notifier)
+        self._start = None if intervene is None else lambda: joined(intervene, model.pulse, self._env, self._live)
+
+    def __call__(
+        self,
+        *,
+        state: State,
+        births_of_block: BlockBirths,
+        born: LiveRows,
+        tick_ranges: Sequence[TickRange],
+        run_end: float,
+        sample: Callable[[TickRange, LiveRows], Sample],
+        move: Callable[[TickRange, LiveRows, Sample], None] | None,
+    ) -> LiveRows:
+        """Play one block; return its rows at its end, carried ones first."""
+        env, live, notifier = self._env, self._live, self._notifier
+        live.begin(state.live, born, state.begin)
+        if state.block == 0:
+            self._begin(state.live, state.begin)
+        end = min(births_of_block.next_birth, run_end)
+        told = None if notifier is None else notifier.birth
+        block_end = env.process(births(env, live, born, end, self._life, told))
+        samples = Store(env)
+        last = env.process(aggregate(env, tick_ranges, samples, block_end, sample, live))
+        if move is not None:
+            last = env.process(slide(len(tick_ranges), samples, move))
+        env.run(until=env.all_of([block_end, last]))
+        rows = live.rows()
+        if notifier is not None:
+            notifier.end_block(rows, end)
+        return rows
+
+    def _begin(self, alive: LiveRows, distance: float) -> None:
+        """Start the junctions that are alive when the run begins, and the process of the user."""
+        env, live, notifier = self._env, self._live, self._notifier
+        if notifier is not None:
+            notifier.begin(alive, distance)
+        alive = alive.at(np.flatnonzero(alive.death > distance))
+        columns = (alive.junction, alive.birth, alive.half_life)
+        for number, birth, half_life in zip(*(each.tolist() for each in columns), strict=True):
+            live.processes[number] = env.process(self._life(env, live, number, birth, half_life))
+        if self._start is not None:
+            self._start()
 
 
-def touch(env: Environment, rest: float) -> ProcessGenerator:
-    """Stay in contact with a free slider for ``rest`` um of sliding."""
-    yield Wait(env, rest)
+def touch(env: Environment, end: float) -> ProcessGenerator:
+    """Stay in contact with a free slider up to a distance (um)."""
+    yield until(env, end)
 
 
 def touches(env: Environment, made: list[float], lost: list[float]) -> ProcessGenerator:
     """Wait until contact is made, start a touch, and repeat."""
     for begin, end in zip(made, lost, strict=True):
-        yield Wait(env, max(begin - env.now, 0.0))
-        LifeProcess(env, touch(env, end - begin))
+        yield until(env, begin)
+        env.process(touch(env, end))
 
 
-def play_touches(begin: float, end: float, made: Doubles, lost: Doubles) -> int:
-    """Play the touches of a block and return the number of events.
+def play_touches(begin: float, end: float, made: Doubles, lost: Doubles) -> None:
+    """Play the touches of a block.
 
     made, lost (um): where each touch begins, in increasing order, and where it ends. The motion has decided this
     already, as with a two-way slider; no row is computed from the clock.
     """
-    env = DistanceClock(begin)
-    PromptProcess(env, touches(env, made.tolist(), lost.tolist()))
-    env.run_to(env.timeout(max(end - begin, 0.0)))
-    return env.count()
-
-
-def _lives(notifier: Notifier | None) -> tuple[Life, Life]:
-    """Return the process function of a junction born in this block, and that of one born before."""
-    if notifier is None:
-        return junction, junction
-    return partial(observed_newborn, notifier=notifier), partial(observed_junction, notifier=notifier)
-
-
-def _survivors(live: LiveRows, begin: float) -> Iterator[tuple[int, float]]:
-    """Yield index and death (um) of each carried row that is still alive when the block begins, at ``begin`` um."""
-    for row, (departure, death) in enumerate(zip(live.departure.tolist(), live.death.tolist(), strict=True)):
-        if departure == inf and death > begin:
-            yield row, death
+    env = Environment(begin)
+    env.process(touches(env, made.tolist(), lost.tolist()))
+    env.run(until=until(env, end))

@@ -12,8 +12,8 @@ from rubnoise.simulation.batch import Ended, play_at_once
 from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.extent import Engine
-from rubnoise.simulation.intervention import Intervening, Intervention
-from rubnoise.simulation.junctions import play_block, play_touches
+from rubnoise.simulation.intervention import Intervention
+from rubnoise.simulation.junctions import Processes, play_touches
 from rubnoise.simulation.load import load_propagator
 from rubnoise.simulation.observer import Notifier, Observer
 from rubnoise.simulation.slider import Propagator, propagator
@@ -62,7 +62,7 @@ def simulate(
     if engine == "batch":
         play: Play = partial(play_at_once, ended=ended)
     else:
-        play = _among_events(model, notifier if observe is not None and observe.of_lives else None, intervene)
+        play = Processes(model, notifier if observe is not None and observe.of_lives else None, intervene)
     run = RunSetup(
         model=model,
         seed=seed,
@@ -138,11 +138,3 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
     ):
         if asked and engine != "events":
             raise Refused(f'{what}: it needs the engine "events", not "{engine}"')
-
-
-def _among_events(model: Model, notifier: Notifier | None, intervene: Intervention | None) -> Play:
-    return partial(
-        play_block,
-        intervening=None if intervene is None else Intervening(intervene, model.pulse),
-        notifier=notifier,
-    )

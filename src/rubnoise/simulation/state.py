@@ -87,7 +87,7 @@ class State:
     """The state of a run between two blocks.
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
-    far; ticks: ticks finished so far; events: events of the queue so far, 0 without one; live: the rows that are
+    far; ticks: ticks finished so far; live: the rows that are
     carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s): those of a one-way slider at
     the last tick; separation (um) and its velocity (um/s): those at the last tick, if the separation moves under its
     load; motion: the state of two-way or free motion, None before its first block.
@@ -98,7 +98,6 @@ class State:
     next_birth: float
     junctions: int
     ticks: int
-    events: int
     live: LiveRows
     slider_rows: int
     displacement: float
@@ -116,7 +115,6 @@ class State:
             next_birth=0.0,
             junctions=0,
             ticks=0,
-            events=0,
             live=LiveRows.none(),
             slider_rows=0,
             displacement=model.equilibrium_displacement,
