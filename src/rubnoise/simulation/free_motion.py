@@ -29,7 +29,7 @@ _ROWS: Final = 5
 """Rows of a touch: its summit, begin and end (um; infinite outside the run), largest overlap (s_0), and share."""
 
 PlayTouches = Callable[[float, float, Doubles, Doubles], None]
-"""Plays the touches of a block; called with its begin and end and those of each touch (um); returns the event count."""
+"""Plays the touches of a block; called with its begin and end and those of each touch (um)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
