@@ -365,8 +365,13 @@ def test_without_their_random_numbers_rows_still_agree_with_themselves(result: P
 
 def off_by(by: Callable[[NDArray[Any]], NDArray[Any]], monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the engine sum areas up wrongly from now on."""
-    right = area.sum_at_places
-    monkeypatch.setattr(area, "sum_at_places", lambda *given: by(right(*given)))
+    right = area.sum_over_cells
+
+    def wrong(*given: Any) -> Any:
+        total, moments = right(*given)
+        return by(total), moments
+
+    monkeypatch.setattr(area, "sum_over_cells", wrong)
 
 
 def test_a_fault_of_the_engine_itself_is_seen_by_the_textbook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
