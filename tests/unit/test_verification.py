@@ -345,8 +345,13 @@ def test_random_numbers_of_another_version_are_not_drawn(result: Path) -> None:
 
 def off_by(by: Callable[[NDArray[Any]], NDArray[Any]], monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the engine sum areas up wrongly from now on."""
-    right = area.sum_at_places
-    monkeypatch.setattr(area, "sum_at_places", lambda *given: by(right(*given)))
+    right = area.sum_over_cells
+
+    def wrong(*given: Any) -> Any:
+        total, moments = right(*given)
+        return by(total), moments
+
+    monkeypatch.setattr(area, "sum_over_cells", wrong)
 
 
 def test_rows_of_another_machine_that_differ_name_both(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:

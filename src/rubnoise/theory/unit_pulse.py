@@ -131,8 +131,9 @@ def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
     if pulse.shape != "lens":
         return amplitude(pulse, phase)
     found, far = np.asarray(_near(pulse)(phase), dtype=np.float64), phase > _PARTED
-    middle, ends = _parts(pulse, phase[far])
-    found[far] = middle + 2.0 * (ends * np.exp(1j * phase[far])).real
+    if far.any():
+        middle, ends = _parts(pulse, phase[far])
+        found[far] = middle + 2.0 * (ends * np.exp(1j * phase[far])).real
     return found
 
 
