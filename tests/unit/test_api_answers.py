@@ -104,7 +104,7 @@ def test_a_run_of_another_contact_does_not_pass(record: rubnoise.Record) -> None
     assert repr(answer).splitlines()[-1].startswith("not passed: ")
     found = wrong.verify()
     assert not found.passed
-    assert repr(found).splitlines()[-1].startswith("not passed: trace, areas")
+    assert repr(found).splitlines()[-1].startswith("not passed: trace (")
     assert {row["check"] for row in found.rows if row["different"]} >= {"areas"}
 
 
