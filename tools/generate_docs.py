@@ -25,16 +25,14 @@ KEPT = DOCS.parent / "tests" / "reference" / "coupling.json"
 """What the study of two-way coupling has measured: of each figure value and standard error, with its command."""
 NUMBER = re.compile(r"(?<=<!-- number: )(\w+)( -->).*?(?=<!-- / -->)")
 
-TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
+TYPES = {"<f8": "", "<i8": " int64", "<u4": " uint32", "|u1": " uint8"}
+"""What a column's name is followed by; most are float64."""
 ROWS = {
     "junctions": "one per junction",
     "trace": "one per tick",
     "slider": "one per tick; with two-way coupling, one per time of a tick",
     "load": "one per tick",
-    "landmarks": "one per landmark",
     "balance": "one, for the end of the run",
-    "life_curve": "one per point of the curve",
-    "life_table": "one per point of the table",
 }
 NEEDS: dict[Feature | None, str] = {
     None: "",
@@ -89,11 +87,12 @@ def columns() -> Iterator[str]:
 def _group(group: Group) -> Iterator[str]:
     yield f"### /{group.name}"
     yield ""
-    present = _present(group)
-    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.name]}." + (f" Present {present}." if present else "")
+    rows, present = ROWS.get(group.name), _present(group)
+    about = [group.long_name, rows and f"rows: {rows}", present and f"present {present}"]
+    yield " ".join(_sentence(each) for each in about if each)
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
     yield ""
-    yield table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
+    yield table(("column", "symbol, unit", "meaning"), map(_column, group.columns))
 
 
 def _present(group: Group) -> str:
@@ -103,10 +102,9 @@ def _present(group: Group) -> str:
 
 def _column(column: Dataset) -> tuple[str, ...]:
     _, codes = column.coded
-    meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes)])
-    name, kind = f"`{column.name}`", TYPES[column.dtype]
-    present = NEEDS[column.needs]
-    return name, kind, column.units, f"`{column.symbol}`", meaning, present
+    present = [NEEDS[column.needs]] if column.needs else []
+    meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes), *present])
+    return f"`{column.name}`{TYPES[column.dtype]}", f"`{column.symbol}`, {column.units}", meaning
 
 
 def keys() -> Iterator[str]:

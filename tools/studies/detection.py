@@ -56,8 +56,8 @@ HEAD: Final = (
     "fault, in the run of Figure 5",
     "first shown by",
     "from about",
-    "outside: runs of that distance",
-    "of a quarter",
+    "outside, of 20 runs",
+    "at a quarter",
 )
 
 FIGURES: Final = 32
@@ -224,11 +224,11 @@ def tried(place: int, fault: Fault, name: str, length: float) -> tuple[str, str]
     if count < FEWEST_FOUND:
         raise SystemExit(f"{fault.name}: {count} of {RUNS} runs of {distance(length)} are outside, too few")
     if length < 4.0 * shortest():
-        return f"{count} of {RUNS}", "-"
+        return str(count), "-"
     early = sum(bool(outside(fault, 0.25 * length, seed)) for seed in seeds)
     if early > MOST_FOUND_EARLY:
         raise SystemExit(f"{fault.name}: {early} of {RUNS} runs of {distance(0.25 * length)} are outside, too many")
-    return f"{count} of {RUNS}", f"{early} of {RUNS}"
+    return str(count), str(early)
 
 
 def distance(length: float) -> str:
