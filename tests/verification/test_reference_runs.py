@@ -24,6 +24,7 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.simulation import draws, junctions
+from rubnoise.simulation.live_set import LiveSet
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.cumulants import area_cumulants
@@ -114,10 +115,8 @@ def test_births_a_hundredth_too_rare_are_rejected(precise: Model) -> None:
 def test_death_at_1_98_diameters_is_rejected(precise: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     live_on = junctions.junction
 
-    def shorter(env: Environment, live: junctions.LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
-        birth = death - 2.0 * float(live._rows.diameter[row])
-        death = birth + 0.99 * (death - birth)
-        yield from live_on(env, live, row, death, max(min(rest, death - env.now), 0.0))
+    def shorter(env: Environment, live: LiveSet, number: int, birth: float, half_life: float) -> ProcessGenerator:
+        yield from live_on(env, live, number, birth, max(0.99 * half_life, 0.5 * (env.now - birth)))
 
     monkeypatch.setattr(junctions, "junction", shorter)
     found = scores(measured(precise, seed_of("early death")), expected(precise), errors_of(precise))

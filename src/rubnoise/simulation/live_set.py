@@ -24,19 +24,19 @@ class LiveSet:
         self._left: dict[int, float] = {}
 
     def begin(self, carried: LiveRows, born: LiveRows, distance: float) -> None:
-        """Go on with the rows of a block that begins at a distance (um): carried ones, and those still to be born."""
+        """Continue with the rows of a block that begins at a distance (um): carried ones, and those still to be born."""
         departure = np.where(carried.death <= distance, carried.death, carried.departure)
         self._rows = replace(carried, departure=departure).then(born)
         self._joined = len(carried)
         self._left = {}
 
     def join(self, number: int, process: Process) -> None:
-        """Take in the next junction that is born."""
+        """Add the next junction that is born."""
         self.processes[number] = process
         self._joined += 1
 
     def leave(self, number: int, death: float) -> None:
-        """Let go of a junction that has died at a distance (um)."""
+        """Remove a junction that has died at a distance (um)."""
         del self.processes[number]
         self._left[number] = death
 

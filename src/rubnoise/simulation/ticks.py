@@ -15,7 +15,7 @@ TARGET = 3e-10
 error is 5 times smaller."""
 
 COEFFICIENT = 8e-4
-"""Coefficient of this envelope over the measured cases (docs/model.md)."""
+"""Coefficient of this envelope over the measured cases (docs/reproducibility.md)."""
 
 VELOCITY_SHARE = 0.3
 """Weight of the velocity's error, relative to the largest velocity: an error of 1e-9 is good enough."""

@@ -93,8 +93,8 @@ def _together(parts: Sequence[Junctions]) -> Junctions:
 
 
 # The ticks of a run compared with its rows: distance, live count, area and force, each summed anew.
-FORMULA: Final = 2.0**-48
-"""By how much two ways to an area over d^2 may differ: each is right to 2^-50, ages are to 2^-51."""
+FORMULA: Final = 3e-14
+"""By how much two ways to an area over d^2 may differ: the kernel rounds places and not ages."""
 
 SUM: Final = 2.0**-52
 """By how much two sums in another order may differ: 2^-53 of the whole at each addition of either."""
@@ -140,7 +140,7 @@ class Rebuilt:
         return self._rounding(self._strongest, self.force)
 
     def _rounding(self, largest: float, total: Doubles) -> Doubles:
-        """Return N (2^-48 of the largest one + 2^-52 of the sum): every term is off by a little, and every addition."""
+        """Return N (3e-14 of the largest one + 2^-52 of the sum): every term is off by a little, and every addition."""
         return self.count * (FORMULA * largest + SUM * total)
 
 
