@@ -15,7 +15,7 @@ from parts import filled, parts_of, table
 from scipy.stats import t as student
 
 from rubnoise.scenario.document import SECTIONS, TOP, presence
-from rubnoise.scenario.fields import TITLE_CHARACTERS, Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
+from rubnoise.scenario.fields import Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
@@ -110,15 +110,16 @@ def _column(column: Dataset) -> tuple[str, ...]:
 
 
 def keys() -> Iterator[str]:
-    """Yield the keys of a scenario file: those at the top, then a section for each table."""
+    """Yield the keys of a scenario file: those at the top, then a section for each table; a law is explained once."""
     yield from _keys(TOP)
+    explained: set[str] = set()
     for name, section in SECTIONS.items():
         yield f"### [{name}]"
         yield ""
         yield " ".join((section.__doc__ or "").split())
         yield _NEEDS[presence(name)]
         yield ""
-        yield from _keys(keys_of(section))
+        yield from _keys(keys_of(section), explained)
 
 
 def sweep() -> Iterator[str]:
@@ -127,15 +128,33 @@ def sweep() -> Iterator[str]:
 
 
 _NEEDS = {
-    "needed": "This table is required.",
-    "optional": "This table is optional.",
-    "defaults": "This table is optional; its keys have defaults.",
+    "needed": "Required.",
+    "optional": "Optional.",
+    "defaults": "Optional, with defaults.",
 }
 
 
-def _keys(fields: Mapping[str, Key]) -> Iterator[str]:
-    rows = ((f"`{key}`", _values(about), _default(about), about.about) for key, about in fields.items())
-    yield table(("key", "value", "default", "meaning"), rows)
+def _keys(fields: Mapping[str, Key], explained: set[str] | None = None) -> Iterator[str]:
+    yield table(
+        ("key", "value", "meaning"),
+        ((f"`{key}`", _values(about) + _default(about), _meaning(about, explained)) for key, about in fields.items()),
+    )
+
+
+def _meaning(about: Key, explained: set[str] | None) -> str:
+    """Return the meaning of a key without the choices that were explained before."""
+    if explained is None or not _explains(about):
+        return about.about
+    choices = about.about.removesuffix(".").split("; ")
+    new = [each for each in choices if each not in explained]
+    known = [each.partition(":")[0] for each in choices if each in explained]
+    explained.update(choices)
+    return "; ".join([*new, *([f"{', '.join(known)}: as above"] if known else [])]) + "."
+
+
+def _explains(about: Key) -> bool:
+    """Return whether the meaning of a choice names every word that it may be."""
+    return isinstance(about.kind, Choice) and all(f"{word}: " in about.about for word in about.kind.available)
 
 
 def _values(about: Key) -> str:
@@ -143,17 +162,17 @@ def _values(about: Key) -> str:
     match about.kind:
         case Measure(kinds=kinds, possible=possible):
             low, high = (kinds[0].number(bound) for bound in (possible.low, possible.high))
-            examples = " or ".join(f'{kind.name}, `"{kind.example}"`' for kind in kinds)
-            return f"{examples}; {'0 or ' if possible.zero else ''}{low} to {high}"
+            examples = " or ".join(f'`"{kind.example}"`' for kind in kinds)
+            return f"{examples}; {'0 or ' if possible.zero else ''}{low.partition(' ')[0]} to {high}"
         case Number(possible=possible, whole=True):
             same = possible.low == possible.high
             return f"`{possible.low}`" if same else f"whole number, {possible.low} to {possible.high}"
         case Number(possible=possible):
             return f"number, {possible.low:g} to {possible.high:g}"
         case Choice(available=available):
-            return ", ".join(f'`"{word}"`' for word in available)
+            return "" if _explains(about) else ", ".join(f'`"{word}"`' for word in available)
         case Line():
-            return f"text of at most {TITLE_CHARACTERS} characters"
+            return "text"
         case (Sizes() | Parts()) as a_list:
             return a_list.words
         case other:
@@ -161,9 +180,9 @@ def _values(about: Key) -> str:
 
 
 def _default(about: Key) -> str:
-    if about.is_needed:
-        return "required"
-    return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
+    default = f"default `{json.dumps(about.default)}`"
+    said = "required" if about.is_needed else "" if about.default in (None, "") else default
+    return f"; {said}" if said and _values(about) else said
 
 
 def _sentence(text: str) -> str:
