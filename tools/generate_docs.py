@@ -87,13 +87,11 @@ def columns() -> Iterator[str]:
 
 
 def _group(group: Group) -> Iterator[str]:
-    yield f"### /{group.name}"
-    yield ""
+    yield f"### /{group.name}\n"
     present = _present(group)
     yield f"{_sentence(group.long_name)} Rows: {ROWS[group.name]}." + (f" Present {present}." if present else "")
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
-    yield ""
-    yield table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
+    yield "\n" + table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
 
 
 def _present(group: Group) -> str:
@@ -111,50 +109,35 @@ def _column(column: Dataset) -> tuple[str, ...]:
 
 def keys() -> Iterator[str]:
     """Yield the keys of a scenario file: those at the top, then a section for each table; a law is explained once."""
-    yield from _keys(TOP)
     explained: set[str] = set()
+    yield from _keys(TOP, explained)
     for name, section in SECTIONS.items():
-        yield f"### [{name}]"
-        yield ""
+        yield f"### [{name}]\n"
         yield " ".join((section.__doc__ or "").split())
-        yield _NEEDS[presence(name)]
-        yield ""
+        yield f"{_NEEDS[presence(name)]}\n"
         yield from _keys(keys_of(section), explained)
 
 
 def sweep() -> Iterator[str]:
     """Yield the keys of a sweep beside its lists."""
-    yield from _keys(keys_of(Sweeping))
+    yield from _keys(keys_of(Sweeping), set())
 
 
-_NEEDS = {
-    "needed": "Required.",
-    "optional": "Optional.",
-    "defaults": "Optional, with defaults.",
-}
+_NEEDS = {"needed": "Required.", "optional": "Optional.", "defaults": "Optional, with defaults."}
 
 
-def _keys(fields: Mapping[str, Key], explained: set[str] | None = None) -> Iterator[str]:
-    yield table(
-        ("key", "value", "meaning"),
-        ((f"`{key}`", _values(about) + _default(about), _meaning(about, explained)) for key, about in fields.items()),
-    )
+def _keys(fields: Mapping[str, Key], explained: set[str]) -> Iterator[str]:
+    rows = ((f"`{key}`", _default(about, _values(about)), _meaning(about, explained)) for key, about in fields.items())
+    yield table(("key", "value", "meaning"), rows)
 
 
-def _meaning(about: Key, explained: set[str] | None) -> str:
-    """Return the meaning of a key without the choices that were explained before."""
-    if explained is None or not _explains(about):
-        return about.about
-    choices = about.about.removesuffix(".").split("; ")
-    new = [each for each in choices if each not in explained]
-    known = [each.partition(":")[0] for each in choices if each in explained]
-    explained.update(choices)
-    return "; ".join([*new, *([f"{', '.join(known)}: as above"] if known else [])]) + "."
-
-
-def _explains(about: Key) -> bool:
-    """Return whether the meaning of a choice names every word that it may be."""
-    return isinstance(about.kind, Choice) and all(f"{word}: " in about.about for word in about.kind.available)
+def _meaning(about: Key, explained: set[str]) -> str:
+    """Return the meaning of a key without the words that it may hold and that were explained before."""
+    parts = about.about.removesuffix(".").split("; ")
+    new, known = [each for each in parts if each not in explained], [each for each in parts if each in explained]
+    explained.update(each for each in parts if re.match(r"[\w-]+: ", each))
+    old = ", ".join(each.partition(":")[0] for each in known)
+    return f"{'; '.join(new)}; {old}: as above." if known else about.about
 
 
 def _values(about: Key) -> str:
@@ -164,13 +147,12 @@ def _values(about: Key) -> str:
             low, high = (kinds[0].number(bound) for bound in (possible.low, possible.high))
             examples = " or ".join(f'`"{kind.example}"`' for kind in kinds)
             return f"{examples}; {'0 or ' if possible.zero else ''}{low.partition(' ')[0]} to {high}"
-        case Number(possible=possible, whole=True):
-            same = possible.low == possible.high
-            return f"`{possible.low}`" if same else f"whole number, {possible.low} to {possible.high}"
-        case Number(possible=possible):
-            return f"number, {possible.low:g} to {possible.high:g}"
+        case Number(possible=possible, whole=whole):
+            low, high = (f"{bound}" if whole else f"{bound:g}" for bound in (possible.low, possible.high))
+            return f"`{low}`" if low == high else f"{'whole ' * whole}number, {low} to {high}"
         case Choice(available=available):
-            return "" if _explains(about) else ", ".join(f'`"{word}"`' for word in available)
+            explained = all(f"{word}: " in about.about for word in available)
+            return "" if explained else ", ".join(f'`"{word}"`' for word in available)
         case Line():
             return "text"
         case (Sizes() | Parts()) as a_list:
@@ -179,10 +161,9 @@ def _values(about: Key) -> str:
             raise TypeError(f"no words for {type(other).__name__}")
 
 
-def _default(about: Key) -> str:
-    default = f"default `{json.dumps(about.default)}`"
-    said = "required" if about.is_needed else "" if about.default in (None, "") else default
-    return f"; {said}" if said and _values(about) else said
+def _default(about: Key, values: str) -> str:
+    default = "" if about.default in (None, "") else f"default `{json.dumps(about.default)}`"
+    return "; ".join(filter(None, (values, "required" if about.is_needed else default)))
 
 
 def _sentence(text: str) -> str:

@@ -62,9 +62,8 @@ def figures(one: RunFile, two: RunFile) -> str:
         ("duration (s)", *(f"{end:.4g}" for end in ends)),
     ]
     shown = (
-        f"\n![{title}](pictures/two-way/{name}.png)\n\n{says}\n"
-        for name, caption in CAPTIONS.items()
-        for title, _, says in [caption.partition(". ")]
+        f"\n![{(parts := says.partition('. '))[0]}](pictures/two-way/{name}.png)\n\n{parts[2]}\n"
+        for name, says in CAPTIONS.items()
     )
     return table(("of the run with seed 1", "one-way", "two-way"), rows) + "".join(shown)
 
@@ -88,7 +87,6 @@ CAPTIONS: Final = {
         "Two-way, it is nearly flat from the frequency of long slips up to the natural frequency."
     ),
 }
-"""The title of each picture, and what it shows."""
 
 
 def _counts(run: RunFile) -> str:
