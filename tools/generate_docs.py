@@ -144,9 +144,9 @@ def _values(about: Key) -> str:
     """Return what a key may hold, as far as one line can say it."""
     match about.kind:
         case Measure(kinds=kinds, possible=possible):
-            low, high = (kinds[0].number(bound) for bound in (possible.low, possible.high))
-            examples = " or ".join(f'`"{kind.example}"`' for kind in kinds)
-            return f"{examples}; {'0 or ' if possible.zero else ''}{low.partition(' ')[0]} to {high}"
+            return " or ".join(
+                [*(f'`"{kind.example}"`' for kind in kinds), *[f'`"0 {kinds[0].unit}"`'] * possible.zero]
+            )
         case Number(possible=possible, whole=whole):
             low, high = (f"{bound}" if whole else f"{bound:g}" for bound in (possible.low, possible.high))
             return f"`{low}`" if low == high else f"{'whole ' * whole}number, {low} to {high}"
