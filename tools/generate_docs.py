@@ -15,7 +15,7 @@ from parts import filled, parts_of, table
 from scipy.stats import t as student
 
 from rubnoise.scenario.document import SECTIONS, TOP, presence
-from rubnoise.scenario.fields import TITLE_CHARACTERS, Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
+from rubnoise.scenario.fields import Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
@@ -108,60 +108,62 @@ def _column(column: Dataset) -> tuple[str, ...]:
 
 
 def keys() -> Iterator[str]:
-    """Yield the keys of a scenario file: those at the top, then a section for each table."""
-    yield from _keys(TOP)
+    """Yield the keys of a scenario file: those at the top, then a section for each table; a law is explained once."""
+    explained: set[str] = set()
+    yield from _keys(TOP, explained)
     for name, section in SECTIONS.items():
-        yield f"### [{name}]"
-        yield ""
+        yield f"### [{name}]\n"
         yield " ".join((section.__doc__ or "").split())
-        yield _NEEDS[presence(name)]
-        yield ""
-        yield from _keys(keys_of(section))
+        yield f"{_NEEDS[presence(name)]}\n"
+        yield from _keys(keys_of(section), explained)
 
 
 def sweep() -> Iterator[str]:
     """Yield the keys of a sweep beside its lists."""
-    yield from _keys(keys_of(Sweeping))
+    yield from _keys(keys_of(Sweeping), set())
 
 
-_NEEDS = {
-    "needed": "This table is required.",
-    "optional": "This table is optional.",
-    "defaults": "This table is optional; its keys have defaults.",
-}
+_NEEDS = {"needed": "Required.", "optional": "Optional.", "defaults": "Optional, with defaults."}
 
 
-def _keys(fields: Mapping[str, Key]) -> Iterator[str]:
-    rows = ((f"`{key}`", _values(about), _default(about), about.about) for key, about in fields.items())
-    yield table(("key", "value", "default", "meaning"), rows)
+def _keys(fields: Mapping[str, Key], explained: set[str]) -> Iterator[str]:
+    rows = ((f"`{key}`", _default(about, _values(about)), _meaning(about, explained)) for key, about in fields.items())
+    yield table(("key", "value", "meaning"), rows)
+
+
+def _meaning(about: Key, explained: set[str]) -> str:
+    """Return the meaning of a key without the words that it may hold and that were explained before."""
+    parts = about.about.removesuffix(".").split("; ")
+    new, known = [each for each in parts if each not in explained], [each for each in parts if each in explained]
+    explained.update(each for each in parts if re.match(r"[\w-]+: ", each))
+    old = ", ".join(each.partition(":")[0] for each in known)
+    return f"{'; '.join(new)}; {old}: as above." if known else about.about
 
 
 def _values(about: Key) -> str:
     """Return what a key may hold, as far as one line can say it."""
     match about.kind:
         case Measure(kinds=kinds, possible=possible):
-            low, high = (kinds[0].number(bound) for bound in (possible.low, possible.high))
-            examples = " or ".join(f'{kind.name}, `"{kind.example}"`' for kind in kinds)
-            return f"{examples}; {'0 or ' if possible.zero else ''}{low} to {high}"
-        case Number(possible=possible, whole=True):
-            same = possible.low == possible.high
-            return f"`{possible.low}`" if same else f"whole number, {possible.low} to {possible.high}"
-        case Number(possible=possible):
-            return f"number, {possible.low:g} to {possible.high:g}"
+            return " or ".join(
+                [*(f'`"{kind.example}"`' for kind in kinds), *[f'`"0 {kinds[0].unit}"`'] * possible.zero]
+            )
+        case Number(possible=possible, whole=whole):
+            low, high = (f"{bound}" if whole else f"{bound:g}" for bound in (possible.low, possible.high))
+            return f"`{low}`" if low == high else f"{'whole ' * whole}number, {low} to {high}"
         case Choice(available=available):
-            return ", ".join(f'`"{word}"`' for word in available)
+            explained = all(f"{word}: " in about.about for word in available)
+            return "" if explained else ", ".join(f'`"{word}"`' for word in available)
         case Line():
-            return f"text of at most {TITLE_CHARACTERS} characters"
+            return "text"
         case (Sizes() | Parts()) as a_list:
             return a_list.words
         case other:
             raise TypeError(f"no words for {type(other).__name__}")
 
 
-def _default(about: Key) -> str:
-    if about.is_needed:
-        return "required"
-    return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
+def _default(about: Key, values: str) -> str:
+    default = "" if about.default in (None, "") else f"default `{json.dumps(about.default)}`"
+    return "; ".join(filter(None, (values, "required" if about.is_needed else default)))
 
 
 def _sentence(text: str) -> str:

@@ -139,6 +139,7 @@ and fast sliding."""
 PAGE = ROOT / "docs" / "teaching.md"
 SECTION = re.compile(r"^## (\d+)\. (.+?)\n(.*?)(?=^## )", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"\*\*(\d[\d.]*)[^*]*\*\*")
+QUESTION = re.compile(r"^- \*[^*]+\?\* (.+?)\. Wrong: (.+?)\.$", re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,10 +186,8 @@ def minutes() -> list[int]:
 
 
 def _rows(body: str) -> list[Row]:
-    table = body.partition("| question |")[2]
-    cells = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("| ")]
-    return [Row(right=_listed(right), wrong=_listed(wrong)) for _, right, wrong in cells]
+    return [Row(right=_listed(right), wrong=_listed(wrong)) for right, wrong in QUESTION.findall(body)]
 
 
-def _listed(cell: str) -> list[str]:
-    return [each.strip() for each in cell.split(";")]
+def _listed(text: str) -> list[str]:
+    return [" ".join(each.split()) for each in text.split(";")]

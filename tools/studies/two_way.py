@@ -62,7 +62,7 @@ def figures(one: RunFile, two: RunFile) -> str:
         ("duration (s)", *(f"{end:.4g}" for end in ends)),
     ]
     shown = (
-        f"\n![{says.partition('. ')[0].rstrip('.')}](pictures/two-way/{name}.png)\n\n{says}\n"
+        f"\n![{(parts := says.partition('. '))[0]}](pictures/two-way/{name}.png)\n\n{parts[2]}\n"
         for name, says in CAPTIONS.items()
     )
     return table(("of the run with seed 1", "one-way", "two-way"), rows) + "".join(shown)
@@ -71,20 +71,20 @@ def figures(one: RunFile, two: RunFile) -> str:
 CAPTIONS: Final = {
     "motion": (
         "Figure 5 both ways, on the same junctions. The one-way slider (pale) swings at its natural frequency. The "
-        "two-way slider (dark) sticks while the drive stretches its spring (shaded). It slips when the contact can "
+        "two-way slider (dark) sticks while the drive stretches its spring (shaded), and slips when the contact can "
         "bear no more."
     ),
     "phase": (
         "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. The two-way "
-        "slider is faster than that only when it runs back. The one-way slider is faster in every swing."
+        "slider is faster only when it runs back, the one-way slider in every swing."
     ),
     "landmarks": (
-        "How far it slips and how long it sticks. Most values are either short or long, with few between. Many slips "
-        "end before the slider has moved by a junction's diameter; the long ones pass many junctions."
+        "How far it slips and how long it sticks. Most values are short or long. Many slips "
+        "end within a junction's diameter; long ones pass many junctions."
     ),
     "spectrum": (
         "The spectrum of the velocity. One-way, it has a line at the natural frequency, and follows the exact curve. "
-        "Two-way, it has no line. It is nearly flat from the frequency of long slips up to the natural frequency."
+        "Two-way, it is nearly flat from the frequency of long slips up to the natural frequency."
     ),
 }
 
