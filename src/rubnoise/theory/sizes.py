@@ -49,7 +49,7 @@ class Spline:
 
     def __call__(self, place: ArrayLike) -> Any:
         """Return the values at places of any shape: before the first by its first piece, from the last on its value."""
-        x = np.asarray(place, dtype=np.float64)
+        x = np.minimum(np.asarray(place, dtype=np.float64), self.x[-1])
         if self._even:
             piece = ((x - self.x[0]) * (1.0 / self._even)).astype(np.intp)
         else:
