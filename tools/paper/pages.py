@@ -10,6 +10,9 @@ from parts import filled, table
 from paper.ledger import Claim, Claimed, Ledger, Range
 
 DOCS: Final = Path(__file__).resolve().parents[2] / "docs"
+ROUNDING: Final = 1e-12
+"""Below it a number is nothing but rounding, which is not the same on every processor."""
+
 SECOND_HAND: Final = "law in the abstract, numbers second-hand"
 """How a source is known whose numbers get a star."""
 
@@ -80,6 +83,8 @@ def _name(number: Claimed) -> str:
 def simulated(number: Claimed, digits: int) -> str:
     """Return the mean of the runs with half its 95 % interval."""
     low, high = number.found.simulated.interval
+    if max(abs(low), abs(high)) < ROUNDING:
+        return "0, but for rounding"
     return f"{number.found.simulated.value:.{digits}g} ± {0.5 * (high - low):.2g}"
 
 
