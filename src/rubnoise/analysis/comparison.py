@@ -39,6 +39,7 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
+from rubnoise.record.tally import Moments
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.live_count import zero_share
@@ -319,7 +320,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
         return comparison([Findings(heading="load", found=found)], bound)
     first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
     if seen.ticks() * model.tick < needed:
-        length, mean = (model.tick_count + 1) * model.tick, seen.moments[AREA].mean
+        length, mean = (model.tick_count + 1) * model.tick, seen.moments.get(AREA, Moments()).mean
         raise RecordTooShort("a comparison with the theory", mean, length=length, needed=first + needed)
     return comparison([_part(seen, heading) for heading in PARTS], bound)
 

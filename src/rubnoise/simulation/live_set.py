@@ -24,7 +24,7 @@ class LiveSet:
         self._left: dict[int, float] = {}
 
     def begin(self, carried: LiveRows, born: LiveRows, distance: float) -> None:
-        """Continue with the rows of a block that begins at a distance (um): carried ones, and those still to be born."""
+        """Continue with the rows of a block that begins at a distance (um), carried ones and those still to be born."""
         departure = np.where(carried.death <= distance, carried.death, carried.departure)
         self._rows = replace(carried, departure=departure).then(born)
         self._joined = len(carried)

@@ -127,7 +127,7 @@ def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
 
 
 def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own: Bessel's and Struve's functions take long."""
+    """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own: Struve's function takes long."""
     if pulse.shape == "triangle":
         return amplitude(pulse, phase)
     found, far = np.asarray(_near(pulse)(phase), dtype=np.float64), phase > _PARTED
