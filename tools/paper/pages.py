@@ -83,7 +83,7 @@ def _name(number: Claimed) -> str:
 def simulated(number: Claimed, digits: int) -> str:
     """Return the mean of the runs with half its 95 % interval."""
     low, high = number.found.simulated.interval
-    if max(abs(low), abs(high)) < ROUNDING:
+    if 0.0 < max(abs(low), abs(high)) < ROUNDING:
         return "0, but for rounding"
     return f"{number.found.simulated.value:.{digits}g} ± {0.5 * (high - low):.2g}"
 
