@@ -74,7 +74,7 @@ def births(
 def aggregate(
     env: Environment,
     tick_ranges: Sequence[TickRange],
-    samples: Store,
+    samples: Store | None,
     block_end: Process,
     sample: Callable[[TickRange, LiveRows], Sample],
     live: LiveSet,
@@ -82,11 +82,14 @@ def aggregate(
     """Wake once per tick range, after all events up to its last tick, and sample the live set at its ticks.
 
     It wakes half a tick late, so that a birth or death at exactly that tick has happened, whatever the queue's order.
+    What it finds goes to ``samples`` if a slider waits for it, and is not kept otherwise.
     """
     for tick_range in tick_ranges:
         yield block_end if tick_range is tick_ranges[-1] else until(env, tick_range.wake)
         rows = live.rows()
-        yield samples.put((tick_range, rows, sample(tick_range, rows)))
+        found = sample(tick_range, rows)
+        if samples is not None:
+            yield samples.put((tick_range, rows, found))
     yield block_end
 
 
@@ -126,9 +129,9 @@ class Processes:
         end = min(births_of_block.next_birth, run_end)
         told = None if notifier is None else notifier.birth
         block_end = env.process(births(env, live, born, end, self._life, told))
-        samples = Store(env)
+        samples = None if move is None else Store(env, capacity=1)
         last = env.process(aggregate(env, tick_ranges, samples, block_end, sample, live))
-        if move is not None:
+        if samples is not None and move is not None:
             last = env.process(slide(len(tick_ranges), samples, move))
         env.run(until=env.all_of([block_end, last]))
         rows = live.rows()
