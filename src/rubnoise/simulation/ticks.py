@@ -21,7 +21,7 @@ VELOCITY_SHARE = 0.3
 """Weight of the velocity's error, relative to the largest velocity: an error of 1e-9 is good enough."""
 
 WIDEST_CELL = 0.04
-"""Largest width of a cell divided by the calibrated diameter: 50 cells a life, whose moments have nine digits."""
+"""Largest width of a cell divided by the calibrated diameter: from 50 cells a life on the motion has nine digits."""
 
 MOST_CELLS = 4096
 """Largest number of cells in a tick; a run that needs more is refused."""
