@@ -97,7 +97,7 @@ def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
     assert not any(figure.name.startswith("start") for figure in found.figures)
     assert {"real_contact_area_mean", "birth_count"} <= names(found)
     settled = moments.first_stationary_tick(RIGHT["empty"])
-    assert measured.measured(RIGHT["empty"], run("empty")).ticks() == RIGHT["empty"].tick_count + 1 - settled
+    assert measured.measured_run(RIGHT["empty"], run("empty")).ticks() == RIGHT["empty"].tick_count + 1 - settled
     # The first life taken in, the run would not pass as stationary.
     taken = compare(replace(RIGHT["empty"], start="stationary"), run("empty"))
     assert "start_count" in taken.outside
@@ -212,7 +212,7 @@ def test_a_single_wrong_row_breaks_an_identity(group: str, name: str, identity: 
 
 
 def test_a_wrong_sum_at_a_sampled_tick_breaks_an_identity() -> None:
-    apart = measured.Layout.of(RIGHT["figure 5"]).apart
+    apart = measured.Sampling.of(RIGHT["figure 5"]).apart
 
     def change(values: NDArray[Any]) -> None:
         values[3 * apart] += 1

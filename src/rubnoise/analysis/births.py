@@ -21,7 +21,7 @@ from rubnoise.analysis.findings import (
     too_short,
 )
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
-from rubnoise.analysis.measured import STRETCHES, Measured
+from rubnoise.analysis.measured import STRETCHES, MeasuredRun
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
@@ -46,7 +46,7 @@ _NARROW: Final = 1e-3
 _RARE: Final = 1e-9
 
 
-def births(seen: Measured) -> Iterator[Finding]:
+def births(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the number of births, their gaps and their places beside their law."""
     model, found = seen.model, seen.births
     expected = model.birth_rate * model.distance
@@ -67,7 +67,7 @@ def births(seen: Measured) -> Iterator[Finding]:
         yield kolmogorov_figure("birth_place_kolmogorov", found.places.distance(), found.count)
 
 
-def _gap_variation(seen: Measured) -> Finding:
+def _gap_variation(seen: MeasuredRun) -> Finding:
     """Return variance over squared mean of the n + 1 gaps into which n births divide the run.
 
     The births of a Poisson process are uniform on the run once their number is known, and so the sum of squared shares
@@ -83,7 +83,7 @@ def _gap_variation(seen: Measured) -> Finding:
     return judged(name, value, (n + 1) * 2.0 / (n + 2) - 1.0, error, length=model.distance, skewness=5.0)
 
 
-def _regular(seen: Measured) -> Iterator[Finding]:
+def _regular(seen: MeasuredRun) -> Iterator[Finding]:
     model, found = seen.model, seen.births
     spacing = model.mean_birth_spacing
     away = max(found.longest - spacing, spacing - found.shortest) if found.count > 1 else 0.0
@@ -93,7 +93,7 @@ def _regular(seen: Measured) -> Iterator[Finding]:
     yield Identity(name="birth_count", deviation=missing, allowed=1.0 + rounding / spacing, units="")
 
 
-def _windows(seen: Measured) -> Iterator[Finding]:
+def _windows(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the number of births, and the variance of their numbers in windows, whose errors are from its scatter."""
     model, found = seen.model, seen.births
     needed = max(30.0 * model.births.memory, STRETCHES * 2.0 * model.births.memory)
@@ -133,7 +133,7 @@ def scattered(name: str, means: Doubles, expected: float) -> Agreement:
     return Agreement(name=name, observed=float(means.mean()), expected=expected, standard_error=error, deviate=deviate)
 
 
-def start(seen: Measured) -> Iterator[Finding]:
+def start(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield number, ages and diameters at the start beside their laws; raises Refused unless births are random.
 
     The number is Poisson(lam E[life]), ages are uniform over a life, diameters have a density proportional to d f(d),
@@ -158,7 +158,7 @@ def start(seen: Measured) -> Iterator[Finding]:
         yield kolmogorov_figure("start_offset_kolmogorov", sample_distance(below, below), ages.size)
 
 
-def marks(seen: Measured) -> Iterator[Finding]:
+def marks(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield mean, spread and law of the diameters and strengths that junctions are born with."""
     model, found = seen.model, seen.births
     if not found.count:
@@ -179,11 +179,11 @@ def marks(seen: Measured) -> Iterator[Finding]:
         yield from _drawn(seen, "shear_strength", model.strengths)
 
 
-def _alike(seen: Measured, name: str, value: float, units: str) -> Finding:
+def _alike(seen: MeasuredRun, name: str, value: float, units: str) -> Finding:
     return Identity(name=name, deviation=seen.births.deviations[name], allowed=ROUNDING * value, units=units)
 
 
-def _drawn(seen: Measured, name: str, law: Any) -> Iterator[Finding]:
+def _drawn(seen: MeasuredRun, name: str, law: Any) -> Iterator[Finding]:
     """Yield mean and std of independent values: errors std/sqrt(n), and sqrt((mu_4 - mu_2^2)/n) over 2 std."""
     found = seen.births.moments[name]
     mean, length = law.moment(1), found.count * seen.model.mean_birth_spacing
@@ -211,7 +211,7 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
     return float(second), float(third), float(m4 - 4 * m1 * m3 + 6 * m1**2 * m2 - 3 * m1**4)
 
 
-def sums(seen: Measured) -> Iterator[Finding]:
+def sums(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield how far area, count and force of the trace are from the sums over lives; only rounding is allowed."""
     model, (area, count, force) = seen.model, seen.differences()
     reach, largest = model.distance + 2.0 * seen.largest, seen.largest

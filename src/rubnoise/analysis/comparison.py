@@ -29,7 +29,7 @@ from rubnoise.analysis.findings import (
     too_short,
 )
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
-from rubnoise.analysis.measured import STRETCHES, Measured, measured
+from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
 from rubnoise.analysis.moments import covariance_errors, needed_for_mean, over_ticks
 from rubnoise.analysis.records import RecordTooShort, longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
@@ -64,7 +64,7 @@ SILENT: Final = "free motion has no theory of its spreads, its shocks and its to
 _FAR: Final = 12.0
 
 
-def area(seen: Measured) -> Iterator[Finding]:
+def area(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the moments of real contact area, or a relation if regular births keep it constant."""
     expected, found = area_cumulants(seen.model), seen.moments[AREA]
     if expected.variance == 0.0:
@@ -74,7 +74,7 @@ def area(seen: Measured) -> Iterator[Finding]:
         yield from moments(seen, AREA)
 
 
-def force(seen: Measured) -> Iterator[Finding]:
+def force(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the friction force beside its law: psi A_r tick by tick for one strength, else its moments."""
     strengths, found = seen.model.strengths, seen.moments[AREA]
     if isinstance(strengths, Fixed) and "friction_force" in seen.off and seen.model.held is None:
@@ -84,7 +84,7 @@ def force(seen: Measured) -> Iterator[Finding]:
         yield from moments(seen, FORCE)
 
 
-def memory(seen: Measured) -> Iterator[Finding]:
+def memory(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the autocovariance at shares of a mean life; raises Refused unless births are random.
 
     It is taken about the mean of the record, which makes it smaller by the variance of that mean.
@@ -101,7 +101,7 @@ def memory(seen: Measured) -> Iterator[Finding]:
         yield judged(f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail)
 
 
-def spectrum(seen: Measured) -> Iterator[Finding]:
+def spectrum(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the power of eight bands of wavenumber beside that of an estimate, aliases and leakage included.
 
     Raises Refused unless births are random.
@@ -136,13 +136,13 @@ def _need_fine_ticks(model: Model) -> None:
         raise Refused(f"ticks are too wide for it; it needs {FEWEST_TICKS_A_LIFE} to a mean life")
 
 
-def _stretch(seen: Measured) -> tuple[Model, Model, float]:
+def _stretch(seen: MeasuredRun) -> tuple[Model, Model, float]:
     """Return the model, that of the stationary part of the trace, and the length of this in um."""
     ticks = seen.ticks()
     return seen.model, over_ticks(seen.model, ticks, seen.model.tick), ticks * seen.model.tick
 
 
-def law_of_area(seen: Measured) -> Iterator[Finding]:
+def law_of_area(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the share of ticks without contact, and the distance of the areas' distribution from the exact one.
 
     If the share has a score, the distribution is that of the areas in contact: the atom and the continuous part have a
@@ -157,7 +157,7 @@ def law_of_area(seen: Measured) -> Iterator[Finding]:
         yield from [share] if atom > SMALLEST_ATOM else []
 
 
-def _zero_share(seen: Measured) -> Finding:
+def _zero_share(seen: MeasuredRun) -> Finding:
     """Return the share of ticks at which no junction is alive, all ticks of the stationary part."""
     _, stretch, length = _stretch(seen)
     law, name = zero_share(stretch), "junction_count_zero_share"
@@ -168,7 +168,7 @@ def _zero_share(seen: Measured) -> Finding:
     return judged_mean(name, value, law.expected, law.standard_error, length=length, tail=tail)
 
 
-def _distance(seen: Measured, *, in_contact: bool) -> Finding:
+def _distance(seen: MeasuredRun, *, in_contact: bool) -> Finding:
     """Return the distance from the law of all areas, or from that of the areas while a junction is alive.
 
     Ticks farther apart than the longest life share no junction: their areas are independent.
@@ -188,7 +188,7 @@ def _distance(seen: Measured, *, in_contact: bool) -> Finding:
 
 
 # The motion.
-def balance(seen: Measured) -> Iterator[Finding]:
+def balance(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield what a two-way slider's balance of energy lacks: 0, but for the tolerance of its steps and rounding."""
     if seen.model.is_two_way and seen.last:
         found = Balance.of(seen.model, seen.last)
@@ -197,7 +197,7 @@ def balance(seen: Measured) -> Iterator[Finding]:
         yield Identity(name="energy", deviation=away, allowed=allowed, units="uN um")
 
 
-def mean_force(seen: Measured) -> Iterator[Finding]:
+def mean_force(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the mean force over time beside its law, int G ds being what Campbell's theorem expects of it.
 
     <F> = (E[F] s + c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T); int G ds has the standard error s sqrt(S_F(0)/s),
@@ -217,7 +217,7 @@ def mean_force(seen: Measured) -> Iterator[Finding]:
     yield judged_mean("mean_force", found.mean_force, expected, error, length=model.distance, tail=tail)
 
 
-def motion(seen: Measured) -> Iterator[Finding]:
+def motion(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield mean and std of displacement and std of velocity, and over a base how far its height is from the area's.
 
     For a two-way slider the figures are known if coupling is weak. Raises Refused if theory has no motion for the
@@ -242,7 +242,7 @@ def motion(seen: Measured) -> Iterator[Finding]:
         yield from moments(seen, PLACE, SPEED)
 
 
-def load(seen: Measured) -> Iterator[Finding]:
+def load(seen: MeasuredRun) -> Iterator[Finding]:
     """Yield the load beside P = H A - W z/s_0 tick by tick, the force beside psi P/H, and moments of the motion."""
     model = seen.model
     if model.separation is None:
@@ -258,7 +258,7 @@ def load(seen: Measured) -> Iterator[Finding]:
         yield from moments(seen, GAP, RISE, BORNE, RUBBED)
 
 
-def _borne(seen: Measured, allowed: float) -> Iterator[Finding]:
+def _borne(seen: MeasuredRun, allowed: float) -> Iterator[Finding]:
     """Yield how far load and force are at most from what area and separation give."""
     if "load" in seen.off:
         yield Identity(name="load", deviation=seen.off["load"], allowed=allowed, units="uN")
@@ -267,7 +267,7 @@ def _borne(seen: Measured, allowed: float) -> Iterator[Finding]:
         yield Identity(name="friction_force", deviation=seen.off["friction_force"], allowed=force, units="uN")
 
 
-def flight(seen: Measured, free: FreeSeparation) -> Iterator[Finding]:
+def flight(seen: MeasuredRun, free: FreeSeparation) -> Iterator[Finding]:
     """Yield the exact relations of free motion: e^2 H A <= P <= H A with a restitution e, F = psi A, and momentum.
 
     The mean of P, less the momentum m [z'] + c [z] that a stretch has gained, is W, and that of an elastic contact H A.
@@ -285,7 +285,7 @@ def flight(seen: Measured, free: FreeSeparation) -> Iterator[Finding]:
         yield scattered("real_contact_area_mean", means, seen.model.mean_real_contact_area)
 
 
-Producer = Callable[[Measured], Iterator[Finding]]
+Producer = Callable[[MeasuredRun], Iterator[Finding]]
 
 PARTS: Final[dict[str, tuple[str, dict[str, Producer]]]] = {
     "births": ("", {"birth": births, "start": start}),
@@ -314,7 +314,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     Only stored rows count, and no figure that the run has stored. They are read once, in chunks. Raises
     RecordTooShort, with the mean area, for a run too short even for a score of that, RunFileRefused for damaged rows.
     """
-    seen = measured(model, rows)
+    seen = measured_run(model, rows)
     if model.free is not None:
         found = (*flight(seen, model.free), LeftOut(name="everything else", reason=SILENT))
         return comparison([Findings(heading="load", found=found)], bound)
@@ -325,7 +325,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     return comparison([_part(seen, heading) for heading in PARTS], bound)
 
 
-def _part(seen: Measured, heading: str) -> Findings:
+def _part(seen: MeasuredRun, heading: str) -> Findings:
     """Return the findings of a part; of a figure that theory refuses, its name and the reason."""
     group, producers = PARTS[heading]
     found: list[Finding] = []

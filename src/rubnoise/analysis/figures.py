@@ -14,7 +14,7 @@ from rubnoise.analysis.findings import (
     judged_mean,
     tail_of,
 )
-from rubnoise.analysis.measured import Measured
+from rubnoise.analysis.measured import MeasuredRun
 from rubnoise.analysis.moments import over_ticks
 from rubnoise.contact.births import RegularBirths
 from rubnoise.model import Model
@@ -96,7 +96,7 @@ def motion_of(model: Model) -> Response:
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class JudgedMoment:
     """A moment of a column: its exact value, its error among those of its column, and d^p psi^q that a junction brings.
 
     ``scale``: what the error is measured by, if it is not the exact value.
@@ -117,40 +117,40 @@ PLACE, SPEED = ("slider", "displacement"), ("slider", "velocity")
 GAP, RISE, BORNE, RUBBED = (("load", name) for name in ("separation", "velocity", "load", "friction_force"))
 
 
-def _area(moment: str, power: int, scale: float | None = None) -> Figure:
+def _area(moment: str, power: int, scale: float | None = None) -> JudgedMoment:
     def exact(model: Model) -> float:
         return float(getattr(area_cumulants(model), moment))
 
-    return Figure(f"real_contact_area_{moment}", AREA, moment, exact, _area_errors, moment, (power, 0), scale)
+    return JudgedMoment(f"real_contact_area_{moment}", AREA, moment, exact, _area_errors, moment, (power, 0), scale)
 
 
-def _force(column: tuple[str, str], moment: str, errors: Errors, error: str, powers: tuple[int, int]) -> Figure:
+def _force(column: tuple[str, str], moment: str, errors: Errors, error: str, powers: tuple[int, int]) -> JudgedMoment:
     def exact(model: Model) -> float:
         return float(getattr(force_cumulants(model), moment))
 
-    return Figure(f"friction_force_{moment}", column, moment, exact, errors, error, powers)
+    return JudgedMoment(f"friction_force_{moment}", column, moment, exact, errors, error, powers)
 
 
-def _moved(name: str, column: tuple[str, str], exact: str, error: str, powers: tuple[int, int]) -> Figure:
+def _moved(name: str, column: tuple[str, str], exact: str, error: str, powers: tuple[int, int]) -> JudgedMoment:
     def value(model: Model) -> float:
         return float(getattr(motion_of(model), exact))
 
-    return Figure(name, column, name.rpartition("_")[2], value, _motion_errors, error, powers)
+    return JudgedMoment(name, column, name.rpartition("_")[2], value, _motion_errors, error, powers)
 
 
-def _lifted(name: str, column: tuple[str, str], exact: Callable[[Model], float], error: str) -> Figure:
+def _lifted(name: str, column: tuple[str, str], exact: Callable[[Model], float], error: str) -> JudgedMoment:
     moment = name.rpartition("_")[2]
-    return Figure(name, column, moment, exact, _load_errors, error, (3 if moment == "mean" else 6, 0))
+    return JudgedMoment(name, column, moment, exact, _load_errors, error, (3 if moment == "mean" else 6, 0))
 
 
-FIGURES: Final[tuple[Figure, ...]] = (
+JUDGED: Final[tuple[JudgedMoment, ...]] = (
     # A junction brings d^(2n + 1) to the n-th power of the area.
     _area("mean", 3),
     _area("std", 5),
     _area("skewness", 7, scale=1.0),
     _area("excess_kurtosis", 9, scale=1.0),
-    Figure("junction_count_mean", COUNT, "mean", mean_count, _count_errors, "mean", (1, 0)),
-    Figure("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0)),
+    JudgedMoment("junction_count_mean", COUNT, "mean", mean_count, _count_errors, "mean", (1, 0)),
+    JudgedMoment("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0)),
     _force(FORCE, "mean", _force_errors, "mean", (3, 1)),
     _force(FORCE, "std", _force_errors, "std", (5, 2)),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
@@ -173,10 +173,10 @@ def _errors(errors: Errors, model: Model, ticks: int) -> dict[str, float]:
     return errors(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
 
 
-def moments(seen: Measured, *columns: tuple[str, str]) -> Iterator[Finding]:
+def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
     """Yield every moment of some columns that the run has, and of which theory knows the error."""
     model = seen.model
-    for figure in FIGURES:
+    for figure in JUDGED:
         found = seen.moments.get(figure.column)
         if figure.column not in columns or found is None or not found.count:
             continue

@@ -1,7 +1,7 @@
 """What is measured of a run: one sink that sums up the rows of a run, of a record or of a file.
 
 Every figure of a comparison reads it, and memory does not grow with the run. Moments are over the part of each group in
-which the start is forgotten (`Layout`).
+which the start is forgotten (`Sampling`).
 """
 
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ _QUANTILES: Final = 1 << 17
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
+class Sampling:
     """The first tick of figures by group, ticks ``apart`` that share no junction, and how noise is taken.
 
     Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
@@ -62,7 +62,7 @@ class Layout:
 
     @classmethod
     @lru_cache(maxsize=8)
-    def of(cls, model: Model) -> "Layout":
+    def of(cls, model: Model) -> "Sampling":
         """Return the layout that suits a model; no part of it grows with its runs."""
         life, longest = model.mean_life_distance, longest_life(model)
         stride = max(1, int(longest / model.tick) // _MOST_TICKS_A_LIFE)
@@ -225,7 +225,7 @@ class Births:
         self.last, self.count = float(birth[-1]), self.count + birth.size
 
 
-class Measured:
+class MeasuredRun:
     """A sink: moments of columns, the area as noise, the births, sums of lives, and deviations from exact relations.
 
     ``off`` holds the largest deviation of each relation between columns, by its name.
@@ -233,7 +233,7 @@ class Measured:
 
     def __init__(self, model: Model) -> None:
         """Start without rows."""
-        self.model, self.layout, self.births = model, Layout.of(model), Births(model)
+        self.model, self.layout, self.births = model, Sampling.of(model), Births(model)
         self.moments: dict[tuple[str, str], Moments] = {}
         self.off: dict[str, float] = {}
         self.last: dict[str, float] = {}
@@ -371,9 +371,9 @@ READ: Final = {
 """Columns that are read of a file, by group."""
 
 
-def measured(model: Model, rows: Rows) -> Measured:
+def measured_run(model: Model, rows: Rows) -> MeasuredRun:
     """Return what is measured of a file or a record; raises RunFileRefused for damaged rows."""
-    seen = Measured(model)
+    seen = MeasuredRun(model)
     for group in (each for each in READ if each in rows.columns):
         first = 0
         for columns in checked_chunks(rows, group, READ[group]):

@@ -16,7 +16,7 @@ _FEW: Final = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
+class TableLayout:
     """A table as one form sees it; ``worth`` is how well: names that agree, the share of numbers, rows, cells.
 
     ``first`` is the line where rows begin, ``head_line`` that of the names, 0 if there are none; ``usable`` are the
@@ -35,7 +35,7 @@ class Layout:
     worth: tuple[bool, float, int, int]
 
 
-def layout(form: Form, lines: Sequence[tuple[int, str]]) -> Layout | None:
+def layout(form: Form, lines: Sequence[tuple[int, str]]) -> TableLayout | None:
     """Return the table that the first lines of a text have in one form, None if none has a number in it."""
     rows = [form.cells(text) if text[0] not in MARKS else [] for _, text in lines]
     kinds = [[_kind(form, cell) for cell in row] for row in rows]
@@ -66,7 +66,7 @@ def layout(form: Form, lines: Sequence[tuple[int, str]]) -> Layout | None:
     filled = sum(bool(cell) for each in table for cell in rows[each])
     read = sum(each["number"] + each["time"] for each in counts)
     usable = [n for n in range(min(width, len(heads))) if share[n] >= 0.5]
-    return Layout(
+    return TableLayout(
         form=form,
         heads=heads,
         head_line=0 if at < 0 else lines[at][0],

@@ -19,7 +19,7 @@ from rubnoise.regular_file import open_stream
 from rubnoise.storage.samples import Source
 from rubnoise.storage.text_form import MARKS, SHOWN, Form, moment
 from rubnoise.storage.text_heads import LONGEST_NAME
-from rubnoise.storage.text_layout import Layout, layout
+from rubnoise.storage.text_layout import TableLayout, layout
 
 LOOKED_AT: Final = 1000
 """Lines within which a table has to begin."""
@@ -71,7 +71,7 @@ class TextTable(Source):
     """A table of text, whose columns are read when they are needed."""
 
     encoding: str
-    layout: Layout
+    layout: TableLayout
 
     @classmethod
     def of(cls, path: Path) -> Self:
