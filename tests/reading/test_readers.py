@@ -17,7 +17,6 @@ import pytest
 
 import rubnoise
 from rubnoise.storage.schema import INTERVENTION, LANDMARKS
-from tests.docs.test_plain_words import listed
 
 # The file that the page is about, made by the program as it is.
 FIG5 = Path(__file__).parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -292,6 +291,14 @@ def test_what_viewers_cannot_draw_is_found(attribute: str, value: object, proble
     with h5py.File(folder / "fig5.h5", "r+") as file:
         file["trace"].attrs[attribute] = np.array(value)
         assert problems(file["trace"]) == [problem]
+
+
+def listed(title: str) -> set[str]:
+    """Return the names that the list of a section of the page on the result file has before its colons."""
+    page = (FIG5.parents[2] / "docs" / "data-format.md").read_text(encoding="utf-8")
+    section = page.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+    entries = [entry for line in section.splitlines() if line.startswith("- `") for entry in line.split("; ")]
+    return {name for entry in entries for name in re.findall(r"`(\w+)`", entry.partition(":")[0])}
 
 
 def test_the_attributes_of_root_and_provenance_are_listed(folder: Path) -> None:
