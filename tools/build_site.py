@@ -37,7 +37,7 @@ SHOWN: Final = (
     ("Exact theory", ["theory", FIG5]),
 )
 SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
-LESSON: Final = ["teach", "-o", "site/lesson.html"]
+LESSON: Final = ["page", "-o", "site/lesson.html"]
 NESTED: Final = {
     "docs/start": ("install", "lesson", "viewer", "docs/gallery"),
     "docs/command-line": ("commands", "outputs", "docs/sweeps", "docs/json"),
@@ -50,7 +50,7 @@ NESTED: Final = {
 }
 """The pages that the sidebar shows below another one, when a reader is there."""
 DRAWN: Final = re.compile(r"!\[([^\]]+)\]\((\S*pictures/drawn/\w+)\.svg\)")
-VIEWER: Final = ["view", "fig5.h5", "--to", "1mm", "-o", "site/view.html"]
+VIEWER: Final = ["page", "fig5.h5", "--to", "1mm", "-o", "site/view.html"]
 
 
 def main(arguments: list[str]) -> int:
@@ -141,7 +141,7 @@ def commands(source: Path) -> Iterator[str]:
     yield "This is the text of `--help` for each command. [command-line.md](docs/command-line.md) explains them.\n"
     help_text = answer(source, ["--help"])
     yield f"```\n{help_text}```\n"
-    for name in re.findall(r"^│ (\w+) {2,}", help_text.partition("Commands")[2], re.MULTILINE):
+    for name in re.findall(r"^  (\w+) {2,}", help_text.partition("Begin and run")[2], re.MULTILINE):
         yield f"## {name}\n\n```\n{answer(source, [name, '--help'])}```\n"
 
 

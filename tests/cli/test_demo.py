@@ -32,7 +32,7 @@ def test_a_run_ends_with_what_to_call_next(here: Path) -> None:
     answer = call(*words)
     assert answer.code == 0, answer.err
     assert [line.split()[1:] for line in answer.out.splitlines()[-3:]] == [
-        [each, "'a", "b.h5'"] for each in ("plot", "view", "junctions")
+        [each, "'a", "b.h5'"] for each in ("plot", "page", "junctions")
     ]
     with rubnoise.open("a b.h5") as run:
         assert (run.scenario.sliding.speed, run.scenario.sliding.distance) == (40_000.0, 1000.0)

@@ -355,3 +355,42 @@ def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
         assert heard == ["area", "normal", "load"]
         curves = page.locator("#contact .chart").evaluate_all("all => all.map(one => one.dataset.curve)")
         assert curves[-3:] == ["load", "separation", "normal_velocity"]
+
+
+def test_two_runs_side_by_side_share_their_window(
+    browser: Any, one_way: Path, off_centre: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "both.html"
+    assert call("page", one_way, off_centre, "-o", path).code == 0
+    with opened(browser, path.as_uri()) as page:
+        assert page.locator("p").all_inner_texts() == [str(one_way), str(off_centre)]
+        frames = page.frames[1:]
+        for frame in frames:
+            frame.wait_for_function("view.charts !== undefined || document.querySelector('#overview canvas') !== null")
+        frames[0].click("#zoom-in")
+        first = frames[0].evaluate("[view.window.from, view.window.to]")
+        frames[1].wait_for_function(f"view.window.to === {first[1]}")
+        frames[1].click("#on")
+        second = frames[1].evaluate("[view.window.from, view.window.to]")
+        assert second != first
+        frames[0].wait_for_function(f"view.window.from === {second[0]} && view.window.to === {second[1]}")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("one.h5 one.h5 one.h5", "a page shows one result, or two side by side"),
+        ("one.h5 one.h5 --as report", "only two results are shown side by side, with --as view"),
+        ("--as view", "--as view needs a result"),
+        ("one.toml --from 1mm", "--from and --to are for the view of a run"),
+        ("one.h5 -o one.txt", "one.txt does not end in .html"),
+    ],
+)
+def test_pages_that_cannot_be_are_refused(
+    words: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = call("page", *words.split())
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert not any(tmp_path.iterdir())

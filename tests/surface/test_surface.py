@@ -1,7 +1,6 @@
 """Surfaces: reading, filters, exact theory, counting and the scenario that stands for them."""
 
 import json
-import re
 from dataclasses import replace
 from math import log10, pi, sqrt
 from pathlib import Path
@@ -540,7 +539,7 @@ class TestCommand:
     def test_options_without_effect_or_sense_are_refused(self, folder, words, said):
         found = call("surface", *words.split())
         assert (found.code, found.out) == (2, "")
-        assert said in re.sub(r" *│\n│ *", " ", found.err)
+        assert said in found.err
         assert sorted(each.name for each in folder.iterdir()) == ["1.nc", "2.nc"]
 
     def test_synthetic_surface_keeps_its_bits_in_a_file(self, folder):

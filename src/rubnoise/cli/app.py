@@ -37,11 +37,9 @@ HEADINGS: Final = {
     },
     "Look at a result": {
         "info": "info.command",
-        "view": "view.command",
-        "plot": "plot.command",
-        "junction": "junction.command",
         "junctions": "junctions.command",
-        "report": "report.command",
+        "plot": "plot.command",
+        "page": "page.command",
         "listen": "listen.command",
         "export": "export.command",
     },
@@ -54,15 +52,19 @@ HEADINGS: Final = {
         "infer": "infer.command",
         "surface": "surface.command",
     },
-    "Teach": {
-        "teach": "teach.command",
-        "schema": "new.print_schema",
-    },
-    "Ended": dict.fromkeys(INSTEAD, "ended.command"),
+    "Hidden": {"schema": "new.print_schema", **dict.fromkeys(INSTEAD, "ended.command")},
 }
 """The commands under the headings of --help: the module of this package and the function of each."""
 
 COMMANDS: Final = {name: place for commands in HEADINGS.values() for name, place in commands.items()}
+
+EARLIER: Final = {
+    "view": ("page", "--as", "view"),
+    "report": ("page", "--as", "report"),
+    "teach": ("page", "--as", "lesson"),
+    "junction": ("junctions",),
+}
+"""Words of earlier versions, which go on working, with what each stands for."""
 
 
 def program(names: Iterable[str] = COMMANDS) -> Typer:
@@ -73,6 +75,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
         "Begin with: rubnoise demo, or with rubnoise run first/rubbing and what it prints.",
         no_args_is_help=True,
+        rich_markup_mode=None,  # help in plain text
         pretty_exceptions_enable=False,
     )
     app.callback(invoke_without_command=True)(root)
@@ -82,6 +85,7 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         command = getattr(module, function)
         panel = next(heading for heading, commands in HEADINGS.items() if name in commands)
         settings = {"cls": Command, "rich_help_panel": panel, **getattr(module, "SETTINGS", {})}
+        settings |= {"hidden": panel == "Hidden"}
         app.command(name, **settings)(command)
         for given in signature(command).parameters.values():
             for about in getattr(given.annotation, "__metadata__", ()):
@@ -194,6 +198,10 @@ def _call(flags: Flags) -> None:
     try:
         arguments = _debug_first(sys.argv[1:])
         command = next((word for word in arguments if not word.startswith("-")), None)
+        if command in EARLIER:
+            place = arguments.index(command)
+            arguments[place : place + 1] = EARLIER[command]
+            command = arguments[place]
         app = program([command]) if command in COMMANDS else program()
         app(arguments, prog_name="rubnoise", obj=flags)
     finally:

@@ -23,7 +23,9 @@ def command(
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check scenarios, and print what follows from them: sizes, exact means and spreads, validity and cost.
+    """Check scenarios, and print what follows from them.
+
+    These are sizes, exact means and spreads, validity and cost.
 
     For a file with a table [sweep], check and list every point.
 

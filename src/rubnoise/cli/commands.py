@@ -1,15 +1,14 @@
-"""Typer's commands with our changes: help is shown as it is written, and output cannot control the terminal.
+"""Typer's commands with our changes: help lists them under headings, and output cannot control the terminal.
 
 Files, names and titles may come from anywhere, so all output is escaped.
 """
 
 import os
-import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
-from inspect import cleandoc
+from itertools import groupby
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -18,43 +17,13 @@ from typer.core import TyperCommand, TyperGroup
 
 from rubnoise.cli.layout import printable
 
-_TAG = re.compile(r"(\\*)(\[[a-z#/@][^\[]*?\])")
-"""What the library that draws help takes for a style or a colour, and leaves out: `[sweep]`."""
 
-
-def literal(text: str) -> str:
-    """Return a text without markup of that library, each paragraph in one line, which it breaks."""
-    paragraphs = (" ".join(paragraph.split()) for paragraph in cleandoc(text).split("\n\n"))
-    return "\n\n".join(_TAG.sub(r"\1\1\\\2", paragraph) for paragraph in paragraphs)
-
-
-def literal_texts(styled: bool, help_text: str | None, params: Any) -> str | None:
-    """Make the help of parameters literal if the library interprets markup; return the help of their command."""
-    if not styled:
-        return help_text
-    for param in params or ():
-        if getattr(param, "help", None):
-            param.help = literal(param.help)
-    return literal(help_text) if help_text else help_text
-
-
-def without_types(params: Any) -> Any:
-    """Return parameters that show a type only if they are options with a value.
-
-    A flag takes no value, and an argument has its name and its help.
-    """
+def as_wanted(params: Any) -> None:
+    """Show arguments without a type; make options for a file refuse a slash at the end, which a Path would drop."""
     for param in params:
-        if getattr(param, "is_flag", False):
-            param.metavar = ""
         if param.param_type_name == "argument":
-            param.display_type_rich = lambda **_context: None
-    return params
-
-
-def files_only(params: Any) -> None:
-    """Make options for a file refuse a name with a slash at its end, which a Path would drop."""
-    for param in params:
-        if param.param_type_name == "option" and param.metavar != "DIR":
+            param.display_type_rich = lambda **_context: ""
+        elif param.metavar != "DIR":
             param.process_value = _file_only(param.process_value)
 
 
@@ -69,17 +38,12 @@ def _file_only(process: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class Command(TyperCommand):
-    """A command whose help is shown as it is written."""
+    """A command whose options for a file refuse the name of a folder."""
 
-    def __init__(self, name: str | None, *, help: str | None = None, **rest: Any) -> None:  # noqa: A002  (click's name)
+    def __init__(self, *names: Any, **rest: Any) -> None:
         """Make a command (see click)."""
-        styled = rest.get("rich_markup_mode") == "rich"
-        super().__init__(name, help=literal_texts(styled, help, rest.get("params")), **rest)
-        files_only(self.params)
-
-    def get_params(self, ctx: Any) -> Any:
-        """Return arguments and options (see click)."""
-        return without_types(super().get_params(ctx))
+        super().__init__(*names, **rest)
+        as_wanted(self.params)
 
 
 _PREFIX = "Value error, "
@@ -129,19 +93,18 @@ def escaping() -> Iterator[None]:
 
 
 class Commands(TyperGroup):
-    """The group of commands, whose output is escaped; the library itself colours help and usage."""
-
-    def __init__(self, *, help: str | None = None, **rest: Any) -> None:  # noqa: A002  (click's name)
-        """Make the group of commands (see click)."""
-        super().__init__(help=literal_texts(rest.get("rich_markup_mode") == "rich", help, rest.get("params")), **rest)
-
-    def get_params(self, ctx: Any) -> Any:
-        """Return the options (see click)."""
-        return without_types(super().get_params(ctx))
+    """The group of commands: their output is escaped, and --help lists them under their headings."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that are shown and suggested: those of commands that are not hidden."""
         return [name for name in super().list_commands(ctx) if not self.commands[name].hidden]
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands with a line each, under their headings (see click)."""
+        shown = [self.commands[name] for name in self.list_commands(ctx)]
+        for heading, some in groupby(shown, key=lambda command: str(getattr(command, "rich_help_panel", ""))):
+            with formatter.section(heading):
+                formatter.write_dl([(str(each.name), each.get_short_help_str(formatter.width)) for each in some])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command that prints escaped text (see click)."""

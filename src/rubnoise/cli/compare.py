@@ -28,7 +28,9 @@ def command(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compare the stored rows of a result with exact theory; the exit code is 3 if a value is outside.
+    """Compare the rows of a result with exact theory.
+
+    The exit code is 3 if a value is outside.
 
     Example: rubnoise compare fig5.h5
     """

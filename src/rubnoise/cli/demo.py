@@ -34,7 +34,7 @@ def command(
     no_open: Annotated[bool, typer.Option("--no-open", help="Do not open a browser.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a first contact, and draw, report, view and teach it, all into one folder.
+    """Run a first contact; draw, report, view and teach it.
 
     The pages open in the browser, where there is one. The folder may hold an earlier demo, which is replaced, and
     nothing else.

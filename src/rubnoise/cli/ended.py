@@ -7,7 +7,7 @@ import typer
 from rubnoise.errors import Refused
 
 INSTEAD: Final = {
-    "animate": "films are not drawn any more; `rubnoise teach RUN.h5` shows the junctions of a run as they slide",
+    "animate": "films are not drawn any more; `rubnoise page RUN.h5 --as lesson` shows junctions as they slide",
     "cite": "the entry to cite is CITATION.cff of the project; `rubnoise --version` prints the version to give with it",
     "claims": "`python tools/paper` in a clone of the project tests the claims of the paper and of its field",
     "contact": "call rubnoise.greenwood_williamson(...) in Python, which takes the same words",
@@ -18,7 +18,6 @@ INSTEAD: Final = {
 """What to do in place of each."""
 
 SETTINGS: Final[dict[str, Any]] = {
-    "hidden": True,
     "context_settings": {"allow_extra_args": True, "ignore_unknown_options": True},
 }
 """How the commands are registered: whatever follows them is taken."""

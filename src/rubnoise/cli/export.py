@@ -46,7 +46,9 @@ def command(
     ] = None,
     force: ReplaceFiles = False,
 ) -> None:
-    """Write a result as CSV (units in the names), Parquet or netCDF (units beside them).
+    """Write a result as CSV, Parquet or netCDF.
+
+    CSV has units in the names of columns, the others beside them.
 
     CSV and Parquet files hold one group each, a netCDF file holds all. -o - prints one group as CSV.
 

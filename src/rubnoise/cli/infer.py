@@ -94,7 +94,9 @@ def command(
     report: Annotated[Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")] = None,
     force: ReplaceFiles = False,
 ) -> None:
-    """Find number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
+    """Find the junctions behind a friction trace.
+
+    Their number, size, spread and strength, with 95 % intervals.
 
     The exit code is 3 if the trace does not follow the model, or says too little.
 

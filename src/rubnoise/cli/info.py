@@ -33,7 +33,9 @@ def command(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show a result file, with measured and exact figures, or the progress of a sweep.
+    """Show what a result or a sweep contains.
+
+    Of a result these are measured and exact figures; of a sweep its progress.
 
     Of a sweep, --figures shows values with their 95 % intervals, and --over shows ratios with theirs.
 

@@ -1,14 +1,13 @@
-"""`rubnoise junction`: one life in words and numbers, as a curve, or as a picture."""
+"""`rubnoise junctions FILE N`: one life in words and numbers, as a curve, or as a picture."""
 
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from rubnoise.cli.layout import filled, grouped, json_text, number, printable, table_row
-from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
 from rubnoise.cli.plot import check_picture, write_picture
 
 if TYPE_CHECKING:
@@ -16,26 +15,10 @@ if TYPE_CHECKING:
     from rubnoise.record.rows import JunctionState
 
 
-SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
-"""Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
-
-
-def command(
-    file: ResultFile,
-    number: Annotated[str, typer.Argument(help="Row number of the junction, from 0 in order of birth.", metavar="N")],
-    picture: Annotated[
-        Path | None, typer.Argument(help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png")
-    ] = None,
-    *,
-    as_csv: Annotated[bool, typer.Option("--csv", help="Print its curve: distance, time, area and force.")] = False,
-    as_json: AsJson = False,
-    plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png file.")] = False,
-    force: ReplacePlot = False,
+def show(
+    file: Path, number: str, picture: Path | None, *, plot: bool, force: bool, as_csv: bool, as_json: bool
 ) -> None:
-    """Show the life of one junction: birth, mid-life, death, its share of the contact, the others alive.
-
-    Example: rubnoise junction fig5.h5 17 --plot
-    """
+    """Show one junction of a result in the chosen form."""
     from rubnoise.analysis.life import life_of
     from rubnoise.cli.loading import finished_run
 

@@ -1,15 +1,17 @@
-"""`rubnoise junctions`: the rows of a result that meet a condition, as text, CSV or JSON."""
+"""`rubnoise junctions`: the rows of a result that meet a condition, or one of them, as text, CSV or JSON."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 import typer
 
+from rubnoise.cli.junction import show as show_life
 from rubnoise.cli.junction import state_names
-from rubnoise.cli.layout import grouped, groups_that_fit, json_text, number, printable
-from rubnoise.cli.options import AsJson, ResultFile
+from rubnoise.cli.layout import grouped, groups_that_fit, json_text, printable
+from rubnoise.cli.layout import number as in_digits
+from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
@@ -21,8 +23,19 @@ ROWS_SHOWN = 20
 """Rows printed as text by default."""
 
 
+SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
+"""Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
+
+
 def command(
     file: ResultFile,
+    number: Annotated[
+        str | None,
+        typer.Argument(help="Row number of one junction, from 0 in order of birth, to show its life.", metavar="N"),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Argument(help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png")
+    ] = None,
     *,
     where: Annotated[
         str | None,
@@ -40,13 +53,26 @@ def command(
     columns: Annotated[str | None, typer.Option(help="The columns to print.", metavar="A,B,...")] = None,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, units in its heading.")] = False,
     as_json: AsJson = False,
+    plot: Annotated[bool, typer.Option("--plot", help="Draw the life of junction N into a png file.")] = False,
+    force: ReplacePlot = False,
 ) -> None:
-    """List the junctions that meet a condition, in order of birth or of a column.
+    """List junctions that meet a condition, or show one life.
+
+    A list is in order of birth or of a column. Of junction N: birth, mid-life, death, its share of the contact, and the
+    others alive; --csv prints its curve.
+
+    Example: rubnoise junctions fig5.h5 17
 
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """
     from rubnoise.cli.loading import finished_run
 
+    chosen = {"--where": where, "--sort": sort, "--reverse": reverse or None, "--head": head, "--columns": columns}
+    if number is not None:
+        _refuse(chosen, "is for a list, not for one junction")
+        show_life(file, number, picture, plot=plot, force=force, as_csv=as_csv, as_json=as_json)
+        return
+    _refuse({"--plot": plot or None, "--force": force or None}, "is for one junction: rubnoise junctions RUN.h5 N")
     if as_csv and as_json:
         raise typer.BadParameter("only one of --csv and --json")
     show = print_csv if as_csv else print_json if as_json else print_text
@@ -57,6 +83,12 @@ def command(
             run, file, where=where, sort=sort, reverse=reverse, head=head, columns=columns, brief=show is print_text
         )
         show(found)
+
+
+def _refuse(options: dict[str, Any], why: str) -> None:
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        raise typer.BadParameter(f"{given[0]} {why}")
 
 
 BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
@@ -170,7 +202,7 @@ def _cell(name: str, value: float) -> str:
         from rubnoise.record.rows import JunctionState
 
         return ", ".join(state_names(JunctionState(int(value))))
-    return str(value) if isinstance(value, int) else number(value)
+    return str(value) if isinstance(value, int) else in_digits(value)
 
 
 def _chosen_columns(columns: str | None, there: "tuple[Dataset, ...]", named: set[str] | None) -> "tuple[Dataset, ...]":

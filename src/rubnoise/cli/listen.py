@@ -49,7 +49,9 @@ def command(
     rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
     force: ReplaceFile = False,
 ) -> None:
-    """Write the slider's motion as sound: band-limited, without mean, peak at -3 dB, physical scale in the file.
+    """Write the slider's motion as sound.
+
+    Band-limited, without mean, peak at -3 dB, physical scale in the file.
 
     Several runs get one scale and one length, so that they differ in loudness as they do in motion.
 

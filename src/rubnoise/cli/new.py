@@ -33,7 +33,9 @@ def command(
         ),
     ] = None,
 ) -> None:
-    """Make a scenario file with every key of this version, each explained, the optional ones as comments.
+    """Make a scenario file with every key, each explained.
+
+    Optional keys are comments.
 
     It runs as it is. With --from it is a copy of a scenario that comes with rubnoise. An existing file is never
     replaced.
@@ -55,7 +57,9 @@ def command(
 
 
 def print_examples() -> None:
-    """List the scenarios that come with rubnoise; commands take their names where they take a scenario file.
+    """List the scenarios that come with rubnoise.
+
+    Commands take their names where they take a scenario file.
 
     Example: rubnoise examples
     """

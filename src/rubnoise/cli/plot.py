@@ -95,7 +95,9 @@ def command(
     title: Annotated[bool, typer.Option("--title/--no-title", help="With titles, or without for a caption.")] = True,
     force: ReplaceFile = False,
 ) -> None:
-    """Draw a run beside theory: area, single lives, distributions, spectra, autocovariance, count, and the slider.
+    """Draw a run beside theory.
+
+    Area, single lives, distributions, spectra, autocovariance, count, and the slider.
 
     overview shows the run at a glance, contact the junctions from above at --from; sizes, life_distances and gaps are
     histograms beside their laws. lifelines has a bar from birth to death for each junction. slider is its motion in

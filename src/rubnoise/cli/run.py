@@ -56,7 +56,9 @@ def command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario and keep everything in one HDF5 file: every junction's life, area, force and motion.
+    """Run a scenario, and keep everything in one HDF5 file.
+
+    It holds every junction's life, area, force and motion.
 
     A signal, a kill or a full disk leaves no result: run it again, and the bits are the same.
 
@@ -132,7 +134,7 @@ def _print_result(
         print("\n".join(agreement_table(result.summary)))
         print(
             "\n".join(
-                ["next:", *(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "view", "junctions"))]
+                ["next:", *(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "page", "junctions"))]
             )
         )
 

@@ -82,7 +82,9 @@ def command(
     ] = None,
     seed: Annotated[int, typer.Option(help="Its seed.", metavar="N")] = 1,
 ) -> None:
-    """Say how many junctions of what size carry a load between two measured surfaces, and write their scenario.
+    """Find the junctions between two measured surfaces.
+
+    How many of what size carry a load; the answer is a scenario too.
 
     Theory is exact for Gaussian surfaces with the measured spectra; beside it stands what is counted on the maps. The
     number of junctions depends on the cut-off, so that one has to be given.

@@ -54,7 +54,7 @@ def command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Make every run of a sweep, each a result file in one folder, with an index of them all.
+    """Make every run of a sweep, in one folder with an index.
 
     The same command resumes an interrupted sweep: it skips finished runs, and adds new points and replicates. Exit
     code 1 if a run failed.

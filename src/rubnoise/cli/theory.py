@@ -65,7 +65,9 @@ def command(
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
     force: ReplacePlot = False,
 ) -> None:
-    """Print the exact values of a scenario: moments, spectrum, autocovariance, distribution, slider response.
+    """Print the exact values of a scenario.
+
+    Moments, spectrum, autocovariance, distribution, and the response of the slider.
 
     Options add the rate at which the slider passes a level, the growth from an empty start, and the expected estimate
     of the spectrum.

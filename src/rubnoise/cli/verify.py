@@ -48,7 +48,9 @@ def command(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play a run again and compare every value of its result; the exit code is 3 if something differs.
+    """Play a run again, and compare every value of its result.
+
+    The exit code is 3 if something differs.
 
     For the folder of a sweep, check its names and index too, and every run.
 

@@ -26,6 +26,19 @@ def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[
     )
 
 
+def side_by_side(pages: Mapping[str, str]) -> str:
+    """Return one page with the pages of two runs beside each other, by their names; their windows move together."""
+    shown = ((escape(name), escape(text)) for name, text in pages.items())
+    frames = (f'<div><p>{name}</p><iframe title="{name}" srcdoc="{text}"></iframe></div>' for name, text in shown)
+    return web_page(
+        "\n".join(frames),
+        title=" and ".join(pages),
+        styles=[part(HERE, "beside.css")],
+        scripts=[part(HERE, "beside.js")],
+        data={},
+    )
+
+
 def packed(values: NDArray[Any]) -> dict[str, str]:
     """Return an array in the form of a page: its type, little-endian, and its bytes in base 64."""
     little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))

@@ -1,4 +1,4 @@
-/* The life of one junction: its area, its peak, and the contact there, as `rubnoise junction` has them. */
+/* The life of one junction: its area, its peak, and the contact there, as `rubnoise junctions` has them. */
 "use strict";
 (() => {
   const AREAS = {

@@ -233,7 +233,7 @@
       return value === null ? [] : term(label(name), shown(value) + (exact === null ? "" : `, exact ${shown(exact)}`));
     }));
     const code = document.createElement("code");
-    code.textContent = `rubnoise view ${data.name}/runs/${data.runs[run]}.h5`;
+    code.textContent = `rubnoise page ${data.name}/runs/${data.runs[run]}.h5`;
     $("command").replaceChildren(...(beginning?.refused ? [] : ["The whole run: ", code]));
     keep();
     chart.redraw(false);

@@ -125,7 +125,15 @@
     const kept = new URLSearchParams({ from, to });
     if (view.chosen !== null) kept.set("junction", view.lives.junction[view.chosen]);
     if ($("where").value) kept.set("where", $("where").value);
-    history.replaceState(null, "", `#${kept}`);
+    if (location.protocol !== "about:") history.replaceState(null, "", `#${kept}`);
+    else if (!follows) parent.moved(window, from, to);
+    follows = false;
+  };
+  /* Beside another run a page has no link of its own, and follows the window of the other. */
+  let follows = false;
+  window.follow = (from, to) => {
+    follows = true;
+    view.show(from, to, true);
   };
 
   const filter = () => {

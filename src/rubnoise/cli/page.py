@@ -1,0 +1,170 @@
+"""`rubnoise page`: a web page to explore one result or two, to send to a colleague, or for a class."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+from os.path import realpath  # unlike resolve, it takes a loop of links for a name
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import rubnoise
+from rubnoise.cli.layout import sentence, size
+from rubnoise.cli.options import ReplaceFile, StretchEnd, StretchStart
+from rubnoise.cli.plot import distance
+from rubnoise.errors import Refused
+from rubnoise.regular_file import is_folder
+
+Ends = tuple[float | None, float | None]
+
+
+class Form(StrEnum):
+    """What a page is for."""
+
+    VIEW = "view"
+    REPORT = "report"
+    LESSON = "lesson"
+
+
+def command(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            help="A result, the folder of a sweep, or a scenario for a lesson; default: a lesson on first/rubbing. Two"
+            " results are shown side by side.",
+            metavar="RUN.h5|DIR|SCENARIO",
+        ),
+    ] = None,
+    *,
+    form: Annotated[
+        Form | None,
+        typer.Option(
+            "--as",
+            help="view (to explore; default of a result), report (to send and print), or lesson (for a class).",
+            metavar="FORM",
+            show_choices=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            help="The page to write; default: RUN.html, RUN_report.html or lesson.html, in this folder.",
+            metavar="OUT.html",
+        ),
+    ] = None,
+    start: StretchStart = None,
+    stop: StretchEnd = None,
+    force: ReplaceFile = False,
+) -> None:
+    """Write a web page: explore a result, report it, or teach.
+
+    The page of two results shows them side by side. It is one file, which a browser opens without a network.
+
+    Example: rubnoise page fig5.h5 --from 1mm --to 2mm
+    """
+    from rubnoise.storage.output import check_output, whole_file
+
+    sources = files or []
+    wanted = form or _usual_form(sources)
+    path = output or Path(_usual_name(sources, wanted))
+    if path.suffix.lower() not in {".html", ".htm"}:
+        raise typer.BadParameter(f"{path} does not end in .html")
+    ends = distance("--from", start), distance("--to", stop)
+    _check(sources, wanted, ends)
+    check_output(path, force=force, reads=sources)
+    text, what = _written(sources, wanted, ends)
+    with whole_file(path, force=force) as part:
+        part.write_text(text, encoding="utf-8")
+    print(sentence(f"{path}: {what}{size(path.stat().st_size)}; a browser opens it, with or without a network"))
+
+
+def _usual_form(sources: Sequence[Path]) -> Form:
+    """Return what a page of a source is for if nobody says it: a lesson of a scenario, a view of the rest."""
+    from rubnoise.cli.loading import is_result
+
+    runs = (is_folder(each) or is_result(each) or each.suffix.lower() == ".h5" for each in sources)
+    return Form.VIEW if sources and all(runs) else Form.LESSON
+
+
+def _usual_name(sources: Sequence[Path], form: Form) -> str:
+    if form == Form.LESSON:
+        return "lesson.html"
+    name = "_".join(Path(realpath(each)).stem for each in sources)
+    return f"{name}_report.html" if form == Form.REPORT else f"{name}.html"
+
+
+def _check(sources: Sequence[Path], form: Form, ends: Ends) -> None:
+    """Raise BadParameter if a form of page cannot be made of the sources."""
+    if len(sources) > 2:
+        raise typer.BadParameter("a page shows one result, or two side by side")
+    if len(sources) == 2 and (form != Form.VIEW or any(map(is_folder, sources))):
+        raise typer.BadParameter("only two results are shown side by side, with --as view")
+    if not sources and form != Form.LESSON:
+        raise typer.BadParameter(f"--as {form} needs a result: rubnoise page RUN.h5 --as {form}")
+    if ends != (None, None) and (form != Form.VIEW or is_folder(sources[0])):
+        raise typer.BadParameter("--from and --to are for the view of a run")
+
+
+def _written(sources: Sequence[Path], form: Form, ends: Ends) -> tuple[str, str]:
+    """Return the text of a page, and what the command says about it."""
+    if form == Form.LESSON:
+        return _lesson(sources[0] if sources else Path("first/rubbing")), ""
+    if form == Form.REPORT:
+        return _report(sources[0]), ""
+    if is_folder(sources[0]):
+        return _sweep(sources[0])
+    views = [_view(each, ends) for each in sources]
+    if len(views) == 1:
+        return views[0]
+    from rubnoise.pages.page import side_by_side
+
+    return side_by_side(dict(zip(map(str, sources), (text for text, _ in views), strict=True))), "two runs, "
+
+
+def _view(file: Path, ends: Ends) -> tuple[str, str]:
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.figures.stretch import Stretch
+    from rubnoise.pages.run_view import RunView
+
+    with finished_run(file) as run:
+        view = RunView.of(Stretch.of(run, *ends), str(file))
+        return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um, "
+
+
+def _sweep(folder: Path) -> tuple[str, str]:
+    from rubnoise.pages.sweep_view import sweep_page
+
+    with rubnoise.open_sweep(folder) as sweep:
+        return sweep_page(sweep, str(folder)), f"{sweep.count('done'):,} runs, "
+
+
+def _report(file: Path) -> str:
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.cli.progress import stoppable
+    from rubnoise.pages.report import run_report, sweep_report
+
+    with stoppable() as between:
+        if is_folder(file):
+            with rubnoise.open_sweep(file) as sweep:
+                return sweep_report(sweep, between)
+        with finished_run(file) as run:
+            return run_report(run, between)
+
+
+def _lesson(source: Path) -> str:
+    """Return a lesson about a scenario; of a finished result its junctions are replayed."""
+    from rubnoise.cli.loading import finished_run, is_result, scenario_of
+    from rubnoise.lesson.page import page, record_of
+    from rubnoise.lesson.settings import settings_of
+
+    if is_folder(source):
+        raise Refused(f"{source}: is a folder; a lesson is about a scenario or a result")
+    record = None
+    if is_result(source):
+        with finished_run(source), rubnoise.open(source) as run:
+            scenario, record = run.scenario, record_of(run)
+    else:
+        scenario = scenario_of(source)
+    return page(scenario.title or source.stem, settings_of(scenario), record)
