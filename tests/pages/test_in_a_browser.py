@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import rubnoise
+from rubnoise.pages.whole_run import CELLS
 from tests.cli.terminal import call
 from tests.lesson import walk as lesson
 from tests.lesson.walk import painted, until
@@ -285,6 +286,22 @@ def test_a_window_that_is_long_enough_has_statistics(browser: Any, address: str)
         assert page.is_hidden("#histogram")
     with opened(browser, f"{address}#from=0&to=400") as page:
         page.locator("#histogram canvas").wait_for()
+
+
+def test_the_statistics_of_the_whole_run_are_those_of_its_columns(browser: Any, address: str, one_way: Path) -> None:
+    with rubnoise.open(one_way) as run:
+        area, x, v = (np.asarray(column) for column in (run.area, run.slider.displacement, run.slider.velocity))
+    with opened(browser, f"{address}#from=0&to=8") as page:
+        page.select_option("#part", "whole")
+        until(page, f"document.getElementById('histogram-says').textContent.startsWith(view.grouped({area.size}))")
+        assert re.match(r"\d+ segments of", page.inner_text("#spectrum-says"))
+        assert not page.is_hidden("#spectrum")
+        assert not page.is_hidden("#phase")
+        counts = page.evaluate("Array.from(view.unpacked(view.data.whole.area.counts))")
+        assert counts == np.histogram(area, len(counts), (area.min(), area.max()))[0].tolist()
+        plane = page.evaluate("Array.from(view.unpacked(view.data.whole.phase.counts))")
+        ends = ((x.min(), x.max()), (v.min(), v.max()))
+        assert plane == np.histogram2d(x, v, CELLS, ends)[0].T.ravel().tolist()
 
 
 def test_no_column_is_cut_on_a_small_screen(browser: Any, address: str) -> None:

@@ -68,11 +68,11 @@ def command(
 
     sources = files or []
     wanted = form or _usual_form(sources)
+    ends = distance("--from", start), distance("--to", stop)
+    _check(sources, wanted, ends)
     path = output or Path(_usual_name(sources, wanted))
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
-    ends = distance("--from", start), distance("--to", stop)
-    _check(sources, wanted, ends)
     check_output(path, force=force, reads=sources)
     text, what = _written(sources, wanted, ends)
     with whole_file(path, force=force) as part:

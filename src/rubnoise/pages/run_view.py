@@ -19,6 +19,7 @@ from rubnoise.figures.stretch import Stretch, lowest_and_highest
 from rubnoise.pages.exact_curves import exact_curves
 from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import packed, page
+from rubnoise.pages.whole_run import whole_run
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import ContactKind, LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
@@ -84,6 +85,7 @@ class RunView:
         model, file = self.stretch.model, self.stretch.file
         exact = area_cumulants(model)
         groups = [name for name in CURVES if name in file.columns]
+        curves = exact_curves(file, model)
         return {
             "title": self.stretch.title or self.name,
             "name": self.name,
@@ -104,7 +106,8 @@ class RunView:
             "junctionRows": file.rows("junctions"),
             "junctions": self._lives(),
             "extremes": extremes(file, model.tick),
-            "exact": exact_curves(file, model),
+            "exact": curves,
+            "whole": whole_run(file, curves, leaves=model.free is not None),
             "groups": {name: self._rows(name) for name in groups},
             "landmarks": self._landmarks() if model.is_two_way and "landmarks" in file.columns else None,
             "flights": None if model.free is None else self._flights(),

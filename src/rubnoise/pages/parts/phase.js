@@ -1,12 +1,28 @@
-/* The phase plane: velocity over displacement of the window. */
+/* The phase plane: velocity over displacement of the window, or how often the whole run is where. */
 "use strict";
 (() => {
   const MOST = 20000;
   const figure = document.getElementById("phase");
 
+  /** Each cell of the plane, the darker the more ticks are in it, in logarithms. */
+  const cells = (ctx, { across: count, place, velocity, counts }, across, up) => {
+    const ticks = view.unpacked(counts);
+    const most = Math.log1p(ticks.reduce((a, b) => Math.max(a, b), 1));
+    const at = ([low, high], part) => low + (high - low) * part;
+    ticks.forEach((tick, cell) => {
+      const [x, v] = [cell % count, Math.floor(cell / count)];
+      const [left, right] = [x, x + 1].map((one) => across(at(place, one / count)));
+      const [bottom, top] = [v, v + 1].map((one) => up(at(velocity, (one * count) / ticks.length)));
+      ctx.globalAlpha = Math.log1p(tick) / most;
+      ctx.fillRect(left, top, right - left, bottom - top);
+    });
+    ctx.globalAlpha = 1;
+  };
+
   view.drawPhase = () => {
     const slider = view.groups.slider;
-    figure.hidden = !slider || !view.showsRows();
+    const whole = view.isWhole() ? view.data.whole.phase : null;
+    figure.hidden = !slider || (!whole && !view.showsRows());
     if (figure.hidden) return;
     const canvas = figure.querySelector("canvas");
     const size = Math.min(figure.clientWidth, 420);
@@ -24,7 +40,8 @@
     const [first, last] = [view.timeAt(from), view.timeAt(to)].map((x, i) => inside(Math[i ? "ceil" : "floor"](x / pace) + i));
     const step = Math.max(1, Math.ceil((last - first) / MOST));
     let [x0, x1, v0, v1] = [Infinity, -Infinity, 0, timed ? view.data.speed : 0];
-    for (let i = first; i < last; i += 1) {
+    if (whole) [x0, x1, v0, v1] = [...whole.place, Math.min(v0, whole.velocity[0]), Math.max(v1, whole.velocity[1])];
+    else for (let i = first; i < last; i += 1) {
       [x0, x1] = [Math.min(x0, slider.displacement[i]), Math.max(x1, slider.displacement[i])];
       [v0, v1] = [Math.min(v0, slider.velocity[i]), Math.max(v1, slider.velocity[i])];
     }
@@ -40,14 +57,13 @@
       ctx.stroke();
     }
     ctx.setLineDash([]);
-    ctx.strokeStyle = view.ink("curve");
-    ctx.beginPath();
-    for (let i = first; i < last; i += step) {
-      const point = [across(slider.displacement[i]), up(slider.velocity[i])];
-      if (i === first) ctx.moveTo(...point);
-      else ctx.lineTo(...point);
+    ctx.strokeStyle = ctx.fillStyle = view.ink("curve");
+    if (whole) cells(ctx, whole, across, up);
+    else {
+      ctx.beginPath();
+      for (let i = first; i < last; i += step) ctx.lineTo(across(slider.displacement[i]), up(slider.velocity[i]));
+      ctx.stroke();
     }
-    ctx.stroke();
     ctx.fillStyle = view.ink("ink");
     ctx.font = "12px system-ui";
     const short = (value) => String(Number(value.toPrecision(3)));
