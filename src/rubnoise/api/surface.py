@@ -107,18 +107,19 @@ class Surface:
         """Make a self-affine periodic surface; equal arguments give equal bits.
 
         ``roughness`` is the rms height, ``hurst`` the exponent H; waves from ``cutoff`` to ``rolloff`` are
-        self-affine, those above are equally strong: without them, 16 points and a quarter of the side. Raises
-        Refused for a surface that cannot be.
+        self-affine, those above are equally strong: without them, 5 points and a sixteenth of the side, but two
+        cut-offs at least. Raises Refused for a surface that cannot be.
         """
         side, step = keywords.count("points", points, 1 << 20), _needed("spacing", spacing, LENGTH)
+        shortest = _length("cutoff", cutoff) or 5.0 * step
         return cls(
             self_affine(
                 points=side,
                 spacing=step,
                 roughness=_needed("roughness", roughness, LENGTH),
                 hurst=float(hurst),
-                rolloff=_length("rolloff", rolloff) or 0.25 * side * step,
-                cutoff=_length("cutoff", cutoff) or 16.0 * step,
+                rolloff=_length("rolloff", rolloff) or max(side * step / 16.0, 2.0 * shortest),
+                cutoff=shortest,
                 seed=keywords.count("seed", seed, 2**53 - 1),
             )
         )

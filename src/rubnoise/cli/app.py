@@ -52,7 +52,11 @@ HEADINGS: Final = {
         "infer": "infer.command",
         "surface": "surface.command",
     },
-    "Hidden": {"schema": "new.print_schema", **dict.fromkeys(INSTEAD, "ended.command")},
+    "Hidden": {
+        "schema": "new.print_schema",
+        "surface --synthesise": "synthesise.command",
+        **dict.fromkeys(INSTEAD, "ended.command"),
+    },
 }
 """The commands under the headings of --help: the module of this package and the function of each."""
 
@@ -202,6 +206,9 @@ def _call(flags: Flags) -> None:
             place = arguments.index(command)
             arguments[place : place + 1] = EARLIER[command]
             command = arguments[place]
+        if command == "surface" and "--synthesise" in arguments:
+            arguments.remove("--synthesise")
+            arguments[arguments.index(command)] = command = "surface --synthesise"
         app = program([command]) if command in COMMANDS else program()
         app(arguments, prog_name="rubnoise", obj=flags)
     finally:

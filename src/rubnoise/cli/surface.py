@@ -20,11 +20,8 @@ if TYPE_CHECKING:
 Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
 """Forms that can be removed."""
 
-_SYNTHETIC: Final = ("points", "spacing", "roughness", "hurst", "rolloff", "seed")
 _SCENARIO: Final = ("speed", "distance", "mass", "damping_ratio")
-_READ: Final = ("unit", "height_unit", "size", "channel", "turn")
-_SCANS: Final = ("load", "hardness", "longest", "form", *_READ, "slider_length", "report", *_SCENARIO)
-"""Options of a synthetic surface, of the scenario, and of all that scans are for."""
+"""Options of the scenario."""
 
 _LAGS: Final = 200
 _WAVES: Final = 120
@@ -67,20 +64,17 @@ def command(
     damping_ratio: Annotated[float | None, typer.Option(help="Damping ratio of this motion.", metavar="RATIO")] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Write the scenario, or the synthetic surface.", metavar="FILE"),
+        typer.Option("-o", "--output", help="Write the scenario.", metavar="FILE"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write a page with maps and curves.", metavar="HTML")] = None,
     as_json: AsJson = False,
     force: ReplaceFiles = False,
-    synthesise: Annotated[bool, typer.Option("--synthesise", help="Make a self-affine surface instead.")] = False,
-    points: Annotated[int, typer.Option(help="Its points a side.", metavar="N")] = 512,
-    spacing: Annotated[str, typer.Option(help="Their distance.", metavar="LENGTH")] = "1 um",
-    roughness: Annotated[str, typer.Option(help="Its rms height.", metavar="LENGTH")] = "1 um",
-    hurst: Annotated[float, typer.Option(help="Its Hurst exponent.", metavar="H")] = 0.8,
-    rolloff: Annotated[
-        str | None, typer.Option(help="Its longest self-affine wave; default: a quarter of a side.", metavar="LENGTH")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Its seed.", metavar="N")] = 1,
+    _synthesise: Annotated[
+        bool,
+        typer.Option(
+            "--synthesise", help="Make a surface instead: surface --synthesise --help has the options of that."
+        ),
+    ] = False,
 ) -> None:
     """Find the junctions between two measured surfaces.
 
@@ -94,24 +88,11 @@ def command(
     from rubnoise.api.surface import Surface
     from rubnoise.storage.output import check_output
 
-    _refuse_unused(context, synthesise=synthesise, written=output is not None or report is not None)
+    if output is None and report is None:
+        _refuse_unused(context)
     for path in (output, report):
         if path is not None:
             check_output(path, force=force, reads=scans or ())
-    if synthesise:
-        if scans:
-            raise typer.BadParameter("--synthesise takes no scan")
-        made = Surface.synthesise(
-            points=points,
-            spacing=spacing,
-            roughness=roughness,
-            hurst=hurst,
-            rolloff=rolloff,
-            cutoff=cutoff,
-            seed=seed,
-        )
-        _keep_synthetic(made, output or Path(f"surface{seed}.nc"), as_json=as_json, force=force)
-        return
     if scans is None or len(scans) not in (1, 2):
         raise typer.BadParameter("one scan or two are needed: the track, then the slider")
     told: dict[str, Any] = {"unit": unit, "height_unit": height_unit, "size": size, "channel": channel, "turn": turn}
@@ -129,16 +110,13 @@ def command(
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
 
-def _refuse_unused(context: typer.Context, *, synthesise: bool, written: bool) -> None:
-    """Refuse options without effect: for scans with --synthesise and the reverse, and for a scenario without -o."""
-    unused = dict.fromkeys(_SCANS, "is for scans, not for --synthesise") if synthesise else {}
-    if not synthesise:
-        unused |= dict.fromkeys(_SYNTHETIC, "is for --synthesise")
-        unused |= {} if written else dict.fromkeys(_SCENARIO, "is for the scenario, which -o or --report writes")
-    for name, reason in unused.items():
+def _refuse_unused(context: typer.Context) -> None:
+    """Refuse options of a scenario that no -o and no --report writes."""
+    for name in _SCENARIO:
         source = context.get_parameter_source(name)
         if source is not None and source.name == "COMMANDLINE":
-            raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}")
+            option = f"--{name.replace('_', '-')}"
+            raise typer.BadParameter(f"{option} is for the scenario, which -o or --report writes")
 
 
 def _write(
@@ -157,17 +135,6 @@ def _write(
     with ExitStack() as files:
         for path, text in texts.items():
             files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
-
-
-def _keep_synthetic(made: "Surface", path: Path, *, as_json: bool, force: bool) -> None:
-    made.save(path, force=force)
-    roughness = made.roughness()
-    if as_json:
-        print(json_text({"surface": str(path), "digest": made.map.digest, "roughness": roughness}))
-        return
-    print(sentence(f"{path}: {made.map.history[0]}"))
-    for name, value in roughness.items():
-        print(line(name.replace("_", " "), f"{value:.4g}{' um' if name in {'Sa', 'Sq'} else ''}"))
 
 
 def _ask_for_needed(
