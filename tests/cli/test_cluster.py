@@ -16,7 +16,6 @@ from shlex import split
 import pytest
 
 import rubnoise
-from rubnoise.runs import executors
 from tests.architecture.sources import ROOT
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, call, spawn
@@ -115,20 +114,6 @@ def test_workers_of_another_version_get_no_work(file: Path, scheduler: tuple[Pat
     assert "this worker has rubnoise" in answer.err
     assert "stream 2, format 2, and this process" in answer.err
     assert runs_of(Path("afar")) == {}
-
-
-@pytest.mark.parametrize("address", ["nonsense", "tcp://there", "other://10.0.0.1:8786", "10.0.0.1:99999", "none.json"])
-def test_what_is_no_address_is_refused_at_once(file: Path, address: str) -> None:
-    answer = call("sweep", file, "-o", "afar", "--cluster", address)
-    said = f"{address}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786\n"
-    assert (answer.code, answer.out, answer.err) == (2, "", said)
-
-
-def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(executors, "PATIENCE", 0.5)
-    answer = call("sweep", file, "-o", "afar", "--cluster", "tcp://127.0.0.1:9")
-    assert answer.code == 2
-    assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
 
 
 # What docs/sweeps.md says of trust: where Dask listens after its commands, and that its own settings of TLS are used.
@@ -239,13 +224,6 @@ LOOPBACK, EVERYWHERE = "0100007F", {"00000000", "0" * 32}
 
 
 @pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
-def test_the_scheduler_of_the_page_listens_on_one_address(started: Dask) -> None:
-    boss = started.start(*_command("dask scheduler", tls=False))
-    _until(Path("scheduler.json").exists)
-    assert _listening([boss]) == {LOOPBACK}
-
-
-@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
 def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
     _, processes = started.cluster(tls=False)
     answer = spawn(*_swept(_command("rubnoise sweep", tls=False)))
@@ -294,10 +272,3 @@ def test_a_sweep_over_tls_gives_the_same_bits(started: Dask, monkeypatch: pytest
     ):
         assert sweep.count("done") == 6
     assert runs_of(Path("python")) == runs_of(Path("near"))
-
-
-def test_a_scheduler_with_tls_is_refused_where_dask_has_no_settings_for_it(started: Dask) -> None:
-    answer = call("sweep", "s.toml", "-o", "no", "--cluster", "tls://127.0.0.1:9")
-    assert (answer.code, answer.out) == (2, "")
-    assert "tls://127.0.0.1:9: no scheduler answers there" in answer.err
-    assert not Path("no").exists()

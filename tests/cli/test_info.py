@@ -45,16 +45,6 @@ def test_json_is_one_object_and_nothing_else(result: Path) -> None:
     assert area["z"] == pytest.approx((area["observed"] - area["expected"]) / area["standard_error"])
 
 
-def test_a_finished_run_has_nothing_to_forecast(result: Path) -> None:
-    """The forecast of memory is for a run to come; of a finished run, its own rows and bytes are printed."""
-    labels = [line.strip().split("  ")[0] for line in call("info", "x.h5").out.splitlines()]
-    assert not {"memory", "events", "rows", "file size"} & set(labels)
-    assert labels.count("size") == labels.count("births") == 1
-    assert "cost" not in call("info", "x.h5", "--json").json()["derived"]
-    checked = [line.strip().split("  ")[0] for line in call("check", SLIDER).out.splitlines()]
-    assert {"memory", "events", "rows", "file size", "births"} <= set(checked)
-
-
 def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) -> None:
     (here / "base.toml").write_text(CONTACT, encoding="utf-8")
     (here / "top.toml").write_text(
@@ -128,15 +118,6 @@ def test_a_scenario_sets_the_knobs(here: Path) -> None:
     assert names(here) == ["page.html"]
 
 
-def test_a_slider_that_pushes_back_does_so_on_the_page(here: Path) -> None:
-    from rubnoise.scenario.shipped import shipped
-
-    assert call("teach", str(shipped("paper/fig5_two_way.toml")), "-o", "page.html").code == 0
-    assert data_of(here / "page.html")["world"]["coupling"] == "two-way"  # type: ignore[index]
-    assert call("teach", "-o", "other.html").code == 0
-    assert data_of(here / "other.html")["world"]["coupling"] == "one-way"  # type: ignore[index]
-
-
 def test_a_result_is_replayed(here: Path) -> None:
     assert call("run", "../given/slider.toml", "-o", "run.h5").code == 0
     assert call("teach", "run.h5", "-o", "page.html").code == 0
@@ -144,15 +125,3 @@ def test_a_result_is_replayed(here: Path) -> None:
     assert isinstance(record, dict)
     assert (record["distance"], record["tick"]) == (300.0, 0.1)
     assert record["note"].startswith("This is run.h5, seed 1: its junctions, row by row. A control")
-
-
-@pytest.mark.parametrize(
-    ("file", "said"),
-    [("missing.toml", "missing.toml: cannot be read"), ("torn.h5", "torn.h5: ")],
-)
-def test_what_cannot_be_read_is_refused(here: Path, file: str, said: str) -> None:
-    (here / "torn.h5").write_bytes(b"\x89HDF\r\n\x1a\n torn")
-    answer = call("teach", file)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert names(here) == ["torn.h5"]

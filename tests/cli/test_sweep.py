@@ -12,8 +12,7 @@ import pytest
 
 import rubnoise
 from rubnoise.cli import progress
-from rubnoise.cli.progress import SIGNALS, watching_sweep
-from rubnoise.errors import RunStopped
+from rubnoise.cli.progress import watching_sweep
 from rubnoise.runs.sweep import SweepProgress
 from rubnoise.scenario.sweep import expand, load_sweep
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
@@ -57,18 +56,6 @@ def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(f
     assert {path: path.stat().st_mtime_ns for path in before} == before
     with rubnoise.open_sweep("d") as sweep:
         assert [values["interface.mean_junction_count"] for values in sweep.values] == [40, 10, 20]
-
-
-def test_a_result_that_no_index_knows_is_found_and_one_that_went_missing_is_made_anew(file: Path) -> None:
-    call("sweep", file, "-o", "d", "--jobs", "1", "-q")
-    first, *others = sorted(Path("d/runs").iterdir())
-    kept = runs_of(Path("d"))
-    before = {path: path.stat().st_mtime_ns for path in others}
-    Path("d/index.h5").unlink()
-    first.unlink()
-    assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
-    assert {path: path.stat().st_mtime_ns for path in others} == before
-    assert runs_of(Path("d")) == kept
 
 
 def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
@@ -130,16 +117,6 @@ def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> Non
             sweep.run("unknown")
 
 
-def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
-    table = '[sweep.zip]\ninterface.mean_junction_count = [10, 40]\ndiameter.law = ["fixed", "exponential"]\n'
-    (here / "z.toml").write_text(CONTACT + table, encoding="utf-8")
-    with rubnoise.sweep("z.toml", "d", jobs=1) as sweep:
-        labelled = sweep.to_xarray()
-    assert labelled["real_contact_area_mean"].dims == ("side_by_side", "replicate")
-    assert labelled["diameter.law"].values.tolist() == ["fixed", "exponential"]
-    assert labelled["interface.mean_junction_count"].values.tolist() == [10.0, 40.0]
-
-
 def _workers(process: int) -> list[int]:
     """Return the processes of loky that make runs for a process, which starts others, too."""
     told = Path(f"/proc/{process}/task").glob("*/children")
@@ -186,16 +163,6 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
     assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"
 
 
-def test_the_runs_of_another_scenario_are_left_where_that_is_said(file: Path) -> None:
-    assert call("sweep", file, "-o", "d", "--jobs", "1", "-q").code == 0
-    other = ("sweep", file, "-o", "d", "--jobs", "1", "--set", "sliding.distance=350 um")
-    answer = call(*other)
-    assert (answer.code, answer.out) == (2, "")
-    assert "holds the runs of another scenario" in answer.err
-    assert answer.err.endswith("; --force leaves them beside the runs of this one\n")
-    assert call(*other, "--force").out == "d: 2 points, 6 runs: 6 done\n"
-
-
 def test_a_sweep_that_the_disk_does_not_hold_is_refused(file: Path) -> None:
     answer = call("sweep", file, "-o", "d", "--set", "sliding.distance=300 mm", "--set", "output.tick=0.001 um",
                   "--set", "sweep.replicates=4000")  # fmt: skip
@@ -225,26 +192,3 @@ def test_the_line_tells_runs_failures_and_the_time_to_go(
         " 30%  300 of 1,000 runs  1:10 to go",
         " 40%  400 of 1,000 runs, 10 failed  1:00 to go",
     ]
-
-
-def test_nothing_is_shown_where_nobody_looks(capsys: pytest.CaptureFixture[str]) -> None:
-    with watching_sweep(shown=False) as watch:
-        watch(_standing(1))
-    assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_signal_is_obeyed_when_the_sweep_next_tells_how_far_it_is(number: signal.Signals) -> None:
-    with watching_sweep(shown=False) as watch:
-        watch(_standing(1))
-        signal.raise_signal(number)
-        assert signal.getsignal(number) == signal.SIG_DFL  # the second one leaves at once
-        with pytest.raises(RunStopped) as stopped:
-            watch(_standing(2))
-    assert stopped.value.exit_code == 128 + number
-
-
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> None:
-    with watching_sweep(shown=False), pytest.raises(RunStopped):
-        signal.raise_signal(number)

@@ -2,7 +2,6 @@
 
 import gc
 import pickle
-import shlex
 from copy import copy
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from scipy import signal
 import rubnoise
 from rubnoise.api.sweep_result import short_names
 from rubnoise.api.sweeps import TemporaryFolder
-from rubnoise.errors import Refused, ScenarioRefused, how_to_install, in_shell
+from rubnoise.errors import Refused, ScenarioRefused
 from tests.cli.terminal import call
 
 # Scenarios by path, name or object, and other values of their keys.
@@ -38,16 +37,6 @@ def test_a_scenario_goes_by_path_name_or_itself(tmp_path: Path, monkeypatch: pyt
     assert rubnoise.exact("paper/fig4").count_mean == pytest.approx(
         rubnoise.exact(rubnoise.example("paper/fig4")).count_mean
     )
-
-
-def test_a_name_that_is_none_names_near_ones() -> None:
-    with pytest.raises(rubnoise.Refused, match=r"neither a file nor a scenario.*did you mean paper/fig5"):
-        rubnoise.load("paper/fig55")
-    with pytest.raises(rubnoise.Refused, match="did you mean paper/fig5"):
-        rubnoise.example("fig5")
-    with pytest.raises(ScenarioRefused, match=r"nothing\.toml: cannot be read"):
-        rubnoise.load("nothing.toml")
-    assert {"paper/fig5", "lessons/poisson"} <= set(rubnoise.examples())
 
 
 def test_one_key_is_replaced_and_all_else_stays() -> None:
@@ -128,32 +117,6 @@ def test_short_names_are_those_that_mean_one_key() -> None:
     assert short_names(["run.seed", "sliding.speed"], {"seed"}) == {"sliding.speed": "speed"}
 
 
-def test_a_sweep_goes_by_its_name_and_its_keys_without_dots(tmp_path: Path) -> None:
-    with rubnoise.sweep("paper/fig9", tmp_path / "s", jobs=1) as sweep:
-        data = sweep.to_xarray()
-        dotted = data["real_contact_area_std"].sel({"interface.mean_junction_count": 20.0})
-        np.testing.assert_array_equal(data["real_contact_area_std"].sel(mean_junction_count=20.0), dotted)
-        assert len(repr(sweep)) <= 1500
-        assert "<table>" in sweep._repr_html_()
-        assert sweep.plot("real_contact_area_std").axes
-
-
-def test_overrides_of_a_scenario_are_those_of_a_file() -> None:
-    overrides = ["run.seed=7", "sliding.speed = 2 mm/s", 'title="mine"']
-    assert rubnoise.load(BASE, overrides).resolved() == rubnoise.load("paper/fig5", overrides).resolved()
-    for source in (BASE, "paper/fig5"):
-        for wrong in ("run.seed=7", [7], ["run.seed"]):
-            with pytest.raises(rubnoise.Refused, match=r'a list of texts is needed, such as \["run.seed=7"\]'):
-                rubnoise.load(source, wrong)  # type: ignore[arg-type]
-
-
-def test_none_takes_a_key_of_a_table_away() -> None:
-    whole = {"law": "exponential", "spread": None}
-    changed = BASE.replace({"diameter": whole, "interface.calibration": "matched"})
-    parts = {"diameter.law": "exponential", "diameter.spread": None, "interface.calibration": "matched"}
-    assert changed.resolved() == BASE.replace(parts).resolved()
-
-
 @pytest.mark.parametrize(
     "asked",
     [
@@ -183,15 +146,6 @@ def test_a_grid_takes_what_numpy_and_pint_have() -> None:
             rubnoise.sweep(small, grid={"sliding.speed": wrong}, jobs=1)  # type: ignore[dict-item]
     with pytest.raises(rubnoise.Refused, match="jobs=: '2' is no number of processes"):
         rubnoise.sweep(small, grid=grid, jobs="2")  # type: ignore[arg-type]
-
-
-def test_what_is_none_of_it_is_refused() -> None:
-    wrong: Any = {"format": 1}
-    for ask in (rubnoise.load, rubnoise.simulate, rubnoise.exact, rubnoise.load_sweep, rubnoise.run_sweep):
-        with pytest.raises(Refused, match=r"{'format': 1}: is neither a file nor a name; rubnoise\.build"):
-            ask(wrong)
-    with pytest.raises(Refused, match="expand: a Sweep is needed"):
-        rubnoise.expand(BASE)  # type: ignore[arg-type]
 
 
 def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
@@ -254,33 +208,6 @@ def test_keys_of_a_sweep_go_by_their_last_words() -> None:
 def test_a_key_of_a_grid_that_there_is_not_is_refused(grid: Any, told: str) -> None:
     with pytest.raises(rubnoise.Refused, match=f"grid=: .*{told}"):
         rubnoise.sweep(BASE, grid=grid, jobs=1)
-
-
-def test_a_choice_of_a_sweep_is_found_by_its_word() -> None:
-    with rubnoise.sweep(
-        BASE.replace(distance="20 um", calibration="exact"), grid={"pulse.shape": ["lens", "triangle"]}, jobs=1
-    ) as sweep:
-        assert sweep.ratios("real_contact_area_mean", "shape", "lens")[0].value == 1.0
-        with pytest.raises(ValueError, match=r"no point has pulse\.shape = 3"):
-            sweep.ratios("real_contact_area_mean", "shape", 3)
-
-
-def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:
-    assert in_shell("x.h5: exists already (force=True replaces it)") == "x.h5: exists already (--force replaces it)"
-    assert in_shell("rubnoise.run(..., force=True) starts over") == "rubnoise run --force starts over"
-    assert in_shell("jobs=: 0 is no number") == "--jobs: 0 is no number"
-    assert in_shell("too little; jobs=3 fits") == "too little; --jobs 3 fits"
-
-
-def test_advice_on_what_is_missing_works_where_it_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    tool = shlex.split(how_to_install("plot"))[1]
-    assert Path(tool).is_file()
-    assert how_to_install("cluster").endswith("sync all")
-    monkeypatch.chdir(tmp_path)
-    there = Path(rubnoise.__file__).parents[2] / "tools" / "dev.py"
-    assert Path(shlex.split(how_to_install("plot"))[1]).samefile(there)
-    monkeypatch.setattr("rubnoise.errors.__file__", str(tmp_path / "lib" / "site-packages" / "rubnoise" / "errors.py"))
-    assert how_to_install("plot") == 'python -m pip install "rubnoise[plot]"'
 
 
 # Records of the user's own: read, checked, converted, and estimated from as runs are.
@@ -346,13 +273,6 @@ def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, rows: str, told: s
         rubnoise.Trace.from_csv(path)
 
 
-@pytest.mark.parametrize("header", ["time (s),v (mm^^2)", "time (s),v (s),v (s)"])
-def test_wrong_headers_are_refused(tmp_path: Path, header: str) -> None:
-    path = _written(tmp_path, f"{header}\n" + "0,1,1\n1,1,1\n" if header.count(",") == 2 else f"{header}\n0,1\n1,1\n")
-    with pytest.raises(rubnoise.Refused, match=r"m\.csv"):
-        rubnoise.Trace.from_csv(path)
-
-
 def test_times_rounded_when_they_were_written_are_uniform(tmp_path: Path) -> None:
     rows = "\n".join(f"{n / 30:.3f},{n}" for n in range(200))
     trace = rubnoise.Trace.from_csv(_written(tmp_path, f"time (s),x (um)\n{rows}\n"))
@@ -371,18 +291,6 @@ def test_estimates_are_those_of_scipy_and_numpy() -> None:
     expected, _ = np.histogram(VALUES, 20, density=True)
     np.testing.assert_allclose(1e6 * shares.density, expected, rtol=1e-9)
     assert np.isfinite(shares.standard_error).all()
-
-
-def test_a_column_or_a_lag_that_there_is_not_is_refused() -> None:
-    trace = rubnoise.Trace.from_arrays({"time (s)": [0.0, 1.0, 2.0], "a": [1, 2, 3], "b": [1, 2, 3]})
-    with pytest.raises(rubnoise.Refused, match="say which column: a, b"):
-        trace.acf()
-    with pytest.raises(rubnoise.Refused, match="lags up to 2 s"):
-        trace.acf("a", longest="5 s")
-    with pytest.raises(rubnoise.Refused, match="segments of 8 rows"):
-        trace.psd("a")
-    with pytest.raises(KeyError, match="it has time, a, b"):
-        trace["c"]
 
 
 def test_a_record_is_laid_over_a_spectrum_at_its_own_height(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,33 +50,6 @@ def test_a_function_of_a_place_answers_every_number_and_refuses_the_rest(name: s
             function(wrong)
 
 
-def test_both_units_are_named() -> None:
-    with pytest.raises(rubnoise.Refused, match="lag: 2 second: a quantity in um is needed"):
-        THEORY.autocovariance(2 * UNIT.s)
-
-
-@pytest.mark.parametrize("births", [{"law": "regular"}, {"law": "jittered", "jitter": "20 %"}])
-def test_an_autocovariance_that_swings_for_ever_has_no_limit(births: dict[str, Any]) -> None:
-    theory = rubnoise.exact(BASE.replace({f"birth.{key}": value for key, value in births.items()}))
-    assert np.isnan(theory.autocovariance(np.nan))
-    assert theory.autocovariance([]).shape == (0,)
-    with pytest.raises(rubnoise.Refused, match="lag: inf: there is no limit"):
-        theory.autocovariance([1.0, np.inf])
-
-
-def test_one_number_is_asked_for() -> None:
-    for wrong in ("5", [1.0, 2.0]):
-        with pytest.raises(rubnoise.Refused, match=r"^distance: "):
-            THEORY.expected_mean_area(wrong)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("ticks", ["256", 3.0, True, 100 * UNIT.um])
-def test_a_segment_has_a_whole_number_of_ticks(ticks: Any) -> None:
-    with pytest.raises(rubnoise.Refused, match=r"ticks: .* whole number"):
-        THEORY.estimated_spectrum(ticks)
-    assert THEORY.estimated_spectrum(np.int64(256)).ticks == 256  # type: ignore[arg-type]
-
-
 def test_a_static_contact_takes_quantities_of_pint() -> None:
     texts = {"radius": "50 um", "height": "0.5 um", "density": "300 1/mm^2", "modulus": "100 GPa", "load": "1 N"}
     found = rubnoise.greenwood_williamson(**{name: UNIT(text) for name, text in texts.items()})
@@ -108,16 +81,6 @@ def test_columns_of_a_trace_keep_the_units_that_they_carry(
     name = list(trace)[1]
     assert (trace.step, trace.units["time"], trace.units[name]) == (pytest.approx(0.1), "s", expected[1])
     assert trace[name] == pytest.approx(expected[0] * FORCES, rel=1e-12)
-
-
-def test_an_array_with_a_unit_is_converted_or_defines_it() -> None:
-    for unit in ("mN", "N", UNIT.mN, None):
-        trace = rubnoise.Trace(FORCES * UNIT.N, rate="10 Hz", unit=unit)
-        assert trace["trace"] == pytest.approx(1e6 * FORCES, rel=1e-12)
-    with pytest.raises(rubnoise.Refused, match="newton: a quantity in mm is needed"):
-        rubnoise.Trace(FORCES * UNIT.N, rate="10 Hz", unit="mm")
-    with pytest.raises(rubnoise.Refused, match=r"force \(mm\): .* newton: a quantity in mm is needed"):
-        rubnoise.Trace({"time (s)": TIMES, "force (mm)": FORCES * UNIT.N})
 
 
 def test_heights_with_a_unit_are_converted_or_define_it() -> None:
@@ -181,11 +144,6 @@ def test_a_unit_is_named_without_a_factor_of_one(unit: Any, named: str) -> None:
     assert all(len(repr(each)) <= 1500 and "np." not in repr(each) for each in (found, found.fit, found.signal))
 
 
-def test_a_unit_of_something_else_is_refused_by_its_name() -> None:
-    with pytest.raises(rubnoise.Refused, match=r'unit=: second: "s" is the unit of a time'):
-        rubnoise.infer(FORCE, rate="1 kHz", speed="1 mm/s", unit=UNIT.s)
-
-
 def test_a_run_is_a_trace_over_its_distance(tmp_path: Any) -> None:
     trace = rubnoise.Trace(RECORD)
     assert (trace.place, trace.units["friction_force"]) == ("distance", "uN")
@@ -247,10 +205,3 @@ def test_a_word_without_effect_is_refused(source: Any, words: dict[str, Any]) ->
         rubnoise.Trace(source, **words)
     with pytest.raises(rubnoise.Refused, match="column=: 2: an array has one column"):
         rubnoise.infer(FORCES, column=2, rate="10 Hz", unit="N", speed="1 mm/s")
-
-
-def test_a_trace_is_not_turned_round() -> None:
-    trace = rubnoise.Trace({"time (s)": TIMES, "force (N)": FORCES})
-    assert trace[::2].step == pytest.approx(0.2)
-    with pytest.raises(rubnoise.Refused, match="a slice with a step of -1: time grows from row to row"):
-        trace[::-1]

@@ -4,11 +4,10 @@ import errno
 import fcntl
 import os
 import shutil
-import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
 
@@ -22,7 +21,6 @@ from rubnoise.storage.output import (
     WrittenWithLess,
     check_output,
     part_file,
-    whole_file,
 )
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
@@ -132,30 +130,6 @@ def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monke
     assert names(tmp_path) == ["file"]
 
 
-@contextmanager
-def as_nobody() -> Iterator[None]:
-    """Give up the right of root to write everywhere."""
-    if os.getuid() != 0:
-        yield
-        return
-    os.setresuid(65534, 65534, 0)
-    try:
-        yield
-    finally:
-        os.setresuid(0, 0, 0)
-
-
-def test_a_folder_that_is_not_writable_is_refused() -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder).chmod(0o555)
-        try:
-            with as_nobody(), pytest.raises(OutputRefused, match="not writable"):
-                attempt(Path(folder, "run.h5"))
-            assert names(Path(folder)) == []
-        finally:
-            Path(folder).chmod(0o755)
-
-
 def test_a_relative_path_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "later").mkdir()
     monkeypatch.chdir(tmp_path)
@@ -260,11 +234,6 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     assert (tmp_path / "run.h5").read_bytes() == b"whole"
 
 
-def test_checking_creates_nothing(tmp_path: Path) -> None:
-    assert check_output(tmp_path / "run.h5", force=False) == tmp_path / "run.h5"
-    assert names(tmp_path) == []
-
-
 def replaced(path: Path, content: bytes) -> None:
     """Put another file in the place of one."""
     (path.parent / "other").write_bytes(content)
@@ -282,38 +251,6 @@ def test_a_part_that_was_swapped_is_not_published_and_stays(tmp_path: Path, comp
     assert (tmp_path / "run.h5").read_bytes() == b"older"
     assert names(tmp_path) == ["run.h5", "run.h5.part"]
     assert part.read_bytes() == b"of another"
-
-
-def test_a_part_that_was_swapped_stays_where_a_run_fails(tmp_path: Path) -> None:
-    def swap() -> None:
-        replaced(tmp_path / "run.h5.part", b"of another")
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        attempt(tmp_path / "run.h5", meanwhile=swap)
-    assert (tmp_path / "run.h5.part").read_bytes() == b"of another"
-    assert names(tmp_path) == ["run.h5.part"]
-
-
-def test_of_other_files_what_was_swapped_is_not_published_either(tmp_path: Path) -> None:
-    def write() -> None:
-        with whole_file(tmp_path / "a.csv", force=False) as part:
-            part.write_bytes(b"ours")
-            replaced(part, b"theirs")
-
-    with pytest.raises(OutputSwappedError):
-        write()
-    assert (tmp_path / "a.csv.part").read_bytes() == b"theirs"
-    assert names(tmp_path) == ["a.csv.part"]
-
-
-def test_a_second_name_that_cannot_be_removed_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as patch:
-        failing_for(tmp_path / "run.h5.part", patch)
-        attempt(tmp_path / "run.h5")
-    assert names(tmp_path) == ["run.h5", "run.h5.part"]
-    attempt(tmp_path / "run.h5", force=True)
-    assert names(tmp_path) == ["run.h5"]
 
 
 @pytest.mark.parametrize(
@@ -347,18 +284,6 @@ def test_only_a_full_disk_or_quota_means_no_room(
         attempt(tmp_path / "run.h5", force=True, compression=compression)
     assert (tmp_path / "run.h5").read_bytes() == b"older"
     assert names(tmp_path) == ["run.h5"]
-
-
-def failing_for(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the disk fail where one name is to be removed."""
-    unlink = os.unlink
-
-    def failing(name: Path) -> None:
-        if name == path:
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
-        unlink(name)
-
-    monkeypatch.setattr(os, "unlink", failing)
 
 
 def failing(number: int) -> Callable[..., None]:
