@@ -14,6 +14,7 @@ from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.sweep_keys import Sweeping
 from rubnoise.scenario.template import template
+from rubnoise.storage import forecast
 from tests.cli.terminal import PAPER, call, names
 
 # `rubnoise check`: what follows from a scenario.
@@ -75,6 +76,9 @@ def test_json_has_the_warnings_and_notes_of_the_text(
     assert names(here) == []
 
 
+AT_RESONANCE, AT_CONSTANT_GAP = "32 mm/s", "3200 mm/s"
+
+
 COUPLED_OTHERWISE = [
     ("load/fig5_load", ()),
     ("paper/fig5", ("birth.law=jittered", "birth.jitter=30 %", "interface.calibration=exact")),
@@ -92,6 +96,15 @@ def test_a_coupling_strength_is_for_births_at_random_at_constant_separation(
     for answer in (call("check", *asked, "--json").json()["scenarios"][name], call("theory", *asked, "--json").json()):
         assert answer["slider"]["coupling_strength"] is None
         assert answer["slider"]["one_way_validity"] > 0.1
+    assert names(here) == []
+
+
+@pytest.mark.parametrize(("change", "warned"), [((), True), (("--set", "load.damping_ratio=0.05"), False)])
+def test_free_motion_without_any_loss_is_warned_about(change: tuple[str, ...], *, warned: bool, here: Path) -> None:
+    asked = ("load/bouncing", "--set", "load.restitution=1", *change)
+    told = call("check", *asked).out, call("theory", *asked).out, call("run", *asked, "--dry-run").err
+    assert {"levels grow as long as the run lasts" in " ".join(each.split()) for each in told} == {warned}
+    assert ("of first order" in told[0]) != warned
     assert names(here) == []
 
 
@@ -115,6 +128,20 @@ def test_a_weak_coupling_foretells_what_it_would_change(here: Path) -> None:
     told = call("check", PAPER / "fig5.toml", *FAST, "--json").json()["scenarios"][str(PAPER / "fig5.toml")]["slider"]
     assert told["expected_change"] == pytest.approx(1.00479, abs=5e-6)
     assert "change_unknown" not in told
+
+
+def test_redrawn_diameters_are_noted(here: Path) -> None:
+    answer = call("check", SLIDER, "--set", "diameter.spread=5.530012636 um")
+    assert answer.code == 0
+    flat = " ".join(answer.out.split())
+    assert "the mean diameter of the law normal changes the mean count by +28.8% from the specified 20" in flat
+
+
+def test_redrawn_strengths_are_noted(here: Path) -> None:
+    law = ("--set", "strength.law=normal", "--set")
+    wide = " ".join(call("check", SLIDER, *law, 'strength.spread="100 %"').out.split())
+    assert "the law normal changes the mean strength by +28.8% from 250 MPa" in wide
+    assert "strengths" not in call("check", SLIDER, *law, 'strength.spread="20 %"').out
 
 
 def test_every_file_is_reported_and_one_broken_file_is_enough_for_a_refusal(here: Path) -> None:
@@ -163,6 +190,14 @@ def test_a_sweep_is_listed_point_by_point(here: Path) -> None:
     points = call("check", "s.toml", "--json").json()["sweeps"]["s.toml"]["points"]
     assert [len(set(point["seeds"])) for point in points] == [2, 2, 2, 2]
     assert points[1]["values"] == {"interface.mean_junction_count": 10, "interface.mean_real_contact_area": "200 um^2"}
+
+
+def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forecast, "free_disk_bytes", lambda path: 1000)
+    answer = call("check", SHORT)
+    assert answer.code == 0
+    assert "note: contact.h5: the result may take" in answer.out
+    assert "sliding.distance" in call("check", SHORT, "--json").json()["scenarios"][str(SHORT)]["notes"][-1]
 
 
 # `rubnoise new`: a template that runs as it is, names every key, and replaces nothing.

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.cli.terminal import call, spawn
+from tests.cli.terminal import call
 from tests.unit.tampering import flip, put, tell
 
 # `rubnoise compare`: a result beside its theory, as a table and as JSON, and what becomes of one that is not right.
@@ -69,6 +69,14 @@ def test_a_part_says_where_its_record_begins(here: Path) -> None:
     assert told["figures"]["displacement_std"]["observed"] == pytest.approx(values[int(begins["slider"] / 0.5) :].std())
 
 
+def test_an_empty_start_is_left_out_of_the_contact(here: Path) -> None:
+    empty = ("--set", "sliding.start=empty", "--set", "sliding.distance=1 mm")
+    assert call("run", "../given/contact.toml", *empty, "-q", "-o", "x.h5").code == 0
+    begins = call("compare", "x.h5", "--json").json()["begins"]
+    assert begins["contact"] == pytest.approx(2.0 * 30.0**0.5, abs=0.1)
+    assert begins["births"] == 0.0
+
+
 def test_a_run_outside_has_its_own_exit_code_and_a_line_that_names_what(result: Path) -> None:
     change(result, "trace/real_contact_area", lambda area: 1.02 * area)
     answer = call("compare", "x.h5")
@@ -92,14 +100,6 @@ def test_the_theory_is_that_of_the_scenario_in_the_file(result: Path) -> None:
     assert {"birth_count", "diameter_mean", "junction_count_mean"} <= set(answer.json()["outside"])
 
 
-def test_another_bound_may_be_asked_for(result: Path) -> None:
-    answer = call("compare", "x.h5", "--bound", "0.01", "--json")
-    assert answer.code == 3
-    assert answer.json()["bound"] == 0.01
-    assert answer.json()["family_wise_error"] is None
-    assert "right runs" not in call("compare", "x.h5", "--bound", "6").out
-
-
 @pytest.mark.parametrize(
     ("column", "value"),
     [
@@ -118,11 +118,6 @@ def test_rows_that_are_damaged_are_refused(result: Path, column: str, value: flo
     group, name = column.split("/")
     assert (answer.code, answer.out) == (2, "")
     assert answer.err == f"x.h5: /{group} is damaged: row 17 has the {name} {value:g}\n"
-
-
-def test_exit_codes_reach_the_shell(result: Path) -> None:
-    assert spawn("compare", "x.h5", "-h").code in {0, 2}
-    assert spawn("compare", "x.h5", "--bound", "0.01").code == 3
 
 
 # `rubnoise verify`: correct results pass, and it names what is wrong in others.

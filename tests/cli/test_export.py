@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from importlib.util import find_spec
+from io import RawIOBase, StringIO, TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ import pytest
 import xarray as xr
 
 import rubnoise
+from rubnoise.cli.app import main
 from rubnoise.errors import how_to_install
 from rubnoise.storage import export as exporting
 from tests.cli.terminal import begin, call, names, spawn, spawn_program, stop
-from tests.format.runs import BARE, describe, random_rows, write_run
+from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
 KINDS = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
@@ -100,6 +102,34 @@ def test_netcdf_holds_all_groups_or_one_at_its_root(here: Path, rows: Any) -> No
         assert tree["junctions"]["state"].attrs["flag_meanings"] == "alive_at_start alive_at_end ended_early"
 
 
+def test_a_raw_standard_output_gets_every_byte(here: Path, rows: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stream as PYTHONUNBUFFERED makes it: it may write a part of the data without an error."""
+    part = _Parts()
+    stream = TextIOWrapper(part, encoding="utf-8", write_through=True)
+    with monkeypatch.context() as patched:
+        patched.setattr(sys, "stdout", stream)
+        patched.setattr(sys, "stderr", StringIO())
+        patched.setattr(sys, "argv", ["rubnoise", "export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-"])
+        with pytest.raises(SystemExit, match="0"):
+            main()
+    assert call("export", "run.h5", "--to", "csv", "--group", "trace").code == 0
+    assert bytes(part.held) == (here / "run_trace.csv").read_bytes()
+
+
+class _Parts(RawIOBase):
+    """Standard output that takes 100 bytes of each write."""
+
+    def __init__(self) -> None:
+        self.held = bytearray()
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
+        self.held += bytes(data)[:100]
+        return min(len(data), 100)
+
+
 @pytest.mark.parametrize("kind", THESE)
 def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) -> None:
     description = describe(0, 5, features=BARE)
@@ -114,6 +144,26 @@ def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) ->
     answer = call("export", "run.h5", "--to", kind, "--group", "slider", "-o", "x")
     assert (answer.code, answer.err) == (2, "run.h5: the run has no slider; it has junctions, trace\n")
     assert not (here / "x").exists()
+
+
+@pytest.mark.parametrize("kind", THESE)
+def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, kind: str) -> None:
+    description = describe(JUNCTIONS, TICKS, features=EVERYTHING | {"offset"})
+    made = random_rows(description)
+    write_run(here / "run.h5", description, made)
+    assert call("export", "run.h5", "--to", kind, "--group", "junctions").code == 0
+    wanted, path = made["junctions"]["lateral_offset"], here / f"run_junctions{KINDS[kind]}"
+    if kind == "csv":
+        found = np.genfromtxt(path, delimiter=",", names=True)["lateral_offset_um"]
+    elif kind == "parquet":
+        pq = pytest.importorskip("pyarrow.parquet")
+        assert pq.read_schema(path).field("lateral_offset").metadata[b"units"] == b"um"
+        found = pq.read_table(path)["lateral_offset"]
+    else:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            assert dataset["lateral_offset"].attrs["units"] == "um"
+            found = dataset["lateral_offset"].values
+    _equal(found, wanted)
 
 
 @pytest.mark.parametrize("group", TABLES)

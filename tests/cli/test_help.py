@@ -7,16 +7,17 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import get_type_hints
 
 import pytest
 
 import rubnoise
-from rubnoise.cli import info
+from rubnoise.cli import info, version
 from rubnoise.cli.app import COMMANDS as REGISTERED
 from rubnoise.cli.app import program
 from rubnoise.cli.ended import INSTEAD
-from rubnoise.cli.version import commit_of_checkout
+from rubnoise.cli.version import commit_of_checkout, version_line
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call, spawn
 
@@ -130,37 +131,6 @@ def checkout(folder: Path, files: dict[str, str]) -> Path:
     return package
 
 
-@pytest.mark.parametrize(
-    ("files", "commit"),
-    [
-        ({".git/HEAD": f"{ONE}\n"}, ONE),
-        ({".git/HEAD": "ref: refs/heads/main\n", ".git/refs/heads/main": f"{OTHER}\n"}, OTHER),
-        (
-            {
-                ".git/HEAD": "ref: refs/heads/a/b\n",
-                ".git/packed-refs": f"# pack-refs with: peeled\n{OTHER} refs/heads/a\n{ONE} refs/heads/a/b\n^{OTHER}\n",
-            },
-            ONE,
-        ),
-        (
-            {
-                ".git": "gitdir: elsewhere/.git/worktrees/this\n",
-                "elsewhere/.git/worktrees/this/HEAD": "ref: refs/heads/this\n",
-                "elsewhere/.git/worktrees/this/commondir": "../..\n",
-                "elsewhere/.git/refs/heads/this": f"{ONE}\n",
-            },
-            ONE,
-        ),
-        ({".git/HEAD": "ref: refs/heads/unborn\n"}, ""),
-        ({".git/HEAD": "\x1b[2J\n"}, ""),
-        ({}, ""),
-    ],
-    ids=["detached", "branch", "packed", "worktree", "unborn", "nonsense", "no git"],
-)
-def test_the_commit_is_read_from_files_of_git(tmp_path: Path, files: dict[str, str], commit: str) -> None:
-    assert commit_of_checkout(checkout(tmp_path, files)) == commit
-
-
 def test_it_is_the_commit_that_git_names() -> None:
     if not (ROOT / ".git").exists() or shutil.which("git") is None:
         pytest.skip("this is no checkout")
@@ -168,6 +138,24 @@ def test_it_is_the_commit_that_git_names() -> None:
     told = subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
     assert commit_of_checkout(ROOT / "src" / "rubnoise") == told
     assert call("--version").out == f"rubnoise {rubnoise.__version__} (commit {told[:12]})\n"
+
+
+@pytest.mark.parametrize(
+    ("origin", "shown"),
+    [
+        (json.dumps({"url": "x", "vcs_info": {"vcs": "git", "commit_id": ONE}}), f" (commit {ONE[:12]})"),
+        (json.dumps({"url": "file:///x", "dir_info": {}}), ""),
+        (None, ""),
+        ("{", ""),
+    ],
+)
+def test_a_package_that_pip_made_of_a_commit_names_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, origin: str | None, shown: str
+) -> None:
+    installed = SimpleNamespace(read_text=lambda name: origin if name == "direct_url.json" else None)
+    monkeypatch.setattr(version, "distribution", lambda _name: installed)
+    monkeypatch.setattr(version, "PACKAGE", tmp_path / "site-packages" / "rubnoise")
+    assert version_line() == f"rubnoise {rubnoise.__version__}{shown}"
 
 
 # A traceback is shown only with --debug; an unexpected failure is one line, too.

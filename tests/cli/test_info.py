@@ -2,13 +2,11 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
 
 from tests.cli.terminal import CONTACT, call, names
-from tests.format.runs import describe, random_rows, write_run
 
 # `rubnoise info`: what is in a result, and one line for whatever is none.
 SLIDER = Path("../given/slider.toml")
@@ -32,17 +30,6 @@ def test_a_result_tells_what_is_in_it(result: Path) -> None:
     assert "measured over the whole run, with exact values" in lines
     assert "too short for standard errors of the slider's motion" in " ".join(answer.out.split())
     assert sum(line.startswith("  friction force mean (uN) ") for line in lines) == 1
-
-
-def test_json_is_one_object_and_nothing_else(result: Path) -> None:
-    answer = call("info", "x.h5", "--json")
-    assert (answer.code, answer.err) == (0, "")
-    told = answer.json()
-    assert told["groups"]["slider"]["rows"] == 3001
-    assert told["groups"]["slider"]["columns"] == ["time", "distance", "friction_force", "displacement", "velocity"]
-    assert told["bytes"] == result.stat().st_size
-    area = told["summary"]["real_contact_area_mean"]
-    assert area["z"] == pytest.approx((area["observed"] - area["expected"]) / area["standard_error"])
 
 
 def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) -> None:
@@ -69,23 +56,6 @@ def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[
         f"{SLIDER}: is a scenario, not a result; `rubnoise check {SLIDER}` says what follows from it,"
         " `rubnoise run` runs it\n"
     )
-
-
-def test_a_part_is_refused_in_a_line(here: Path) -> None:
-    """While it is written, and when a kill has left it."""
-    description = describe()
-    said = []
-
-    def look() -> None:
-        said.append(call("info", "x.h5.part").err)
-        shutil.copy("x.h5.part", "y.h5.part")
-
-    write_run("x.h5", description, random_rows(description), meanwhile=look)
-    assert said == ["x.h5.part: is being written by another program\n"]
-    left = call("info", "y.h5.part")
-    assert (left.code, left.out) == (2, "")
-    assert left.err == "y.h5.part: is a part of a run that did not end; the same command makes the run again\n"
-    assert names(here) == ["x.h5", "y.h5.part"]
 
 
 # `rubnoise teach`: the page of lessons as a file.
@@ -116,6 +86,15 @@ def test_a_scenario_sets_the_knobs(here: Path) -> None:
     assert data["title"] == "a short contact"
     assert data["world"]["meanCount"] == 20  # type: ignore[index]
     assert names(here) == ["page.html"]
+
+
+def test_a_slider_that_pushes_back_does_so_on_the_page(here: Path) -> None:
+    from rubnoise.scenario.shipped import shipped
+
+    assert call("teach", str(shipped("paper/fig5_two_way.toml")), "-o", "page.html").code == 0
+    assert data_of(here / "page.html")["world"]["coupling"] == "two-way"  # type: ignore[index]
+    assert call("teach", "-o", "other.html").code == 0
+    assert data_of(here / "other.html")["world"]["coupling"] == "one-way"  # type: ignore[index]
 
 
 def test_a_result_is_replayed(here: Path) -> None:

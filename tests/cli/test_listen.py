@@ -9,8 +9,6 @@ import h5py
 import numpy as np
 import pytest
 
-from rubnoise.analysis.hearing import Hearing
-from rubnoise.analysis.spectra import Spectrum
 from tests.cli.terminal import begin, call, names, stop
 
 # `rubnoise listen`: a run as sound.
@@ -106,36 +104,12 @@ def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, her
     assert call("listen", "x.h5", "y.h5", "-o", "z.wav").code == 2
 
 
-@pytest.mark.parametrize(
-    ("changes", "what", "said"),
-    [
-        ((), "velocity", "x.h5: the run has no slider, and so no velocity; --what force"),
-        ((), "force", "x.h5: the run has no friction force to hear; [strength] in its scenario"),
-        (("strength.mean=1 MPa",), "force", "x.h5: the run has no times, so nothing is heard; sliding.speed"),
-    ],
-)
-def test_what_a_run_does_not_have_is_told(here: Path, changes: tuple[str, ...], what: str, said: str) -> None:
-    given = [word for change in changes for word in ("--set", change)]
-    assert call("run", CONTACT, "-q", "-o", "x.h5", *given).code == 0
-    answer = call("listen", "x.h5", "--what", what)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith(said)
-    assert names(here) == ["x.h5"]
-
-
 def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
     constant = ("birth.law=regular", "pulse.shape=triangle", "sliding.speed=1 mm/s", "strength.mean=1 MPa")
     given = [word for change in constant for word in ("--set", change)]
     assert call("run", CONTACT, "-q", "-o", "x.h5", *given).code == 0
     answer = call("listen", "x.h5", "--what", "force")
     assert (answer.code, answer.err) == (2, "x.h5: the force does not vary, so there is nothing to hear\n")
-
-
-def test_a_damaged_column_is_told(result: Path, here: Path) -> None:
-    with h5py.File(result, "r+") as file:
-        file["slider/velocity"][7] = np.nan
-    answer = call("listen", "x.h5")
-    assert (answer.code, answer.err) == (2, "x.h5: /slider/velocity is damaged: it holds what is no number\n")
 
 
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
@@ -149,26 +123,3 @@ def test_a_signal_leaves_nothing_behind(here: Path) -> None:
         "stopped by a signal; nothing was kept, and the same command begins again\n",
     )
     assert names(here) == ["x.h5"]
-
-
-@pytest.mark.parametrize(
-    ("natural", "speed_up", "audible", "better"),
-    [(400.0, 1.0, 1.0, None), (39.0, 1.0, 1.0, 10.0), (3.9, 1.0, 0.0, 100.0), (39_000.0, 100.0, 0.0, 1.0)],
-)
-def test_a_speed_up_is_suggested_where_little_is_heard(
-    natural: float, speed_up: float, audible: float, better: float | None
-) -> None:
-    frequency = np.linspace(0.0, 1.5 * natural, 3001)
-    density = np.exp(-0.5 * np.square((frequency - natural) / (0.01 * natural)))
-    hearing = Hearing.of(
-        Spectrum(
-            wavenumber=2.0 * np.pi * frequency,
-            density=density,
-            standard_error=density,
-            ticks=6000,
-            segments=9,
-        )
-    )
-    assert hearing.middle == pytest.approx(natural, rel=0.002)
-    assert hearing.audible == pytest.approx(audible, abs=1e-6)
-    assert hearing.better(speed_up) == better

@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from tests.cli.terminal import CONTACT, LONG, Answer, call, columns, command, names, spawn, spawn_program
+from tests.cli.terminal import CONTACT, LONG, Answer, call, columns, command, names, spawn_program
 
 # `rubnoise run`: what it writes, prints and leaves alone, how soon it starts, and what it refuses to begin.
 # `rubnoise run`: what it writes, what it prints, what it leaves alone.
@@ -104,42 +104,6 @@ def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
     weak = ("--set", "strength.mean=0.1 MPa", "--set", "output.tick=1 um")
     slow = call("run", SLIDER, "--force", *weak, "--set", "sliding.distance=2 mm")
     assert (slow.code, slow.err) == (0, "")
-
-
-def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
-    weak = ("--set", "strength.mean=0.1 MPa", "-o", "x.h5", "--force")
-    told = call("run", SLIDER, *weak)
-    said = "the run is too short for standard errors of the slider's motion: it lasts 1.5 of its decay times;"
-    assert f"warning: {said} it needs about 5.2 mm" in " ".join(told.err.split())
-    row = next(line for line in told.out.splitlines() if line.startswith("  displacement std (um)"))
-    assert len(row.split()) == 5  # measured and exact, and neither error nor z
-    assert call("run", SLIDER, *weak, "--json").json()["warnings"] == [f"{said} it needs about 5.2 mm"]
-    assert call("run", SLIDER, *weak, "-q").err == ""
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (None, "bad.toml: cannot be read: no such file or directory"),
-        (b"", "bad.toml:1: error: format: missing"),
-        (b'title = "\xff"\n', "bad.toml:1: error: not UTF-8 text"),
-        (
-            CONTACT.encode() + b"[sweep]\nreplicates = 4\n",
-            "bad.toml:10: error: sweep: a sweep is many runs, but this command needs one scenario",
-        ),
-        (CONTACT.encode().replace(b"300 um", b"300 um^2"), "bad.toml:9: error: sliding.distance: "),
-    ],
-    ids=["missing", "empty", "not UTF-8", "a sweep", "a wrong unit"],
-)
-def test_a_scenario_that_is_none_is_refused_and_nothing_written(here: Path, content: bytes | None, said: str) -> None:
-    scenario = here.parent / "given" / "bad.toml"
-    if content is not None:
-        scenario.write_bytes(content)
-    answer = call("run", scenario)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert "Traceback" not in answer.err
-    assert names(here) == []
 
 
 # A run does not wait for what it does not need.
@@ -246,19 +210,3 @@ def test_more_memory_than_the_process_may_have(here: Path, how: str) -> None:
     assert 'run.engine = "batch"' in answer.err or "interface.mean_junction_count" in answer.err
     assert len(answer.err.splitlines()) == 1
     assert names(here) == []
-
-
-# Copies of a process that has loaded the program behave like new processes.
-@pytest.mark.parametrize(
-    "words",
-    [("check", SHORT, "--json"), ("info", "missing.h5"), ("run", SHORT, "--seed", "x"), ("new", "mine.toml")],
-    ids=["answers", "refuses", "explains its use", "writes"],
-)
-def test_a_warm_call_answers_as_a_cold_one(here: Path, words: tuple[str | Path, ...]) -> None:
-    answers = []
-    for cold in (False, True):
-        (here / "mine.toml").unlink(missing_ok=True)
-        answers.append(spawn(*words, cold=cold, COLUMNS="100"))
-    warm, cold = answers
-    assert (warm.code, warm.err) == (cold.code, cold.err)
-    assert warm.out == cold.out or warm.json().keys() == cold.json().keys()  # it foretells a time

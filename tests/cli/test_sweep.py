@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli import progress
-from rubnoise.cli.progress import watching_sweep
-from rubnoise.runs.sweep import SweepProgress
+from rubnoise.cli.progress import SIGNALS, watching_sweep
+from rubnoise.errors import RunStopped
 from rubnoise.scenario.sweep import expand, load_sweep
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, call, columns, spawn
@@ -117,6 +116,16 @@ def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> Non
             sweep.run("unknown")
 
 
+def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
+    table = '[sweep.zip]\ninterface.mean_junction_count = [10, 40]\ndiameter.law = ["fixed", "exponential"]\n'
+    (here / "z.toml").write_text(CONTACT + table, encoding="utf-8")
+    with rubnoise.sweep("z.toml", "d", jobs=1) as sweep:
+        labelled = sweep.to_xarray()
+    assert labelled["real_contact_area_mean"].dims == ("side_by_side", "replicate")
+    assert labelled["diameter.law"].values.tolist() == ["fixed", "exponential"]
+    assert labelled["interface.mean_junction_count"].values.tolist() == [10.0, 40.0]
+
+
 def _workers(process: int) -> list[int]:
     """Return the processes of loky that make runs for a process, which starts others, too."""
     told = Path(f"/proc/{process}/task").glob("*/children")
@@ -163,32 +172,7 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
     assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"
 
 
-def test_a_sweep_that_the_disk_does_not_hold_is_refused(file: Path) -> None:
-    answer = call("sweep", file, "-o", "d", "--set", "sliding.distance=300 mm", "--set", "output.tick=0.001 um",
-                  "--set", "sweep.replicates=4000")  # fmt: skip
-    assert answer.code == 2
-    assert "d: the results of 8,000 runs may take" in answer.err
-    assert not Path("d").exists()
-
-
-# What a terminal shows of a sweep, and when a signal is obeyed.
-def _standing(done: int, *, failed: int = 0, before: int = 0) -> SweepProgress:
-    return SweepProgress(runs=1000, done=done, failed=failed, before=before)
-
-
-def test_the_line_tells_runs_failures_and_the_time_to_go(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    clock = iter([100.0, 100.0, 110.0, 120.0])
-    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
-    with watching_sweep(shown=True) as watch:
-        watch(_standing(200, before=200))
-        watch(_standing(300, before=200))
-        watch(_standing(390, failed=10, before=200))
-    lines = [line.rstrip() for line in capsys.readouterr().err.split("\r") if line.strip()]
-    # What was done before says nothing of how long the rest takes.
-    assert lines == [
-        " 20%  200 of 1,000 runs",
-        " 30%  300 of 1,000 runs  1:10 to go",
-        " 40%  400 of 1,000 runs, 10 failed  1:00 to go",
-    ]
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> None:
+    with watching_sweep(shown=False), pytest.raises(RunStopped):
+        signal.raise_signal(number)

@@ -2,7 +2,6 @@
 
 import io
 import json
-import os
 import re
 import signal
 import sys
@@ -20,18 +19,17 @@ from hypothesis import strategies as st
 import rubnoise
 from rubnoise.cli.app import COMMANDS
 from rubnoise.cli.commands import escaped, escaping
-from rubnoise.cli.progress import Watcher, watching
+from rubnoise.cli.progress import Watcher, watching, watching_reads
 from rubnoise.errors import RunStopped
+from rubnoise.storage.reader import open_run
 from tests.cli.terminal import (
-    LONGEST,
     WITH_SLIDER,
-    begin_on_terminal,
     call,
     command,
-    read_terminal,
     shown_on_terminal,
     spawn,
 )
+from tests.format.runs import attempt
 
 # What is printed ends where the terminal does, and is the same as ever where there is no terminal.
 SLIDER = Path("../given/slider.toml")
@@ -211,31 +209,6 @@ def _check_progress(shown: str) -> None:
     assert all(len(line[0].rstrip()) <= 80 for line in lines)
 
 
-@pytest.mark.parametrize("option", ["-q", "--json"])
-def test_a_terminal_sees_no_progress_where_silence_was_asked_for(here: Path, option: str) -> None:
-    code, shown = shown_on_terminal(command("run", SLIDER, option, "--set", "strength.mean=0.1 MPa"))
-    assert code == 0
-    assert "alive" not in shown
-    assert "Compiling" not in shown
-    assert shown == "" if option == "-q" else shown.startswith('{"output"')
-
-
-def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(here: Path) -> None:
-    run, ours = begin_on_terminal(command("run", SLIDER, *LONGEST))
-    shown = b""
-    while b"counting the births" not in shown:
-        piece = read_terminal(ours)
-        assert piece, shown
-        shown += piece
-    time.sleep(0.2)
-    run.send_signal(signal.SIGINT)
-    shown += b"".join(iter(lambda: read_terminal(ours), b""))
-    os.close(ours)
-    assert run.wait(60) == 130
-    assert b"stopped by a signal" in shown
-    assert list(here.iterdir()) == []
-
-
 @pytest.mark.parametrize(("module", "waits"), [("llvmlite.binding.executionengine", True), ("numba.core", False)])
 def test_a_signal_in_a_function_that_the_compiler_calls_is_noted_after_it(module: str, *, waits: bool) -> None:
     """What is raised there is printed and gets lost."""
@@ -274,3 +247,25 @@ def test_an_hour_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
         clock.now += seconds
         watcher(distance, 10, 3)
     assert screen.getvalue().endswith("alive  2:46:20 to go")
+
+
+def test_a_long_look_through_a_file_is_shown_where_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    clock, screen = Clock(), io.StringIO()
+    monkeypatch.setattr("rubnoise.cli.progress.time.monotonic", clock)
+    monkeypatch.setattr("sys.stderr", screen)
+    attempt(tmp_path / "run.h5")
+    with open_run(tmp_path / "run.h5") as run:
+        with watching_reads(run, shown=True):
+            for seconds, stop in [(0.5, 1), (0.6, 2), (0.01, 3), (0.2, 4)]:
+                clock.now += seconds
+                run.column("trace", "distance", 0, stop)
+            assert screen.getvalue().split("\r") == [
+                "", "/trace/distance: 2 of 11 rows", "/trace/distance: 4 of 11 rows",
+            ]  # fmt: skip
+        assert re.fullmatch(r"\r +\r", screen.getvalue()[-31:])
+        shown = len(screen.getvalue())
+        clock.now += 9.0
+        run.column("trace", "distance")
+        with watching_reads(run, shown=False):
+            run.column("trace", "distance")
+        assert len(screen.getvalue()) == shown

@@ -6,7 +6,6 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import rubnoise
@@ -61,35 +60,6 @@ def test_the_spectrum_is_the_one_computed_elsewhere(here: Path, row: dict[str, A
     assert found["wavenumber"] == points
     assert found["density"] == pytest.approx(row["spectral_density_um4_per_rad_per_um"], rel=1e-6)
     assert "two-sided" in found["convention"]
-
-
-def test_figure_5_has_everything() -> None:
-    found = told(FIG5, "--at-lag", "0,-3,3,20", "--at-area=-5,0,204.67,1e6")
-    assert sorted(found) == sorted(
-        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution"]
-    )
-    assert found["area"]["mean"] == pytest.approx(204.6736, abs=5e-5)
-    assert found["area"]["cumulants"][1] == pytest.approx(found["area"]["std"] ** 2, rel=1e-14)
-    assert len(found["area"]["cumulants"]) == len(found["force"]["cumulants"]) == 6
-    assert found["force"]["std"] == pytest.approx(14_107.34, abs=0.005)
-    assert found["slider"]["displacement_std"] == pytest.approx(195.3059, abs=5e-5)
-    assert found["slider"]["velocity_std"] == pytest.approx(47_241.1, abs=0.05)
-    assert found["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
-    assert found["slider"]["upcrossing_rate"] == pytest.approx(38.4968, abs=5e-5)
-    assert found["slider"]["coupling_strength"] == pytest.approx(2929.741, abs=5e-4)
-    assert found["slider"]["stick_number"] == pytest.approx(16.86028, abs=5e-6)
-    assert found["slider"]["expected_change"] is None
-    covariance = found["autocovariance"]["value"]
-    assert covariance[0] == pytest.approx(found["area"]["cumulants"][1], rel=1e-8)
-    assert covariance[1] == covariance[2]
-    assert covariance[3] == pytest.approx(0.0, abs=1e-9)
-    law = found["distribution"]
-    assert law["area"] == [-5.0, 0.0, 204.67, 1e6]
-    assert law["cdf"][0] == 0.0
-    assert law["cdf"][1] == pytest.approx(law["atom_at_zero"], rel=1e-12)
-    assert law["cdf"][1] == pytest.approx(np.exp(-20.0), rel=1e-6)
-    assert law["cdf"][3] == pytest.approx(1.0, abs=1e-12)
-    assert law["density"][0] == law["density"][3] == 0.0
 
 
 def test_an_empty_start_is_told_of(here: Path) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import xarray
 
 import rubnoise
 from tests.cli.terminal import call, columns
@@ -107,29 +106,6 @@ def test_compare_has_the_exact_laws_and_leaves_the_one_way_motion_out(ran: Path)
     assert told["begins"]["balance"] == 0.0
     shown = call("compare", ran).out
     assert "energy (uN um)" in shown
-
-
-def test_it_opens_in_python_and_xarray(ran: Path) -> None:
-    with rubnoise.open(ran) as run:
-        landmarks = run.to_xarray()["landmarks"]
-        assert landmarks["kind"].attrs["flag_meanings"] == "stick slip reversal forward"
-        assert set(run.slider["phase"][:].tolist()) <= {0, 1, 2}
-        early, late = run.junction(0), run.junction(400)
-        assert np.isnan(early.birth_time)
-        assert late.death_time > late.birth_time > 0.0
-    with xarray.open_dataset(ran, group="landmarks", engine="h5netcdf") as found:
-        assert list(found.sizes) == ["landmark"]
-
-
-def test_it_is_drawn_and_laid_over_the_one_way_run(ran: Path, here: Path) -> None:
-    for what in ("trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase", "landmarks"):
-        assert call("plot", ran, what).out == f"x_{what}.png\n"
-    assert call("run", SLIDER, "-o", "one.h5", "-q", *SHORT).code == 0
-    for words in (("slider",), ("phase",), ("psd", "--of", "velocity")):
-        alone, both = (call("plot", "one.h5", *words, "-o", f"{name}.png", "--force") for name in ("alone", "both"))
-        assert (alone.code, both.code) == (0, 0)
-        assert call("plot", "one.h5", *words, "--with", ran, "-o", "both.png", "--force").code == 0
-        assert (here / "alone.png").read_bytes() != (here / "both.png").read_bytes()
 
 
 def test_a_sweep_of_both_couplings_keeps_what_each_has(here: Path) -> None:

@@ -143,6 +143,12 @@ def test_a_run_too_short_for_its_mean_is_refused(short: Model, needed: float) ->
     assert isinstance(refused.value.estimate, float)
 
 
+def test_an_undamped_slider_is_left_out() -> None:
+    undamped = model(distance=1000.0, slider=replace(QUICK, damping=0.0))
+    found = compare(undamped, recorded(undamped, 1))
+    assert reason(found, "displacement") == "a slider without damping never forgets its start"
+
+
 def changed(groups: Any, group: str, name: str, change: Any) -> Held:
     columns: dict[str, NDArray[Any]] = dict(groups[group])
     columns[name] = columns[name].copy()

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rubnoise.analysis import resampling
 from rubnoise.analysis.covariance import CovarianceSum, LaggedProducts, autocovariance
 from rubnoise.analysis.histogram import HistogramSum
 from rubnoise.analysis.records import error_of_mean
@@ -55,17 +54,6 @@ def test_it_is_flat_for_white_noise_and_falls_for_one_with_memory() -> None:
     assert np.abs(score[2:-2]).mean() == pytest.approx((2.0 / pi) ** 0.5, rel=0.15)
     falling = welch(VALUES, 0.05)
     assert falling.density[-5:].mean() < 0.01 * falling.density[2:7].mean()
-
-
-@pytest.mark.parametrize("pieces", [1, 7, 131])
-def test_a_record_may_come_in_pieces(pieces: int) -> None:
-    total = WelchSum(256, 0.05)
-    for piece in np.array_split(VALUES, pieces):
-        total.add(piece)
-    found, whole = total.spectrum(), welch(VALUES, 0.05, 256)
-    assert found.segments == whole.segments == 2 * (VALUES.size // 256) - 1
-    assert found.density == pytest.approx(whole.density, rel=1e-10)
-    assert found.standard_error == pytest.approx(whole.standard_error, rel=1e-6)
 
 
 # Powers of bands: what they add up to, and that their errors are the spread of many runs.
@@ -180,17 +168,6 @@ def test_a_tone_that_would_fold_is_gone(ratio: Fraction) -> None:
             assert np.abs(_middle(_all(tone, ratio), ratio)).max() < RIPPLE
             picked = tone[np.rint(np.arange(output_count(inputs, ratio)) / float(ratio)).astype(int)]
             assert np.abs(picked).max() > 0.1  # what happens to it without a filter
-
-
-@pytest.mark.parametrize("ratio", RATIOS, ids=str)
-def test_pieces_do_not_matter(ratio: Fraction, monkeypatch: pytest.MonkeyPatch) -> None:
-    values = np.random.default_rng(4).normal(size=int(max(5000, 900 / ratio)))
-    whole = _all(values, ratio)
-    for piece in (values.size // 12, values.size // 2):
-        monkeypatch.setattr(resampling, "_PIECE", piece)
-        found = _all(values, ratio)
-        assert found.size == whole.size == output_count(values.size, ratio)
-        np.testing.assert_allclose(found, whole, atol=1e-12)
 
 
 # WAV files as others read them.

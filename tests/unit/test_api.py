@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
@@ -202,32 +201,12 @@ def test_it_is_what_xarray_finds_in_the_file_itself(run: rubnoise.Run, path: Pat
             xr.testing.assert_equal(columns.to_xarray(), theirs)
 
 
-def test_what_was_read_outlives_the_run(path: Path, tmp_path: Path) -> None:
-    with rubnoise.open(path) as run:
-        lazy = run.trace.to_xarray()
-        kept = lazy.copy(deep=True).load()
-        lazy.isel(distance=slice(9)).to_netcdf(tmp_path / "nine.nc")
-        area = run.trace["real_contact_area"][:]
-    np.testing.assert_array_equal(kept["real_contact_area"].values, area)
-    with xr.open_dataset(tmp_path / "nine.nc") as nine:
-        assert nine["real_contact_area"].attrs["units"] == "um^2"
-    with rubnoise.open(path) as run:
-        trace, column = run.trace, run.trace["real_contact_area"]
-    np.testing.assert_array_equal(column, area)
-    with pytest.raises(ValueError, match=r"x\.h5: the run file is closed"):
-        trace["real_contact_area"]
-
-
-def test_pandas_gets_a_frame_over_the_first_column(run: rubnoise.Run) -> None:
-    frame = run.trace.to_pandas()
-    assert isinstance(frame, pd.DataFrame)
-    assert (frame.index.name, list(frame)) == ("distance", list(run.trace.names[1:]))
-    assert frame.attrs["units"] == {name: run.trace[name].units for name in run.trace}
-    np.testing.assert_array_equal(frame["real_contact_area"], run.trace["real_contact_area"])
-    assert frame.loc[10.0:20.0].shape == (101, 3)
-    assert {name: len(each) for name, each in run.to_pandas().items()} == {
-        name: len(columns) for name, columns in run.groups().items()
-    }
+def test_what_is_no_name_of_a_column_is_answered_with_the_way(run: rubnoise.Run) -> None:
+    wrong: Any
+    rows = "a column has the rows"
+    for wrong, way in ((slice(1, 3), rows), (3, rows), (np.ones(3), rows), (["diameter", "state"], "to_pandas")):
+        with pytest.raises(KeyError, match=way):
+            run.junctions[wrong]
 
 
 # What a sweep keeps of a run without keeping the run.

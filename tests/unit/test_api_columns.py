@@ -7,11 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.figure import Figure
-from scipy import signal
 
 import rubnoise
 from rubnoise.storage import reader
@@ -94,19 +91,6 @@ def test_rows_keep_their_places(column: rubnoise.Column) -> None:
     assert np.sort(column).beside is None
     assert isinstance(column[:9].plot(), Figure)
     assert isinstance(np.sort(column).plot(), Figure)
-
-
-def test_libraries_take_a_column_as_it_stands(column: rubnoise.Column) -> None:
-    frame = pd.DataFrame({"area": column})
-    assert frame["area"].to_numpy().tolist() == VALUES.tolist()
-    density = signal.welch(VALUES, nperseg=100)[1]
-    np.testing.assert_allclose(signal.welch(column, nperseg=100)[1], density, rtol=1e-12)
-    figure = Figure()
-    (line,) = figure.subplots().plot(column, 2.0 * column)
-    np.testing.assert_array_equal(line.get_xdata(), VALUES)
-    np.testing.assert_array_equal(xr.DataArray(column, dims="row"), VALUES)
-    assert column.tolist() == column.values.tolist() == column.to_numpy().tolist()
-    assert column.astype(np.float32).dtype == np.float32
 
 
 # An open run shows the rows that it had when it was opened, or refuses.

@@ -76,21 +76,6 @@ def raising_after(times: int) -> rubnoise.Observer:
     return rubnoise.Observer(birth=birth)
 
 
-def test_births_are_counted_as_they_happen_and_nothing_changes(scenario: Scenario, tmp_path: Path) -> None:
-    born: dict[int, float] = {}
-    counting = rubnoise.Observer(birth=born.__setitem__)
-    watched = rubnoise.simulate(scenario, observe=counting)
-    rows = watched.junctions["birth_distance"][:]
-    inside = ~np.signbit(rows)
-    assert born == dict(zip(np.flatnonzero(inside).tolist(), rows[inside].tolist(), strict=True))
-    assert contents(watched) == contents(rubnoise.simulate(scenario))
-    with rubnoise.run(scenario, tmp_path / "x.h5", observe=counting) as run:
-        assert contents(run) == contents(watched)
-        assert "intervention" not in run.provenance
-    # The comparison would notice a run in which one life is another.
-    assert contents(rubnoise.simulate(scenario, intervene=largest_goes)) != contents(watched)
-
-
 def test_what_an_intervention_ends_is_ended_early_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
     with rubnoise.run(scenario, tmp_path / "x.h5", intervene=largest_goes) as run:
         ended = (run.junctions["state"][:] & JunctionState.ENDED_EARLY) > 0
@@ -201,3 +186,8 @@ def test_guests_need_events(scenario: Scenario, tmp_path: Path, guest: Any) -> N
         with pytest.raises(Refused, match='needs the engine "events", not "batch"'):
             begin(batch(scenario), **guest)
     assert names(tmp_path) == []
+
+
+def test_an_observer_is_made_of_functions() -> None:
+    with pytest.raises(Refused, match="Observer: death: 3 is no function of a junction's number and a distance"):
+        rubnoise.Observer(death=3)

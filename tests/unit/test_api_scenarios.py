@@ -39,6 +39,16 @@ def test_a_scenario_goes_by_path_name_or_itself(tmp_path: Path, monkeypatch: pyt
     )
 
 
+def test_a_name_that_is_none_names_near_ones() -> None:
+    with pytest.raises(rubnoise.Refused, match=r"neither a file nor a scenario.*did you mean paper/fig5"):
+        rubnoise.load("paper/fig55")
+    with pytest.raises(rubnoise.Refused, match="did you mean paper/fig5"):
+        rubnoise.example("fig5")
+    with pytest.raises(ScenarioRefused, match=r"nothing\.toml: cannot be read"):
+        rubnoise.load("nothing.toml")
+    assert {"paper/fig5", "lessons/poisson"} <= set(rubnoise.examples())
+
+
 def test_one_key_is_replaced_and_all_else_stays() -> None:
     other = BASE.replace({"sliding.speed": "2 mm/s"}, seed=3)
     expected = BASE.resolved()
@@ -148,6 +158,15 @@ def test_a_grid_takes_what_numpy_and_pint_have() -> None:
         rubnoise.sweep(small, grid=grid, jobs="2")  # type: ignore[arg-type]
 
 
+def test_what_is_none_of_it_is_refused() -> None:
+    wrong: Any = {"format": 1}
+    for ask in (rubnoise.load, rubnoise.simulate, rubnoise.exact, rubnoise.load_sweep, rubnoise.run_sweep):
+        with pytest.raises(Refused, match=r"{'format': 1}: is neither a file nor a name; rubnoise\.build"):
+            ask(wrong)
+    with pytest.raises(Refused, match="expand: a Sweep is needed"):
+        rubnoise.expand(BASE)  # type: ignore[arg-type]
+
+
 def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
     scenario = rubnoise.load("paper/fig4").replace({"sliding.distance": "100 um"})
     sweep = rubnoise.sweep(scenario, replicates=1, jobs=1)
@@ -208,6 +227,15 @@ def test_keys_of_a_sweep_go_by_their_last_words() -> None:
 def test_a_key_of_a_grid_that_there_is_not_is_refused(grid: Any, told: str) -> None:
     with pytest.raises(rubnoise.Refused, match=f"grid=: .*{told}"):
         rubnoise.sweep(BASE, grid=grid, jobs=1)
+
+
+def test_a_choice_of_a_sweep_is_found_by_its_word() -> None:
+    with rubnoise.sweep(
+        BASE.replace(distance="20 um", calibration="exact"), grid={"pulse.shape": ["lens", "triangle"]}, jobs=1
+    ) as sweep:
+        assert sweep.ratios("real_contact_area_mean", "shape", "lens")[0].value == 1.0
+        with pytest.raises(ValueError, match=r"no point has pulse\.shape = 3"):
+            sweep.ratios("real_contact_area_mean", "shape", 3)
 
 
 # Records of the user's own: read, checked, converted, and estimated from as runs are.
@@ -273,6 +301,13 @@ def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, rows: str, told: s
         rubnoise.Trace.from_csv(path)
 
 
+@pytest.mark.parametrize("header", ["time (s),v (mm^^2)", "time (s),v (s),v (s)"])
+def test_wrong_headers_are_refused(tmp_path: Path, header: str) -> None:
+    path = _written(tmp_path, f"{header}\n" + "0,1,1\n1,1,1\n" if header.count(",") == 2 else f"{header}\n0,1\n1,1\n")
+    with pytest.raises(rubnoise.Refused, match=r"m\.csv"):
+        rubnoise.Trace.from_csv(path)
+
+
 def test_times_rounded_when_they_were_written_are_uniform(tmp_path: Path) -> None:
     rows = "\n".join(f"{n / 30:.3f},{n}" for n in range(200))
     trace = rubnoise.Trace.from_csv(_written(tmp_path, f"time (s),x (um)\n{rows}\n"))
@@ -291,6 +326,18 @@ def test_estimates_are_those_of_scipy_and_numpy() -> None:
     expected, _ = np.histogram(VALUES, 20, density=True)
     np.testing.assert_allclose(1e6 * shares.density, expected, rtol=1e-9)
     assert np.isfinite(shares.standard_error).all()
+
+
+def test_a_column_or_a_lag_that_there_is_not_is_refused() -> None:
+    trace = rubnoise.Trace.from_arrays({"time (s)": [0.0, 1.0, 2.0], "a": [1, 2, 3], "b": [1, 2, 3]})
+    with pytest.raises(rubnoise.Refused, match="say which column: a, b"):
+        trace.acf()
+    with pytest.raises(rubnoise.Refused, match="lags up to 2 s"):
+        trace.acf("a", longest="5 s")
+    with pytest.raises(rubnoise.Refused, match="segments of 8 rows"):
+        trace.psd("a")
+    with pytest.raises(KeyError, match="it has time, a, b"):
+        trace["c"]
 
 
 def test_a_record_is_laid_over_a_spectrum_at_its_own_height(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

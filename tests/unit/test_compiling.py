@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
@@ -123,3 +124,17 @@ def test_where_code_cannot_be_kept_it_is_compiled_each_time_and_said_once(
     with pytest.warns(compiling.CodeNotKept, match=r"__pycache__: No space left on device") as warned:
         assert [_hits(doubling), _hits(doubling)] == [0, 0]
     assert len(warned) == 1
+
+
+def test_what_is_compiled_is_announced(doubling: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(compiling, "BEFORE_COMPILING", {lambda: said.append("compiling")})
+    assert [_hits(doubling), said, _hits(doubling), said] == [0, ["compiling"], 1, ["compiling"]]
+    monkeypatch.setattr(compiling, "njit", _nowhere)
+    assert [_hits(doubling), said] == [0, ["compiling"] * 2]
+
+
+def _nowhere(*, cache: bool = False, **how: Any) -> Any:
+    if cache:
+        raise RuntimeError("cannot cache function: no locator available")
+    return numba.njit(**how)

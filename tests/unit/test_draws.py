@@ -1,7 +1,6 @@
 """What a seed decides: streams, deviates by inversion, and draws block by block."""
 
 import itertools
-from dataclasses import replace
 
 import mpmath
 import numpy as np
@@ -18,15 +17,11 @@ from rubnoise.contact.deviates import (
     normal_quantile,
 )
 from rubnoise.contact.laws import Spread
-from rubnoise.simulation import draws
 from rubnoise.simulation.draws import (
-    birth_distances,
-    births_by_block,
     draw_blocks,
-    first_birth,
 )
 from rubnoise.streams import Stream, uniforms
-from tests.models import UNEQUAL, bare, model
+from tests.models import bare, model
 from tests.verification.scores import seed_of
 
 # Named streams: the same numbers for the same purpose, and others for another.
@@ -170,26 +165,6 @@ def test_too_few_terms_would_be_seen(monkeypatch):
 RUN = bare(distance=3_000.0, tick=1.0)
 
 
-def test_blocks_follow_each_other_without_a_gap() -> None:
-    block, begin, seen = 0, first_birth(RUN, 4), []
-    while begin <= RUN.distance:
-        births = draw_blocks(RUN, 4, block, begin)
-        assert births.birth[0] == begin
-        seen.extend(births.birth.tolist())
-        block, begin = block + 1, births.next_birth
-    assert len(seen) == sum(births_by_block(RUN, 4))
-    assert block == -(-len(seen) // 1000)
-    assert seen[-1] <= RUN.distance < begin
-
-
-def test_a_birth_at_the_very_end_is_still_of_the_run() -> None:
-    birth, _ = birth_distances(RUN, 4, 0, first_birth(RUN, 4))
-    at = replace(RUN, distance=float(birth[10]))
-    assert sum(births_by_block(at, 4)) == 11
-    assert draw_blocks(at, 4, 0, first_birth(at, 4)).next_birth == birth[11]
-    assert sum(births_by_block(replace(RUN, distance=float(np.nextafter(birth[10], 0.0))), 4)) == 10
-
-
 def test_one_purpose_never_shifts_another() -> None:
     """Births are the same whatever the sizes, sizes the same whatever the strength: each has its own stream."""
     wide = bare(distance=3_000.0, spread=Spread(absolute=1.0), start="empty")
@@ -199,16 +174,3 @@ def test_one_purpose_never_shifts_another() -> None:
     assert np.array_equal(draw_blocks(stressed, 4, 0, 1.0).diameter, first.diameter)
     assert np.all(draw_blocks(stressed, 4, 0, 1.0).strength == 250.0)
     assert np.all(first.strength == 1.0)
-
-
-@pytest.mark.parametrize("births", ["poisson", "regular"])
-def test_blocks_drawn_together_are_the_blocks_drawn_alone(monkeypatch, births):
-    run = model(distance=6000.0, births=births, strength=UNEQUAL)
-    together = draw_blocks(run, 5, 9, 4977.0)
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    alone = draw_blocks(run, 5, 9, 4977.0)
-    assert len(together) == len(alone) > 500
-    for column in ("birth", "gaps", "diameter", "strength"):
-        assert getattr(together, column).tobytes() == getattr(alone, column).tobytes()
-    with pytest.raises(ValueError, match="read-only"):
-        together.diameter[0] = 1.0

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import replace
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 import pytest
@@ -75,24 +75,6 @@ def test_births_have_their_spectra_to_every_digit(name: str) -> None:
     assert theory.mean_diameter == pytest.approx(5.530012635, rel=1e-9)
     assert theory.spectral_density(np.array([0.01, 0.1, 0.3, 1.0])) == pytest.approx(densities, rel=5e-6)
     assert theory.area.std / theory.area.mean == pytest.approx(spread, rel=2e-3), "kept to what its brute sums resolve"
-
-
-def test_parabolas_of_rough_surfaces_need_a_matched_mean() -> None:
-    asked = {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}
-    rough = {
-        "format": 1,
-        "sliding": {"distance": 1000.0},
-        "pulse": {"shape": "parabola"},
-        "diameter": {"law": "weibull", "spread": f"{100.0 * sqrt(4.0 / pi - 1.0)!r} %"},
-    }
-    matched, exact = (
-        rubnoise.exact(rubnoise.build(rough | {"interface": asked | {"calibration": name}}))
-        for name in ("matched", "exact")
-    )
-    assert matched.mean_diameter == pytest.approx(sqrt(10.0), rel=1e-9)
-    assert matched.area.mean == pytest.approx(200.0, rel=1e-9)
-    assert sqrt(20.0) * matched.area.std / matched.area.mean == pytest.approx(sqrt(2.0), rel=1e-9)
-    assert exact.area.mean / 200.0 == pytest.approx(1.9099, abs=5e-5)
 
 
 @pytest.mark.parametrize(("count", "times"), [(20.0, 1.0), (0.2, 0.1)])

@@ -50,16 +50,6 @@ def test_a_function_of_a_place_answers_every_number_and_refuses_the_rest(name: s
             function(wrong)
 
 
-def test_a_static_contact_takes_quantities_of_pint() -> None:
-    texts = {"radius": "50 um", "height": "0.5 um", "density": "300 1/mm^2", "modulus": "100 GPa", "load": "1 N"}
-    found = rubnoise.greenwood_williamson(**{name: UNIT(text) for name, text in texts.items()})
-    assert found.load == pytest.approx(1e6, rel=1e-12)
-    assert found.real_contact_area == pytest.approx(rubnoise.greenwood_williamson(**texts).real_contact_area, rel=1e-12)
-    for wrong in (10 * UNIT.s, [1.0, 2.0], None, float("nan"), True):
-        with pytest.raises(rubnoise.Refused, match=r"^radius: "):
-            rubnoise.greenwood_williamson(**texts | {"radius": wrong})
-
-
 FORCES = np.array([1.0, 2.0, 1.5])
 TIMES = np.array([0.0, 0.1, 0.2])
 
@@ -81,6 +71,16 @@ def test_columns_of_a_trace_keep_the_units_that_they_carry(
     name = list(trace)[1]
     assert (trace.step, trace.units["time"], trace.units[name]) == (pytest.approx(0.1), "s", expected[1])
     assert trace[name] == pytest.approx(expected[0] * FORCES, rel=1e-12)
+
+
+def test_an_array_with_a_unit_is_converted_or_defines_it() -> None:
+    for unit in ("mN", "N", UNIT.mN, None):
+        trace = rubnoise.Trace(FORCES * UNIT.N, rate="10 Hz", unit=unit)
+        assert trace["trace"] == pytest.approx(1e6 * FORCES, rel=1e-12)
+    with pytest.raises(rubnoise.Refused, match="newton: a quantity in mm is needed"):
+        rubnoise.Trace(FORCES * UNIT.N, rate="10 Hz", unit="mm")
+    with pytest.raises(rubnoise.Refused, match=r"force \(mm\): .* newton: a quantity in mm is needed"):
+        rubnoise.Trace({"time (s)": TIMES, "force (mm)": FORCES * UNIT.N})
 
 
 def test_heights_with_a_unit_are_converted_or_define_it() -> None:
@@ -144,6 +144,11 @@ def test_a_unit_is_named_without_a_factor_of_one(unit: Any, named: str) -> None:
     assert all(len(repr(each)) <= 1500 and "np." not in repr(each) for each in (found, found.fit, found.signal))
 
 
+def test_a_unit_of_something_else_is_refused_by_its_name() -> None:
+    with pytest.raises(rubnoise.Refused, match=r'unit=: second: "s" is the unit of a time'):
+        rubnoise.infer(FORCE, rate="1 kHz", speed="1 mm/s", unit=UNIT.s)
+
+
 def test_a_run_is_a_trace_over_its_distance(tmp_path: Any) -> None:
     trace = rubnoise.Trace(RECORD)
     assert (trace.place, trace.units["friction_force"]) == ("distance", "uN")
@@ -192,16 +197,8 @@ def test_the_path_of_a_result_beside_a_picture_is_told_what_goes(
         RECORD.plot(**words, beside=tmp_path / "run.h5")
 
 
-@pytest.mark.parametrize(
-    ("source", "words"),
-    [
-        (FORCES, {"rate": "10 Hz", "unit": "N", "place": "time"}),
-        (FORCES, {"rate": "10 Hz", "unit": "N", "column": "force"}),
-        ("m.csv", {"name": "mine"}),
-    ],
-)
-def test_a_word_without_effect_is_refused(source: Any, words: dict[str, Any]) -> None:
-    with pytest.raises(rubnoise.Refused, match=f"^{list(words)[-1]}=: .* has no effect"):
-        rubnoise.Trace(source, **words)
-    with pytest.raises(rubnoise.Refused, match="column=: 2: an array has one column"):
-        rubnoise.infer(FORCES, column=2, rate="10 Hz", unit="N", speed="1 mm/s")
+def test_a_trace_is_not_turned_round() -> None:
+    trace = rubnoise.Trace({"time (s)": TIMES, "force (N)": FORCES})
+    assert trace[::2].step == pytest.approx(0.2)
+    with pytest.raises(rubnoise.Refused, match="a slice with a step of -1: time grows from row to row"):
+        trace[::-1]

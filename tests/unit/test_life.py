@@ -17,7 +17,7 @@ from rubnoise.figures import style
 from rubnoise.figures.life import life_png
 from rubnoise.storage.reader import RunFile, open_run
 from tests.architecture.sources import ROOT
-from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, SPEED, STRENGTH, bare_file, lives_file
+from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, STRENGTH, bare_file, lives_file
 
 # One junction's life as told from its file, held to sums over all rows that are written out here.
 DEATH = np.minimum(DEPARTURE, BIRTH + 2.0 * DIAMETER)
@@ -61,18 +61,6 @@ def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
     assert (at.mid_life_distance, after.mid_life_distance) == (11.0, 10.0)
     assert at.peak_area == pytest.approx(at.max_area, rel=1e-14)
     assert after.peak_area == pytest.approx(after.max_area, rel=1e-14)
-
-
-def test_a_curve_goes_from_birth_to_death_over_mid_life(file: RunFile) -> None:
-    life = life_of(file, 2)
-    curve = life.curve()
-    distance, area = curve["distance"], curve["area"]
-    assert (distance[0], distance[100], distance[-1], distance.size) == (2.0, 8.0, 14.0, 201)
-    assert (area[0], area[-1]) == (0.0, 0.0)
-    assert area[100] == area.max() == pytest.approx(9.0 * np.pi, rel=1e-15)
-    assert np.trapezoid(area, distance) == pytest.approx(2.0 / 3.0 * 6.0**3, rel=1e-4)
-    np.testing.assert_allclose(curve["time"], distance / SPEED, rtol=1e-14)
-    np.testing.assert_allclose(curve["force"], 100.0 * area, rtol=1e-15)
 
 
 def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:

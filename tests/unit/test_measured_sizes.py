@@ -123,6 +123,25 @@ def test_what_is_no_file_of_sizes_is_refused(folder: Path, name: str) -> None:
     assert not (folder / "a.h5").exists()
 
 
+@pytest.mark.parametrize(
+    ("column", "said"),
+    [
+        (
+            "/junctions/size",
+            "diameter.column: sizes.h5: /junctions/size is no dataset in it; it has junctions/diameter, strain",
+        ),
+        ("/strain", "diameter.column: sizes.h5: /strain has 2 dimensions"),
+        ("", "diameter.column: sizes.h5: which dataset?"),
+    ],
+)
+def test_what_is_no_dataset_of_sizes_is_refused(
+    folder: Path, column: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    with pytest.raises(Refused, match=said.replace("?", r"\?")):
+        rubnoise.load("contact.toml", ["diameter.file=sizes.h5", f"diameter.column={column}"])
+
+
 def test_a_file_that_changed_is_refused(folder: Path) -> None:
     before = rubnoise.load(folder / "contact.toml").diameter.hash
     (folder / "sizes.csv").write_text("diameter\n4\n5\n", encoding="utf-8")

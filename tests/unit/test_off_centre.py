@@ -14,12 +14,13 @@ import pytest
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, Lognormal, Normal
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, overlap
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
+from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.live_count import count_covariance, mean_count
@@ -203,6 +204,15 @@ def test_contacts_drawn_by_births_and_offsets_have_the_distribution() -> None:
     assert abs(0.05 - float(through.cdf(place))) > 4.0 * sqrt(0.05 * 0.95 / area.size)
 
 
+def test_the_slope_of_the_force_follows_from_the_autocovariance() -> None:
+    """Var F' = -R''(0), from R at a small lag."""
+    model = contact(slider=FIG5_SLIDER)
+    step = 0.02
+    curvature = 2.0 * (area_cumulants(model).variance - float(autocovariance(model, step))) / step**2
+    assert force_slope_std(model) == pytest.approx(250.0 * sqrt(curvature), rel=1e-3)
+    assert coupling(model).stick_number == pytest.approx(force_slope_std(model) / 300.0, rel=1e-12)
+
+
 def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: Any) -> None:
     theory = rubnoise.exact(scenario())
     assert theory.area.std / theory.area.mean * sqrt(20.0) == pytest.approx(1.3559061, rel=1e-6)
@@ -249,6 +259,21 @@ def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: 
 def test_what_is_not_known_with_offsets_is_refused(tables: dict[str, Any], said: str) -> None:
     with pytest.raises(ScenarioRefused, match=said):
         scenario(**tables)
+
+
+@pytest.mark.parametrize("pulse", [OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=["lens", "parabola"])
+def test_gamma_births_of_shape_1_are_at_random_off_the_centre_line(pulse: Pulse) -> None:
+    at_random = contact(Normal(centre=5.0, std=0.5), pulse=pulse, slider=FIG5_SLIDER)
+    spacing = at_random.births.mean
+    gamma = replace(at_random, births=GammaBirths(mean_spacing=spacing, shape=1.0))
+    lags, k = np.array([0.0, 0.3, 2.0, 5.0, 9.0]), np.array([0.0, 0.1, 0.5, 2.0, 6.0])
+    variance, most = area_cumulants(at_random).variance, density_at_zero(at_random)
+    assert autocovariance(gamma, lags) == pytest.approx(autocovariance(at_random, lags), abs=1e-8 * variance)
+    assert spectral_density(gamma, k) == pytest.approx(spectral_density(at_random, k), rel=1e-6, abs=1e-8 * most)
+    assert count_covariance(gamma, lags) == pytest.approx(count_covariance(at_random, lags), abs=1e-6 * COUNT)
+    assert response(gamma).displacement_std == pytest.approx(response(at_random).displacement_std, rel=2e-8)
+    even = replace(at_random, births=GammaBirths(mean_spacing=spacing, shape=4.0))
+    assert density_at_zero(even) < 0.7 * most
 
 
 @pytest.mark.parametrize("pulse", [OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=["lens", "parabola"])

@@ -14,39 +14,13 @@ from rubnoise.contact.overlap import junction_area, life_integral
 from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
 from rubnoise.model import Slider
 from rubnoise.simulation.slider import propagator
-from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.unit_pulse import amplitude, energy
+from rubnoise.theory.unit_pulse import amplitude
 from tests.frozen import frozen
 from tests.models import model
-from tests.oracle.second import sums
 
 # Every pulse of the registry has its entry in each table that goes by shape, and what it says of itself agrees.
 every_pulse = pytest.mark.parametrize("pulse", PULSES.values(), ids=PULSES)
-
-
-@every_pulse
-def test_every_pulse_is_known_to_each_table(pulse):
-    assert JUNCTION_AREA_FORMULAS[pulse.shape].startswith(f"A(s) = {pulse.formula} with")
-    assert energy(pulse, np.zeros(1)) == pytest.approx(pulse.life_integral(1) ** 2, rel=1e-9)
-    area, force = np.zeros(1), np.zeros(1)
-    lives = np.array([0]), np.array([1])
-    sums.add_areas(pulse, np.array([3.0]), lives, (np.array([0.0]), np.array([4.0]), np.array([2.0])), area, force)
-    assert area == pytest.approx(pulse.area(3.0, 4.0), rel=1e-14)
-    life = np.array([0.5]), np.array([4.0]), np.array([8.5]), np.array([2.0])
-    moments = sums.force_moments(pulse, np.array([0.0, 10.0]), 10.0, life)
-    assert moments[0, 0] == pytest.approx(2.0 * pulse.life_integral(1) * 4.0**3, rel=1e-13)
-
-
-@every_pulse
-def test_the_tail_is_that_of_the_kinks(pulse):
-    """From the slopes on either side of birth, mid-life and death."""
-    step = 1e-9
-    jumps = [
-        (pulse.area(at + step, 1.0) - 2.0 * pulse.area(at, 1.0) + pulse.area(at - step, 1.0)) / step
-        for at in (0.0, 1.0, 2.0)
-    ]
-    assert (sum(jump**2 for jump in jumps), 4) == (pytest.approx(pulse.tail[0], rel=1e-3), pulse.tail[1])
 
 
 @every_pulse

@@ -1,6 +1,5 @@
 """Rows of a result that others are derived from: junctions with their pulse, areas by stretches, the slider."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,14 +7,11 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.life import life_of
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
-from rubnoise.figures.life import life_png
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
-from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, pulse_of, stored_pulse
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, stored_pulse
 
 # Junctions of a result have the pulse of the run, from the scenario in the file alone.
 SCENARIO = """format = 1
@@ -93,28 +89,6 @@ def test_the_trace_is_the_sum_of_the_junctions(run: rubnoise.Run) -> None:
     np.testing.assert_allclose(area, run.trace["real_contact_area"][:], rtol=0.0, atol=1e-9)
     force = sum((junction.shear_strength or 0.0) * junction.area(s) for junction in junctions)
     np.testing.assert_allclose(force, run.trace["friction_force"][:], rtol=0.0, atol=1e-6)
-
-
-def test_a_life_and_its_share_are_those_of_the_rows(path: Path) -> None:
-    with open_run(path) as file:
-        life = life_of(file, 20)
-        columns = {name: file.column("junctions", name) for name in ("birth_distance", "diameter", "shear_strength")}
-    areas = TRIANGLE.area(life.peak_distance - columns["birth_distance"], columns["diameter"])
-    forces = areas * columns["shear_strength"]
-    assert life.peak_area == pytest.approx(areas[20], rel=1e-14)
-    assert life.area_share == pytest.approx(areas[20] / areas.sum(), rel=1e-12)
-    assert life.force_share == pytest.approx(forces[20] / forces.sum(), rel=1e-12)
-    assert life.area_share != pytest.approx(life.force_share, rel=0.01)
-    quarter = 0.25 * life.diameter
-    assert life.area_at_age(quarter) == pytest.approx(0.25 * life.max_area, rel=1e-14)
-    around = life.others.total_area(np.array([life.peak_distance]))[0]
-    assert around + life.peak_area == pytest.approx(areas.sum(), rel=1e-14)
-    assert life_png(life).startswith(b"\x89PNG")
-
-
-def test_a_file_that_names_no_pulse_is_of_the_lens() -> None:
-    assert pulse_of({}) == stored_pulse("{}") == LENS
-    assert stored_pulse(json.dumps({"pulse": {"shape": "triangle"}})) == TRIANGLE
 
 
 @pytest.mark.parametrize(

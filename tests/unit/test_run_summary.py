@@ -1,10 +1,9 @@
 """A run summed up while it passes, several runs pooled, and the moments below both."""
 
 import tracemalloc
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from math import isnan, nan, sqrt
+from math import nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
 from rubnoise.analysis.run_summary import CURVES, RunLayout, RunSummary, SummarySink, curve_theory
-from rubnoise.analysis.summary import FIGURES, expected_figure, summarise
+from rubnoise.analysis.summary import summarise
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
@@ -129,19 +128,6 @@ def test_runs_of_any_kind_are_summed_up(run: Model) -> None:
     for theory in curve_theory(run).values():
         assert theory.place.size == theory.expected.size == theory.standard_error.size
     assert float(seen.curves["histogram"].sum() * np.diff(RunLayout.of(run).edges)[0]) == pytest.approx(1.0, abs=1e-9)
-
-
-# A figure of several runs, and the exact value of each figure alone.
-@pytest.mark.parametrize(
-    "run", [model(), model(start="empty"), model(slider=None), bare(), replace(bare(), hardness=1e3)]
-)
-def test_exact_values_are_those_of_the_summary(run: Model) -> None:
-    tally = Tally()
-    simulate(run, 1, tally, engine="batch")
-    expected = {figure.name: figure.expected for figure in summarise(run, tally)}
-    for name in FIGURES:
-        value = expected_figure(run, name)
-        assert value == pytest.approx(expected[name], rel=1e-12) if name in expected else isnan(value)
 
 
 def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> None:

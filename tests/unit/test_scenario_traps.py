@@ -55,9 +55,6 @@ IGNORABLE = (
 )
 """What Unicode 15 calls Default_Ignorable_Code_Point (DerivedCoreProperties.txt): none of it shows by itself."""
 
-SELECTORS = {0x180B, 0x180C, 0x180D, 0x180F, *range(0xFE00, 0xFE10), *range(0xE0100, 0xE01F0)}
-"""Of those the ones that choose a form of the sign before them."""
-
 
 @pytest.mark.parametrize("title", ["{}", "a{}{}b", "a {}", " {} ", "{}\u0301"])
 def test_a_title_of_invisible_letters_is_none(title: str) -> None:
@@ -67,23 +64,9 @@ def test_a_title_of_invisible_letters_is_none(title: str) -> None:
             line.read(title.replace("{}", chr(place)))
 
 
-def test_titles_of_all_scripts_are_some() -> None:
-    titles = [
-        "",
-        "x",
-        "?",
-        "Gr\u00f6\u00dfe in \u00b5m",
-        "Gro\u0308sse",
-        "\u65e5\u672c\U000e0100",
-        "\u0928\u092e\u0938\u094d\u0924\u0947",
-    ]
-    titles += ["\u0627\u0644\u0639\u0631\u0628\u064a\u0629", "\u2764\ufe0f", "\u2803\u2800\u2801", "\u2212\u221e"]
-    assert [Line().read(title) for title in titles] == titles
-    for place in sorted(SELECTORS):
-        assert Line().read(f"a{chr(place)}b") == f"a{chr(place)}b"
-    for place in sorted(set(IGNORABLE) - SELECTORS):
-        with pytest.raises(Unfit):
-            Line().read(f"a{chr(place)}b")
+def test_a_suggested_unit_is_one() -> None:
+    (warning,) = loads(whole(mass='"1e12 mile*kg/mile"'), "run.toml").warnings
+    assert warning.endswith("^")  # Mile is no unit to suggest
 
 
 def test_both_dampings() -> None:
@@ -133,6 +116,12 @@ def test_a_contact_too_crowded_for_memory_is_refused_however_short_the_run() -> 
     fine = "output.tick=0.0001 um"
     assert "too large" in refusal(short, "interface.mean_junction_count=1.1e6", fine)
     assert loads(short, overrides=("interface.mean_junction_count=1e6", fine)).model().tick_count == 10
+
+
+def test_redrawn_diameters_may_crowd_a_contact_too() -> None:
+    text = whole(distance='"1 um"', tick='"0.1 um"', spread='"1e6 um"')
+    assert COUNT + "2.89e+06 junctions alive at once expected" in refusal(text)
+    assert refusal(text).endswith("fewer junctions or a smaller diameter.spread")
 
 
 def test_matched_without_a_solution() -> None:

@@ -100,29 +100,12 @@ def test_the_reduction_is_found_by_simulation_with_an_interval_that_holds_it() -
     assert all(abs(found.value - wrong) > 4.0 * found.standard_error for wrong in (1.0, 5.0))
 
 
-# The scenarios for teaching show what their comments promise.
-READ = ("read_exponential", "read_lognormal", "read_normal")
-LESSONS = ("few_large", "many_small", "one_at_a_time", "poisson", *READ, "regular")
-WORTH_A_WARNING = 0.1
-
-
 def _load(name: str) -> Scenario:
     return rubnoise.load(shipped(f"lessons/{name}.toml"))
 
 
 def _exact_lesson(name: str) -> Exact:
     return rubnoise.exact(_load(name))
-
-
-@pytest.mark.parametrize("name", LESSONS)
-def test_each_is_sound_and_lets_the_slider_move_little(name: str) -> None:
-    scenario, motion = _load(name), _exact_lesson(name).slider
-    slider = scenario.model().slider
-    assert scenario.warnings == ()
-    assert motion is not None
-    assert slider is not None
-    assert 0.0 < motion.one_way_validity < WORTH_A_WARNING
-    assert slider.natural_frequency == pytest.approx(39.0, abs=0.05)
 
 
 def test_many_small_junctions_share_the_area_and_a_quarter_of_its_spread() -> None:

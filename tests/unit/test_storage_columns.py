@@ -3,43 +3,12 @@
 from rubnoise.record.rows import JunctionState
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.free.motion import CONTACT_LOST, CONTACT_MADE
-from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.schema import (
     GROUPS,
     JUNCTIONS,
     LANDMARKS,
     SLIDER,
-    Feature,
 )
-
-# The schema is the contract on names, types and what is present when.
-ALWAYS = {
-    "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
-    "trace": ["distance", "real_contact_area", "junction_count"],
-    "life_curve": ["u", "area_fraction"],
-}
-
-
-def stored_with(*features: Feature) -> dict[str, list[str]]:
-    given = frozenset(features)
-    return {group.name: [column.name for column in group.columns] for group in stored_groups(given)}
-
-
-def test_a_bare_contact_has_no_times_no_force_and_no_slider() -> None:
-    assert stored_with() == ALWAYS
-
-
-def test_two_ways_add_phases_landmarks_and_a_balance() -> None:
-    whole, one_way = stored_with("speed", "strength", "slider", "two-way"), stored_with("speed", "strength", "slider")
-    assert whole["slider"] == [*one_way["slider"], "phase"]
-    assert whole["landmarks"] == [
-        "landmark", "time", "distance", "kind", "displacement", "velocity", "force_before", "force_after",
-    ]  # fmt: skip
-    assert whole["balance"] == [
-        "time", "distance", "displacement", "velocity", "time_stuck", "displacement_integral",
-        "displacement_squared_integral", "velocity_squared_integral", "friction_work", "reverse_work",
-    ]  # fmt: skip
-    assert not {"landmarks", "balance"} & set(one_way)
 
 
 def test_names_are_unique_and_texts_are_there() -> None:
@@ -70,11 +39,6 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
         for column in group.columns:
             found.setdefault(column.units, set()).add(column.symbol)
     assert found == units
-
-
-def test_types_are_little_endian_numbers() -> None:
-    types = {column.dtype for group in GROUPS for column in group.columns}
-    assert types == {"<f8", "<i8", "<u4", "|u1"}
 
 
 def test_values_are_those_of_the_motion() -> None:

@@ -16,23 +16,10 @@ import h5py
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage.provenance import gather
+from rubnoise.storage.provenance import gather, package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from tests.format.runs import Compression, attempt, describe, names
-
-
-# A run that fails, at whatever point, leaves nothing behind and nothing harmed.
-@pytest.mark.parametrize("compression", ["none", "gzip"])
-def test_a_run_that_fails_leaves_the_older_file(tmp_path: Path, compression: Compression) -> None:
-    def interrupt() -> None:
-        raise KeyboardInterrupt
-
-    (tmp_path / "run.h5").write_bytes(b"older")
-    with pytest.raises(KeyboardInterrupt):
-        attempt(tmp_path / "run.h5", force=True, compression=compression, meanwhile=interrupt)
-    assert names(tmp_path) == ["run.h5"]
-    assert (tmp_path / "run.h5").read_bytes() == b"older"
+from tests.format.runs import attempt, describe, names
 
 
 @contextmanager
@@ -57,20 +44,6 @@ def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, s
         raise AssertionError
     assert names(tmp_path) == ["run.h5"]
     assert (tmp_path / "run.h5").read_bytes() == b"older"
-
-
-@pytest.mark.parametrize("call", ["pwrite", "fsync"])
-@pytest.mark.parametrize("compression", ["none", "gzip"])
-def test_a_disk_that_fails_is_reported_and_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str, compression: Compression
-) -> None:
-    def fail(*arguments: object) -> int:
-        raise OSError(errno.EIO, "Input/output error")
-
-    with pytest.raises(RubnoiseError, match="writing failed: Input/output error") as caught:
-        attempt(tmp_path / "run.h5", compression=compression, meanwhile=lambda: monkeypatch.setattr(os, call, fail))
-    assert caught.value.exit_code == 1
-    assert names(tmp_path) == []
 
 
 def test_a_file_that_appears_during_the_run_is_spared(tmp_path: Path) -> None:
@@ -115,3 +88,7 @@ def test_neither_a_person_nor_the_host_is_named(origin: dict[str, object]) -> No
     assert platform.node() not in text
     assert re.search(rf"\b{re.escape(getpass.getuser())}\b", text) is None
     assert "/" not in text
+
+
+def test_a_missing_package_is_said_to_be_missing() -> None:
+    assert package_version("rubnoise-that-never-was") == "not installed"

@@ -2,7 +2,6 @@
 
 import errno
 import os
-import socket
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,53 +9,9 @@ from typing import Any
 import pytest
 
 from rubnoise.errors import RubnoiseError
-from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage.disk import write_all
 from rubnoise.storage.reader import open_run
 from tests.format.runs import Compression, attempt, describe, random_rows, write_run
-
-
-# Only regular files are opened, none of them is waited for, and none is read beyond what was asked.
-def _socket(path: Path) -> None:
-    with socket.socket(socket.AF_UNIX) as there:
-        there.bind(str(path))
-
-
-OTHERS: dict[str, Callable[[Path], object]] = {
-    "folder": Path.mkdir,
-    "pipe": os.mkfifo,
-    "socket": _socket,
-    "device": lambda path: path.symlink_to("/dev/zero"),
-    "terminal": lambda path: path.symlink_to("/dev/tty"),
-}
-
-
-@pytest.mark.parametrize("kind", OTHERS)
-def test_what_is_no_regular_file_is_not_even_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
-    path = tmp_path / "x"
-    OTHERS[kind](path)
-    opened: list[object] = []
-    monkeypatch.setattr(os, "open", lambda name, *_: opened.append(name))
-    with pytest.raises(NotRegular) as refused:
-        open_regular(path)
-    assert (refused.value.strerror, refused.value.filename, opened) == ("is not a regular file", str(path), [])
-
-
-def test_a_pipe_that_takes_the_place_of_a_file_is_neither_waited_for_nor_kept_open(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    regular, pipe = tmp_path / "regular", tmp_path / "pipe"
-    regular.touch()
-    os.mkfifo(pipe)
-    about = regular.stat()
-    monkeypatch.setattr(Path, "stat", lambda _path: about)
-    free = os.dup(0)
-    os.close(free)
-    with pytest.raises(NotRegular):
-        open_regular(pipe)
-    after = os.dup(0)
-    os.close(after)
-    assert after == free
 
 
 def test_short_writes_are_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

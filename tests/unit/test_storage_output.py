@@ -130,19 +130,6 @@ def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monke
     assert names(tmp_path) == ["file"]
 
 
-def test_a_relative_path_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "later").mkdir()
-    monkeypatch.chdir(tmp_path)
-    description = describe()
-    with RunWriter("run.h5", description) as writer:
-        monkeypatch.chdir(tmp_path / "later")
-        for group, columns in random_rows(description).items():
-            writer.write(group, 0, columns)
-        writer.publish({})
-    assert names(tmp_path) == ["later", "run.h5"]
-    assert names(tmp_path / "later") == []
-
-
 def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: Path) -> None:
     with RunWriter(tmp_path / "run.h5", describe(100_000)) as writer:
         assert names(tmp_path) == ["run.h5.part"]

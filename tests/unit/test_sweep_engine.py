@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from math import sqrt
@@ -18,7 +18,7 @@ from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
-from rubnoise.runs.executors import Workers, given, local
+from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
 from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import expand
@@ -81,6 +81,15 @@ def test_workers_are_told_to_use_one_thread(points: tuple[Point, ...]) -> None:
     assert outcome.result == {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
 
 
+def test_an_executor_of_the_caller_makes_them_too(points: tuple[Point, ...]) -> None:
+    with ThreadPoolExecutor(3) as threads:
+        assert all(outcome.result for outcome in _outcomes(points, errands.name_and_process, given(threads, 3)))
+    for outcome in _outcomes(points, errands.name_and_process, given(threads, 3)):
+        assert str(outcome.problem) == "3 workers died of it: cannot schedule new futures after shutdown"
+    with pytest.raises(Refused, match="executor=: int is no executor; an executor has submit"):
+        given(3, None)
+
+
 class Fragile:
     """An executor that loses everything it has at some calls, as one does when a worker dies."""
 
@@ -132,6 +141,11 @@ class Client:
         raise AssertionError
 
 
+def test_a_worker_of_a_cluster_that_dies_when_it_is_asked_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(executors, "_BETWEEN", 0.0)
+    assert given(Client(OSError("closed"), KeyError("tcp"), executors.versions()), None).elsewhere
+
+
 @pytest.mark.parametrize(
     ("answer", "said"),
     [
@@ -163,6 +177,20 @@ def test_who_watches_may_stop_it_and_no_process_stays(tmp_path: Path) -> None:
             time.sleep(0.01)
         with pytest.raises(ProcessLookupError):
             os.kill(process, 0)
+
+
+class Deserted(Here):
+    """A scheduler that is gone."""
+
+    def submit(self, *_: Any) -> "Future[Any]":
+        lost: Future[Any] = Future()
+        lost.set_exception(CancelledError())
+        return lost
+
+
+def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...]) -> None:
+    with pytest.raises(WorkLost, match="the same command resumes the sweep"):
+        _outcomes(points, errands.fail_some, Workers(Deserted, lambda: 1))
 
 
 # Points run in memory are the runs that their scenarios say.

@@ -7,7 +7,7 @@ import pytest
 
 from rubnoise.scenario import build
 from rubnoise.scenario.points import canonical
-from rubnoise.scenario.sweep import Sweep, expand, load_sweep
+from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.scenario.sweep_table import SWEEP_POINTS
 from rubnoise.streams import SEED_LIMIT
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
@@ -119,18 +119,6 @@ def test_defaults_have_no_part_in_names_and_seeds(tmp_path: Path) -> None:
     )
     other = expand(sweep_of(tmp_path, GRID, "pulse.shape=triangle"))[3]
     assert other.seed != told.seed
-
-
-def test_a_sweep_may_be_extended_and_changed_on_the_command_line(tmp_path: Path) -> None:
-    (tmp_path / "base.toml").write_text(HEAD + GRID, encoding="utf-8")
-    (path := tmp_path / "top.toml").write_text(
-        'format = 1\nextends = "base.toml"\n[sweep]\nreplicates = 1\n', encoding="utf-8"
-    )
-    assert len(expand(load_sweep(path))) == 6
-    changed = load_sweep(path, ['sweep.grid.interface.mean_real_contact_area=["300 um^2", "400 um^2"]'])
-    assert changed.keys == (AREA, COUNT)
-    told = [tuple(point.values.values()) for point in expand(changed)]
-    assert told == [(area, count) for area in ("300 um^2", "400 um^2") for count in (10, 20, 30)]
 
 
 KEPT = [(765688994715997, "22bead39afcfb42b"), (3070721805695893, "2b2f8947c938dbec")]

@@ -18,7 +18,6 @@ from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.live_count import mean_count
-from rubnoise.theory.sizes import panels
 from tests.oracle.slow_contact import brackets, davies
 from tests.unit.theory_models import model_of
 
@@ -203,23 +202,6 @@ def test_a_million_junctions_are_all_but_normal(count: float) -> None:
 
 
 # Singular places, and everywhere else that may be asked for.
-
-
-@pytest.mark.parametrize("spread", SPREADS)
-@pytest.mark.parametrize("count", [0.01, 3.0, 20.0, 80.0, 5000.0])
-def test_the_distribution_function_rises_by_the_density(count: float, spread: str) -> None:
-    law = distribution(contact(count, spread))
-    assert law.area[0] >= 0.0
-    np.testing.assert_allclose(np.diff(law.area), law.area[1] - law.area[0], rtol=1e-9)
-    cdf = law.cdf(law.area)
-    assert np.all(np.diff(cdf) > -1e-12)
-    assert cdf[-1] == pytest.approx(1.0, abs=2e-9)
-    assert cdf[0] == pytest.approx(law.atom_at_zero, abs=2e-10)
-    middle = law.area[200:1800:100]
-    edges = np.stack([middle, middle + 0.37 * (law.area[1] - law.area[0])], axis=-1)
-    area, weights = panels(edges, 24)
-    rise = np.diff(law.cdf(edges))[:, 0]
-    np.testing.assert_allclose(np.sum(weights * law.density(area), axis=-1), rise, atol=1e-6)
 
 
 @pytest.mark.parametrize(("count", "spread"), [(0.5, "none"), (20.0, "0.2 um"), (5000.0, "20 %")])

@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact import laws
-from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.laws import Fixed, Law, Lognormal, Power, Weibull
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.live_count import count_covariance, mean_count, mean_count_error
+from rubnoise.theory.live_count import count_covariance, mean_count_error
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
-from rubnoise.theory.second_order import autocovariance, density_at_zero, spectral_density
-from rubnoise.theory.sizes import cut_sizes, longest_life, panels, size_range
+from rubnoise.theory.second_order import autocovariance, spectral_density
+from rubnoise.theory.sizes import longest_life, panels
 from rubnoise.theory.unit_pulse import energy
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model
 
@@ -141,18 +140,6 @@ def spaced(model: Model) -> Doubles:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_covariances_at_no_lag_and_over_all_lags(name: str) -> None:
-    model = MODELS[name]
-    lags, weights = panels(spaced(model), 16)
-    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-8)
-    assert 2.0 * weights @ autocovariance(model, lags) == pytest.approx(density_at_zero(model), rel=1e-7)
-    assert count_covariance(model, 0.0) == pytest.approx(mean_count(model), rel=1e-8)
-    # int (2d - tau)+ over both signs of tau is 4 d^2
-    expected = model.birth_rate * 4.0 * model.sizes.moment(2)
-    assert 2.0 * weights @ count_covariance(model, lags) == pytest.approx(expected, rel=1e-7)
-
-
-@pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("tick", [0.5, 2.0, 30.0])
 def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, tick: float) -> None:
     model = replace(MODELS[name], tick=tick, tick_count=4_999)
@@ -172,47 +159,3 @@ def test_variance_of_a_slow_slider_from_the_covariance(name: str) -> None:
     decay = np.exp(-slider.stiffness / (slider.damping * 1000.0) * lags)
     expected = 250.0**2 * weights @ (autocovariance(model, lags) * decay) / (3.0 * 300.0 * 1000.0)
     assert response(model).displacement_std ** 2 == pytest.approx(expected, rel=1e-7)
-
-
-LAWS: dict[str, Law] = {
-    "normal 1e-8": Normal(centre=2.0, std=2e-8),
-    "normal 4 %": Normal(centre=2.0, std=0.08),
-    "normal 15 %": Normal(centre=2.0, std=0.3),
-    "normal 300 %": Normal(centre=2.0, std=6.0),
-    "lognormal 5 %": LogNormal(2.0, 0.05),
-    "lognormal 40 %": LogNormal(2.0, 0.4),
-    "lognormal 300 %": LogNormal(2.0, 3.0),
-    "gamma 20 %": Gamma(2.0, 0.2),
-    "exponential": Gamma(2.0, 1.0),
-    "gamma 300 %, singular at 0": Gamma(2.0, 3.0),
-    "lognormal as drawn": Lognormal(mean=2.0, std=3.0),
-    "gamma as drawn": laws.Gamma(mean=2.0, std=0.5),
-    "gamma as drawn, singular at 0": laws.Gamma(mean=2.0, std=5.0),
-    "exponential as drawn": Exponential(mean=2.0),
-    "weibull as drawn, singular at 0": Weibull(mean=2.0, std=4.0),
-    "power over a decade": Power(exponent=2.5, smallest=1.0, largest=10.0),
-    "power, narrow": Power(exponent=1.0, smallest=1.9, largest=2.1),
-    "power over six decades": Power(exponent=3.5, smallest=1e-4, largest=1e2),
-    "power, rising": Power(exponent=-8.0, smallest=0.01, largest=4.0),
-}
-
-
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("kink", [1e-6, 1.9, 2.3, 40.0])
-def test_averages_of_what_has_a_kink(name: str, kink: float) -> None:
-    """E[(d - a)+] + E[min(d, a)] is E[d], wherever the cut lies, and each part against finer panels."""
-    law = LAWS[name]
-
-    d, p = cut_sizes(law, np.array([kink]))
-    above, below = float(p @ np.maximum(d - kink, 0.0)), float(p @ np.minimum(d, kink))
-    assert above + below == pytest.approx(law.moment(1), rel=1e-14)
-    low, high = size_range(law)
-    place = np.geomspace(low, high, 20_001)[:, None] if low < high else np.array([[low]])
-    at = np.clip(kink, low, high)
-    edges = np.union1d(place, at)
-    dense, weight = panels(np.log(edges), 8)
-    dense = np.exp(dense)
-    share = weight * dense * law.density(dense)
-    if low == high:  # a law this narrow counts as one size
-        dense, share = np.array([low]), np.ones(1)
-    assert above == pytest.approx(float(share @ np.maximum(dense - kink, 0.0)), rel=1e-7, abs=1e-9 * law.moment(1))
