@@ -28,27 +28,23 @@ from tests.format.runs import Compression, attempt, describe, names, random_rows
 
 
 # An output that cannot be written is refused before anything is created, and a lock keeps others away.
-def make_folder(path: Path) -> None:
-    path.mkdir()
-
-
-def make_pipe(path: Path) -> None:
-    os.mkfifo(path)
-
-
 def make_link(path: Path) -> None:
     (path.parent / "elsewhere.h5").write_bytes(b"of another")
     path.symlink_to(path.parent / "elsewhere.h5")
 
 
-def make_dangling_link(path: Path) -> None:
-    path.symlink_to(path.parent / "nowhere.h5")
+IN_ITS_PLACE: dict[str, Callable[[Path], object]] = {
+    "folder": Path.mkdir,
+    "pipe": os.mkfifo,
+    "link": make_link,
+    "dangling link": lambda path: path.symlink_to(path.parent / "nowhere.h5"),
+}
 
 
 @pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
-@pytest.mark.parametrize("make", [make_folder, make_pipe, make_link, make_dangling_link])
-def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path], None], name: str) -> None:
-    make(tmp_path / name)
+@pytest.mark.parametrize("kind", IN_ITS_PLACE)
+def test_what_is_no_regular_file_is_refused(tmp_path: Path, kind: str, name: str) -> None:
+    IN_ITS_PLACE[kind](tmp_path / name)
     before = names(tmp_path)
     for force in (False, True):
         with pytest.raises(OutputRefused, match="not a regular file"):
@@ -57,30 +53,24 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path
     assert not (tmp_path / "elsewhere.h5").exists() or (tmp_path / "elsewhere.h5").read_bytes() == b"of another"
 
 
-def itself(path: Path) -> Path:
-    return path
-
-
-def by_another_path(path: Path) -> Path:
-    return path.parent / ".." / path.parent.name / path.name
-
-
-def by_a_link(path: Path) -> Path:
-    link = path.with_name("link")
-    link.symlink_to(path)
-    return link
-
-
-def by_a_hard_link(path: Path) -> Path:
-    os.link(path, path.with_name("link"))
+def linked(path: Path, link: Callable[[Path, Path], object]) -> Path:
+    link(path, path.with_name("link"))
     return path.with_name("link")
 
 
+NAMED: dict[str, Callable[[Path], Path]] = {
+    "itself": lambda path: path,
+    "by another path": lambda path: path.parent / ".." / path.parent.name / path.name,
+    "by a link": lambda path: linked(path, os.symlink),
+    "by a hard link": lambda path: linked(path, os.link),
+}
+
+
 @pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
-@pytest.mark.parametrize("named", [itself, by_another_path, by_a_link, by_a_hard_link])
-def test_what_is_read_is_no_output_by_any_name(tmp_path: Path, named: Callable[[Path], Path], name: str) -> None:
+@pytest.mark.parametrize("how", NAMED)
+def test_what_is_read_is_no_output_by_any_name(tmp_path: Path, how: str, name: str) -> None:
     (tmp_path / name).write_bytes(b"read")
-    read = named(tmp_path / name)
+    read = NAMED[how](tmp_path / name)
     for force in (False, True):
         with pytest.raises(OutputRefused, match="is read here"):
             check_output(tmp_path / "run.h5", force=force, reads=[tmp_path / "missing", read])
