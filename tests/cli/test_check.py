@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.contact.births import BIRTHS
-from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import loads
 from rubnoise.scenario.document import SECTIONS
 from rubnoise.scenario.fields import keys_of
@@ -81,23 +79,6 @@ def test_json_has_the_warnings_and_notes_of_the_text(
 AT_RESONANCE, AT_CONSTANT_GAP = "32 mm/s", "3200 mm/s"
 
 
-@pytest.mark.parametrize("speed", ["9 mm/s", AT_RESONANCE, AT_CONSTANT_GAP])
-def test_a_soft_slider_under_a_load_is_told_what_first_order_lacks(speed: str, here: Path) -> None:
-    """Its displacement is a lower bound from v = 0.3 on, and momentum keeps it quiet where the gap is constant."""
-    change = ("--set", f"sliding.speed={speed}")
-    told = [" ".join(call(name, "load/fig5_load", *change).out.split()) for name in ("check", "theory")]
-    for each in told:
-        assert ("the displacement is a lower bound, and the suppression an upper one" in each) == (speed != "9 mm/s")
-        assert ("only if omega_0, too, is far above omega_c" in each) == (speed == AT_CONSTANT_GAP)
-        assert "the spreads of separation, normal velocity and load by up to 10 %" in each
-        assert "omega_0 0.02738613 times omega_c)" in each
-    stiff = call("check", "load/fig5_load", *change, "--set", "slider.stiffness=1e9 N/m").out
-    assert "omega_0 50 times omega_c" in " ".join(stiff.split())
-    assert "lower bound" not in stiff
-    assert "far above omega_c" not in stiff
-    assert names(here) == []
-
-
 COUPLED_OTHERWISE = [
     ("load/fig5_load", ()),
     ("paper/fig5", ("birth.law=jittered", "birth.jitter=30 %", "interface.calibration=exact")),
@@ -115,16 +96,6 @@ def test_a_coupling_strength_is_for_births_at_random_at_constant_separation(
     for answer in (call("check", *asked, "--json").json()["scenarios"][name], call("theory", *asked, "--json").json()):
         assert answer["slider"]["coupling_strength"] is None
         assert answer["slider"]["one_way_validity"] > 0.1
-    assert names(here) == []
-
-
-def test_free_motion_says_what_its_area_tends_to_and_what_is_of_constant_separation(here: Path) -> None:
-    """Runs have 66 um^2 and a friction of 0.33 where the constant separation has 50 and 0.25."""
-    text = call("check", "load/bouncing").out
-    assert _value(text, "mean area") == "tends to 67.11409 um^2 at high speeds"
-    assert _value(text, "friction coefficient") == "0.3355705 (at high speeds)"
-    assert _value(text, "real contact area") == "mean 50, std 100 um^2 (at constant separation)"
-    assert "others are for constant separation, which free motion does not have" in " ".join(text.split())
     assert names(here) == []
 
 
@@ -146,15 +117,6 @@ def test_two_way_coupling_is_advised_only_if_it_is_allowed(here: Path) -> None:
     assert names(here) == []
 
 
-def test_a_stiff_slider_gets_no_warning(here: Path) -> None:
-    longer = ("--set", "sliding.distance=2 mm")
-    answer = call("check", SLIDER, *longer, "--set", "strength.mean=0.1 MPa", "--set", "interface.calibration=matched")
-    assert answer.code == 0
-    assert "one-way validity" in answer.out
-    assert "warning" not in answer.out
-    assert "note" not in answer.out
-
-
 FAST = ("--set", "sliding.speed=100 mm/s")
 
 
@@ -166,20 +128,6 @@ def test_a_weak_coupling_foretells_what_it_would_change(here: Path) -> None:
     told = call("check", PAPER / "fig5.toml", *FAST, "--json").json()["scenarios"][str(PAPER / "fig5.toml")]["slider"]
     assert told["expected_change"] == pytest.approx(1.00479, abs=5e-6)
     assert "change_unknown" not in told
-
-
-def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
-    """20 mm at 100 mm/s are one decay time of the slider of Figure 5."""
-    said = " ".join(call("check", PAPER / "fig5.toml", *FAST).out.split())
-    assert "note: the run is too short for standard errors of the slider's motion: " in said
-    assert "it lasts 1 of its decay times; it needs about 500 mm" in said
-    told = call("check", PAPER / "fig5.toml", *FAST, "--json").json()["scenarios"][str(PAPER / "fig5.toml")]
-    assert told["slider"]["needed_distance"] == pytest.approx(500_852.0, rel=1e-3)
-    assert "too short" in told["notes"][-1]
-    enough = call("check", PAPER / "fig5.toml", *FAST, "--set", "sliding.distance=500 mm", "--json")
-    told = enough.json()["scenarios"][str(PAPER / "fig5.toml")]
-    assert "needed_distance" not in told["slider"]
-    assert len(told["notes"]) == 1
 
 
 def test_redrawn_diameters_are_noted(here: Path) -> None:
@@ -211,54 +159,12 @@ def test_every_file_is_reported_and_one_broken_file_is_enough_for_a_refusal(here
     assert sorted(told.json()["refused"]) == ["broken.toml", "missing.toml"]
 
 
-def test_json_holds_the_figures_in_full(here: Path) -> None:
-    answer = call("check", PAPER / "fig5.toml", "--json", "--set", "title=in full")
-    assert (answer.code, answer.err) == (0, "")
-    told = answer.json()["scenarios"][str(PAPER / "fig5.toml")]
-    assert answer.json()["refused"] == {}
-    assert told["title"] == "in full"
-    assert told["calibrated_diameter"] == pytest.approx(5.5300126361, abs=1e-10)
-    assert told["real_contact_area"]["std"] == pytest.approx(56.42936, abs=5e-6)
-    assert told["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
-    assert told["slider"]["coupling_strength"] == pytest.approx(2929.741, abs=5e-4)
-    assert told["slider"]["stick_number"] == pytest.approx(16.86028, abs=5e-6)
-    assert told["slider"]["expected_change"] is None
-    assert "too strong" in told["slider"]["change_unknown"]
-    assert told["cost"]["ticks"] == 200_001
-    assert len(told["notes"]) == 1
-
-
-def test_doubtful_values_are_told_and_allowed(here: Path) -> None:
-    answer = call("check", SLIDER, "--set", "strength.mean=250 mPa")
-    assert answer.code == 0
-    assert 'did you mean "250 MPa"?' in answer.err
-    quiet = call("check", SLIDER, "--set", "strength.mean=250 mPa", "--json")
-    assert quiet.err == ""
-    assert 'did you mean "250 MPa"?' in quiet.json()["scenarios"][str(SLIDER)]["warnings"][0]
-
-
 @pytest.mark.parametrize("scenario", [SLIDER, SHORT], ids=["with slider", "contact alone"])
 def test_the_size_of_the_file_is_foreseen(here: Path, scenario: Path) -> None:
     longer = ("--set", "sliding.distance=20 mm")
     told = call("check", scenario, *longer, "--json").json()["scenarios"][str(scenario)]["cost"]["bytes"]
     assert call("run", scenario, *longer, "-q", "-o", "x.h5").code == 0
     assert told == pytest.approx((here / "x.h5").stat().st_size, rel=0.01)
-
-
-def test_a_compressed_file_is_foreseen_before_compression(here: Path) -> None:
-    answer = call("check", SHORT, "--set", "output.compression=gzip")
-    assert _value(answer.out, "file size").endswith("kB before compression")
-
-
-def test_a_speed_too_slow_to_follow_is_refused_by_name(here: Path) -> None:
-    answer = call("check", SLIDER, "--set", "sliding.speed=1e-9 mm/s")
-    assert (answer.code, answer.out) == (2, "")
-    said = answer.err.splitlines()[-1]
-    assert "sliding.speed" in said
-    assert "output.tick" in said
-    assert "1e-06 um/s" in said
-    assert call("run", SLIDER, "--set", "sliding.speed=1e-9 mm/s").code == 2
-    assert names(here) == []
 
 
 SWEEP = """\
@@ -286,20 +192,6 @@ def test_a_sweep_is_listed_point_by_point(here: Path) -> None:
     assert points[1]["values"] == {"interface.mean_junction_count": 10, "interface.mean_real_contact_area": "200 um^2"}
 
 
-def test_of_many_points_the_first_are_listed(here: Path) -> None:
-    numbers = ", ".join(map(str, range(1, 151)))
-    sweep = f"[sweep.grid]\ninterface.mean_junction_count = [{numbers}]\n"
-    (here / "s.toml").write_text(SHORT.read_text(encoding="utf-8") + sweep, encoding="utf-8")
-    assert call("check", "s.toml").out.endswith("  and 50 more; --json has all\n")
-
-
-def test_memory_is_foreseen(here: Path) -> None:
-    answer = call("check", SLIDER)
-    assert _value(answer.out, "memory").endswith(" beside the program's own")
-    cost = call("check", SLIDER, "--json").json()["scenarios"][str(SLIDER)]["cost"]
-    assert 0 < cost["working_memory"] < cost["peak_memory"]
-
-
 def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forecast, "free_disk_bytes", lambda path: 1000)
     answer = call("check", SHORT)
@@ -310,25 +202,6 @@ def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPa
 
 # `rubnoise new`: a template that runs as it is, names every key, and replaces nothing.
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
-# One needs another file, some exclude others, one another coupling, and the rest belong to laws without a spread.
-DRIVEN = ("excitation", "asperity_height", "heights", "slope")
-SIZES = ("values", "sampled", "file", "column", "hash")
-OTHERS = ("load", "hardness", "patch_area", "weights", "parts", *SIZES, *DRIVEN)
-OF_LAWS = {each.name for entry in LAWS.values() for each in entry.parameters} | {
-    each.name for entry in BIRTHS.values() for each in entry.keys
-}
-ELSEWHERE = ("extends", "mean", "damping_ratio", "tolerance", *OTHERS, *OF_LAWS)
-
-
-def _everything() -> str:
-    """Return the template with every optional key of one run set."""
-    one_run, _, _ = template().partition("#[sweep]")
-    before, _, after = one_run.partition("#[load]")  # which another contact has
-    one_run = before + after[after.index("[output]") :]
-    lines = [line for line in one_run.splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
-    return (
-        OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"').replace('constant"', 'weibull"')
-    )
 
 
 def test_the_template_is_written_checked_and_run(here: Path) -> None:
@@ -359,12 +232,6 @@ def test_a_newcomer_begins_with_a_contact_that_keeps_the_papers_assumption(here:
     assert (ran.code, ran.err) == (0, "")
 
 
-def test_the_scenario_that_new_makes_is_the_first_one() -> None:
-    first, new = rubnoise.load("first/rubbing").resolved(), loads(_everything()).resolved()
-    for table in ("sliding", "slider", "output"):
-        assert new[table] == first[table]
-
-
 def test_every_key_is_there_with_its_meaning() -> None:
     keys = tomllib.loads(OPTIONAL.sub("", template()))
     assert {name: set(keys[name]) for name in SECTIONS} == {
@@ -378,26 +245,12 @@ def test_every_key_is_there_with_its_meaning() -> None:
             assert " ".join(about.about.split()) in flat
 
 
-def test_every_optional_key_may_be_set() -> None:
-    scenario = loads(_everything())
-    assert scenario.slider is not None
-    assert scenario.warnings == ()
-    ratio = _everything().replace('damping = "5 N*s/m"', "damping_ratio = 0.02")
-    assert loads(ratio).model().slider != scenario.model().slider
-
-
 def test_the_sweep_may_be_switched_on(here: Path) -> None:
     one_run, _, sweep = template().partition("#[sweep]")
     text = one_run + OPTIONAL.sub("", "#[sweep]" + sweep).replace("replicates = 1\n", "replicates = 8\n")
     (here / "s.toml").write_text(text, encoding="utf-8")
     assert load_sweep("s.toml").keys == ("interface.mean_junction_count",)
     assert call("check", "s.toml").code == 0
-
-
-def test_a_newcomers_first_run_can_be_heard(here: Path) -> None:
-    assert call("new", "contact.toml").code == 0
-    assert call("run", "contact.toml", "--set", "sliding.distance=2 mm", "-q").code == 0
-    assert call("listen", "contact.h5", "-o", "noise.wav").code == 0
 
 
 def test_shipped_scenarios_are_listed_and_taken_by_name(here: Path) -> None:
@@ -419,9 +272,3 @@ def test_a_copy_of_a_shipped_scenario_needs_no_other_file(here: Path, name: str)
         assert [case.scenario.resolved() for case in mine.cases] == [case.scenario.resolved() for case in theirs.cases]
     else:
         assert mine.resolved() == theirs.resolved()
-
-
-def test_an_existing_file_wins_over_a_shipped_name(here: Path) -> None:
-    (here / "paper").mkdir()
-    (here / "paper" / "fig5").write_text(template().replace("seed = 1", "seed = 99"), encoding="utf-8")
-    assert rubnoise.load("paper/fig5").run.seed == 99

@@ -235,14 +235,7 @@ def _target(entry: Path) -> str:
         return ""
 
 
-LOOPBACK, EVERYWHERE = "0100007F", {"00000000", "0" * 32}
-
-
-@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
-def test_the_scheduler_of_the_page_listens_on_one_address(started: Dask) -> None:
-    boss = started.start(*_command("dask scheduler", tls=False))
-    _until(Path("scheduler.json").exists)
-    assert _listening([boss]) == {LOOPBACK}
+LOOPBACK = "0100007F"
 
 
 @pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
@@ -252,16 +245,6 @@ def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) 
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
     assert len(processes) >= 3
     assert _listening(processes) == {LOOPBACK}
-
-
-@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
-def test_without_the_option_for_http_the_same_scheduler_is_open_to_all(started: Dask) -> None:
-    port = ("--port", "0", "--scheduler-file", "open.json")
-    boss = started.start("dask", "scheduler", "--host", "127.0.0.1", "--no-dashboard", *port)
-    _until(Path("open.json").exists)
-    found = _listening([boss])
-    assert LOOPBACK in found
-    assert found & EVERYWHERE
 
 
 def _swept(words: list[str], address: str = "") -> list[str]:
@@ -294,10 +277,3 @@ def test_a_sweep_over_tls_gives_the_same_bits(started: Dask, monkeypatch: pytest
     ):
         assert sweep.count("done") == 6
     assert runs_of(Path("python")) == runs_of(Path("near"))
-
-
-def test_a_scheduler_with_tls_is_refused_where_dask_has_no_settings_for_it(started: Dask) -> None:
-    answer = call("sweep", "s.toml", "-o", "no", "--cluster", "tls://127.0.0.1:9")
-    assert (answer.code, answer.out) == (2, "")
-    assert "tls://127.0.0.1:9: no scheduler answers there" in answer.err
-    assert not Path("no").exists()

@@ -39,12 +39,6 @@ def test_a_run_ends_with_what_to_call_next(here: Path) -> None:
     assert call(*words, "--force", "-q").out == ""
 
 
-def test_a_key_of_several_tables_is_refused_with_their_names(here: Path) -> None:
-    answer = call("check", "first/rubbing", "--set", "mean=5um")
-    assert answer.code == 2
-    assert answer.err == '--set mean: mean is a key of several tables: say "diameter.mean" or "strength.mean"\n'
-
-
 def test_any_scenario_becomes_a_sweep_over_keys(here: Path) -> None:
     over = ("--over", "speed=5,10,20mm/s", "--over", 'diameter.law=["normal", "gamma"]')
     answer = call("sweep", "first/rubbing", "--set", "distance=200um", *over, "-o", "swept", "-j", "1")

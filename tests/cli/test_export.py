@@ -1,13 +1,11 @@
 """`rubnoise export`: the rows of a result, to the last bit, for tools that read no HDF5."""
 
 import csv
-import re
 import signal
 import subprocess
 import sys
 from importlib.util import find_spec
 from io import RawIOBase, StringIO, TextIOWrapper
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +16,9 @@ import xarray as xr
 
 import rubnoise
 from rubnoise.cli.app import main
-from rubnoise.errors import RubnoiseError, how_to_install
+from rubnoise.errors import how_to_install
 from rubnoise.storage import export as exporting
-from rubnoise.storage.export import export, heading, plan
-from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.schema import GROUPS
-from tests.cli.terminal import begin, call, command, names, spawn, spawn_program, start, stop
+from tests.cli.terminal import begin, call, names, spawn, spawn_program, stop
 from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
@@ -66,20 +61,6 @@ def test_csv_is_read_back_to_the_last_bit(here: Path, rows: Any) -> None:
             assert found.startswith(name)
             _equal(np.array(list(map(wanted.dtype.type, values))), wanted)
         assert pd.read_csv(here / f"run_{group}.csv").shape == (len(wanted), len(rows[group]))
-
-
-def test_csv_names_carry_units_in_letters_that_every_tool_takes(here: Path, rows: Any) -> None:
-    call("export", "run.h5", "--to", "csv", "--group", "junctions")
-    with (here / "run_junctions.csv").open(encoding="ascii", newline="") as stream:
-        first = next(csv.reader(stream))
-    assert first[:2] == ["junction", "birth_distance_um"]
-    assert {"max_area_um2", "shear_strength_MPa", "death_time_s", "state"} <= set(first)
-    for group in GROUPS:
-        headings = [heading(column) for column in group.columns]
-        assert all(re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) for name in headings)
-        assert len(set(headings)) == len(headings)
-    slider = {heading(column) for column in GROUPS[2].columns}
-    assert "velocity_um_per_s" in slider
 
 
 def test_parquet_is_read_back_with_units_at_its_fields(here: Path, rows: Any) -> None:
@@ -150,22 +131,6 @@ class _Parts(RawIOBase):
 
 
 @pytest.mark.parametrize("kind", THESE)
-def test_memory_holds_one_panel_at_a_time(here: Path, rows: Any, kind: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    read: list[int] = []
-    whole = RunFile.column
-
-    def counted(file: RunFile, group: str, name: str, start: int = 0, stop: int | None = None) -> Any:
-        values = whole(file, group, name, start, stop)
-        read.append(values.size)
-        return values
-
-    monkeypatch.setattr(RunFile, "column", counted)
-    assert call("export", "run.h5", "--to", kind).code == 0
-    assert max(read) == 50
-    assert sum(read) == sum(values.size for values in chain(*(rows[group].values() for group in TABLES)))
-
-
-@pytest.mark.parametrize("kind", THESE)
 def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) -> None:
     description = describe(0, 5, features=BARE)
     write_run(here / "run.h5", description, random_rows(description))
@@ -201,12 +166,6 @@ def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, ki
     _equal(found, wanted)
 
 
-@pytest.mark.parametrize("kind", THESE)
-def test_the_output_may_be_named(here: Path, rows: Any, kind: str) -> None:
-    assert call("export", "run.h5", "--to", kind, "--group", "trace", "-o", "here.dat").code == 0
-    assert names(here) == ["here.dat", "run.h5"]
-
-
 @pytest.mark.parametrize("group", TABLES)
 def test_csv_on_standard_output_is_what_a_file_holds(here: Path, rows: Any, group: str) -> None:
     answer = spawn("export", "run.h5", "--to", "csv", "--group", group, "-o", "-")
@@ -214,17 +173,6 @@ def test_csv_on_standard_output_is_what_a_file_holds(here: Path, rows: Any, grou
     assert names(here) == ["run.h5"]
     assert call("export", "run.h5", "--to", "csv", "--group", group).code == 0
     assert answer.out == (here / f"run_{group}.csv").read_text(encoding="ascii")
-
-
-def test_who_reads_standard_output_may_leave_and_a_full_one_is_told(here: Path, rows: Any) -> None:
-    words = command("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-")
-    with start(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as printed:
-        head = subprocess.run(["head", "-2"], stdin=printed.stdout, capture_output=True, check=True)
-        printed.stdout.close()
-        assert (len(head.stdout.splitlines()), printed.stderr.read()) == (2, b"")
-    with Path("/dev/full").open("w") as full, start(words, stdout=full, stderr=subprocess.PIPE) as refused:
-        assert refused.stderr.read() == b"output: No space left on device\n"
-    assert refused.returncode == 1
 
 
 @pytest.mark.parametrize("kind", THESE)
@@ -240,13 +188,6 @@ def test_an_existing_file_is_refused_before_any_is_written(here: Path, rows: Any
     assert last.stat().st_size > 100
 
 
-def test_the_run_itself_is_never_replaced(here: Path, rows: Any) -> None:
-    before = (here / "run.h5").read_bytes()
-    answer = call("export", "run.h5", "--to", "netcdf", "-o", "run.h5", "--force")
-    assert (answer.code, answer.err) == (2, "run.h5: is the run itself\n")
-    assert (here / "run.h5").read_bytes() == before
-
-
 @pytest.mark.parametrize(
     ("kind", "library", "extra"), [("parquet", "pyarrow", "tables"), ("netcdf", "h5netcdf", "analysis")]
 )
@@ -257,34 +198,6 @@ def test_a_missing_library_is_named_with_its_extra(
     answer = call("export", "run.h5", "--to", kind)
     assert (answer.code, answer.out) == (2, "")
     assert answer.err == f"export --to {kind} needs {library}: {how_to_install(extra)}\n"
-    assert names(here) == ["run.h5"]
-
-
-def test_a_disk_without_room_is_refused(here: Path, rows: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rubnoise.storage.export.disk_usage", lambda _: type("Usage", (), {"free": 100}))
-    answer = call("export", "run.h5", "--to", "netcdf")
-    assert answer.code == 2
-    assert "the disk has 100 free" in answer.err
-    assert names(here) == ["run.h5"]
-
-
-@pytest.mark.parametrize("kind", THESE)
-def test_nothing_is_left_of_an_export_that_fails_or_is_stopped(here: Path, rows: Any, kind: Any) -> None:
-    calls = 0
-
-    def fail() -> None:
-        nonlocal calls
-        calls += 1
-        if calls == 3:
-            raise OSError(28, "No space left on device")
-
-    with open_run(here / "run.h5") as run:
-        exports = plan(run, kind, group="trace", output=here / "out")
-        with pytest.raises(RubnoiseError, match="out: writing failed: No space left"):
-            export(run, exports, force=False, between=fail)
-        assert names(here) == ["run.h5"]
-        with pytest.raises(KeyboardInterrupt):
-            export(run, exports, force=False, between=_interrupted)
     assert names(here) == ["run.h5"]
 
 
@@ -307,10 +220,6 @@ def test_where_one_file_cannot_be_written_none_is(here: Path, kind: str) -> None
     assert answer.err.endswith("File too large\n")
     assert answer.err.count("\n") == 1
     assert names(here) == ["run.h5"]
-
-
-def _interrupted() -> None:
-    raise KeyboardInterrupt
 
 
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:

@@ -61,16 +61,6 @@ def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, mon
     assert names(here) == ["contact.h5"]
 
 
-def test_a_reader_that_leaves_early_is_no_failure_worth_a_traceback(here: Path) -> None:
-    assert call("run", SHORT).code == 0
-    shown = start(command("info", "contact.h5"), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert shown.stdout is not None
-    shown.stdout.close()
-    _, said = shown.communicate(timeout=60)
-    assert said == b""
-    assert shown.returncode == 1
-
-
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize(
     "asked", [("theory", SHORT, "--json"), ("check", SHORT), ("schema",)], ids=lambda words: words[0]
@@ -105,14 +95,6 @@ def test_names_that_a_terminal_cannot_show_are_escaped(here: Path) -> None:
     assert rb"friction of \xb5m" in done.stdout
 
 
-@pytest.mark.parametrize("asked", ["run", "check"])
-def test_a_result_in_place_of_a_scenario_is_told_so(here: Path, asked: str) -> None:
-    (here / "run.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100_000))
-    answer = call(asked, "run.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "run.h5: is a result, not a scenario; rubnoise info run.h5 says what is in it\n"
-
-
 # Whatever a folder of a sweep says, every command answers in a sentence: no internal error, no memory for nothing.
 SWEEPS = {"runs": CONTACT + TABLE, "summary": CONTACT + TABLE.replace("replicates", 'keep = "summary"\nreplicates')}
 COMMANDS: dict[str, tuple[str, ...]] = {
@@ -126,9 +108,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "view": ("view", "d", "-o", "d.html"),
     "report": ("report", "d", "-o", "d.html"),
 }
-PICTURES = ("plot", "view", "report")
-"""Commands that take some seconds."""
-
 CASES = [
     pytest.param(keep, name, seed, id=f"{name}-{keep}-{seed}")
     for keep in SWEEPS

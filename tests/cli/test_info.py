@@ -2,13 +2,11 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
 
 from tests.cli.terminal import CONTACT, call, names
-from tests.format.runs import describe, random_rows, write_run
 
 # `rubnoise info`: what is in a result, and one line for whatever is none.
 SLIDER = Path("../given/slider.toml")
@@ -32,27 +30,6 @@ def test_a_result_tells_what_is_in_it(result: Path) -> None:
     assert "measured over the whole run, with exact values" in lines
     assert "too short for standard errors of the slider's motion" in " ".join(answer.out.split())
     assert sum(line.startswith("  friction force mean (uN) ") for line in lines) == 1
-
-
-def test_json_is_one_object_and_nothing_else(result: Path) -> None:
-    answer = call("info", "x.h5", "--json")
-    assert (answer.code, answer.err) == (0, "")
-    told = answer.json()
-    assert told["groups"]["slider"]["rows"] == 3001
-    assert told["groups"]["slider"]["columns"] == ["time", "distance", "friction_force", "displacement", "velocity"]
-    assert told["bytes"] == result.stat().st_size
-    area = told["summary"]["real_contact_area_mean"]
-    assert area["z"] == pytest.approx((area["observed"] - area["expected"]) / area["standard_error"])
-
-
-def test_a_finished_run_has_nothing_to_forecast(result: Path) -> None:
-    """The forecast of memory is for a run to come; of a finished run, its own rows and bytes are printed."""
-    labels = [line.strip().split("  ")[0] for line in call("info", "x.h5").out.splitlines()]
-    assert not {"memory", "events", "rows", "file size"} & set(labels)
-    assert labels.count("size") == labels.count("births") == 1
-    assert "cost" not in call("info", "x.h5", "--json").json()["derived"]
-    checked = [line.strip().split("  ")[0] for line in call("check", SLIDER).out.splitlines()]
-    assert {"memory", "events", "rows", "file size", "births"} <= set(checked)
 
 
 def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) -> None:
@@ -79,23 +56,6 @@ def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[
         f"{SLIDER}: is a scenario, not a result; `rubnoise check {SLIDER}` says what follows from it,"
         " `rubnoise run` runs it\n"
     )
-
-
-def test_a_part_is_refused_in_a_line(here: Path) -> None:
-    """While it is written, and when a kill has left it."""
-    description = describe()
-    said = []
-
-    def look() -> None:
-        said.append(call("info", "x.h5.part").err)
-        shutil.copy("x.h5.part", "y.h5.part")
-
-    write_run("x.h5", description, random_rows(description), meanwhile=look)
-    assert said == ["x.h5.part: is being written by another program\n"]
-    left = call("info", "y.h5.part")
-    assert (left.code, left.out) == (2, "")
-    assert left.err == "y.h5.part: is a part of a run that did not end; the same command makes the run again\n"
-    assert names(here) == ["x.h5", "y.h5.part"]
 
 
 # `rubnoise teach`: the page of lessons as a file.
@@ -144,15 +104,3 @@ def test_a_result_is_replayed(here: Path) -> None:
     assert isinstance(record, dict)
     assert (record["distance"], record["tick"]) == (300.0, 0.1)
     assert record["note"].startswith("This is run.h5, seed 1: its junctions, row by row. A control")
-
-
-@pytest.mark.parametrize(
-    ("file", "said"),
-    [("missing.toml", "missing.toml: cannot be read"), ("torn.h5", "torn.h5: ")],
-)
-def test_what_cannot_be_read_is_refused(here: Path, file: str, said: str) -> None:
-    (here / "torn.h5").write_bytes(b"\x89HDF\r\n\x1a\n torn")
-    answer = call("teach", file)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert names(here) == ["torn.h5"]

@@ -276,10 +276,6 @@ def test_lines_name_what_their_answers_have() -> None:
     assert _unknown(["{real_contact_area.men} {junction_count.std}"], "derived") == ["real_contact_area.men"]
 
 
-def test_an_answer_is_one_line(here: Path) -> None:
-    assert call("run", "../given/slider.toml", "--json").out.count("\n") == 1
-
-
 def test_every_row_of_the_page_is_understood() -> None:
     rows = [line for line in PAGE.splitlines() if line.startswith("| `")]
     assert all(ROW.fullmatch(line) for line in rows)
@@ -310,9 +306,3 @@ def test_a_breach_is_noticed(answers: list[tuple[str, Any]], change: dict[str, A
     answer = next(answer for section, answer in answers if section == "run")
     assert breaches(answer, "run") == []
     assert said in breaches(answer | change, "run")
-
-
-def test_a_missing_field_is_noticed(answers: list[tuple[str, Any]]) -> None:
-    answer = dict(next(answer for section, answer in answers if section == "info"))
-    del answer["derived"]
-    assert breaches(answer, "info") == ["info: derived is missing"]

@@ -4,7 +4,6 @@ import csv
 import json
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 
 from rubnoise import open as open_run
 from tests.cli.terminal import call, names
-from tests.format.runs import describe, random_rows, write_run
 from tests.unit.tampering import bare_file, lives_file
 
 # `rubnoise junction`: one life in words, as a table, as JSON, as a picture.
@@ -55,25 +53,6 @@ def test_a_life_is_told_in_words_and_numbers(lives: Path) -> None:
     assert answer.out.endswith("  alive beside it: 3, row numbers\n    2, 4, 5\n")
 
 
-def test_what_lies_outside_of_the_record_is_said(lives: Path) -> None:
-    first, last = call("junction", "l.h5", "0").out, call("junction", "l.h5", "7").out
-    assert "alive at the start\n" in first
-    assert "-0.004 s   before the start" in first
-    assert "at its largest in the record, at the start, 0 um" in first
-    assert "0.042 s   after the end" in last
-    assert "at its largest in the record, at the end, 30 um" in last
-    assert last.endswith("  alive beside it: 0\n")
-
-
-def test_many_neighbours_are_cut_short_on_a_terminal_only(here: Path) -> None:
-    changes = ("--set", "interface.mean_junction_count=400", "--set", "sliding.distance=30 um")
-    assert call("run", SLIDER, *changes, "-q", "-o", "many.h5").code == 0
-    told = call("junction", "many.h5", "500").out
-    others = call("junction", "many.h5", "500", "--json").json()["peak"]["others_alive"]
-    assert len(others) > 200
-    assert f"and {len(others) - 60} more (--json names all)" in " ".join(told.split())
-
-
 def test_json_is_one_object_with_everything(result: Path) -> None:
     answer = call("junction", "x.h5", "40", "--json")
     assert (answer.code, answer.err) == (0, "")
@@ -93,23 +72,6 @@ def test_json_is_one_object_with_everything(result: Path) -> None:
     assert {len(values) for values in told["curve"].values()} == {201}
 
 
-def test_what_a_run_lacks_is_null_in_json(here: Path) -> None:
-    bare_file(here / "bare.h5").close()
-    told: dict[str, Any] = call("junction", "bare.h5", "3", "--json").json()
-    for name in ("mid_life_distance", "mid_life_time", "birth_time", "shear_strength"):
-        assert told[name] is None
-    assert told["peak"]["force_share"] is None
-    assert "uN" not in call("junction", "bare.h5", "3").out
-
-
-def test_csv_is_the_curve_to_the_last_bit(result: Path) -> None:
-    answer = call("junction", "x.h5", "40", "--csv")
-    heading, *rows = csv.reader(StringIO(answer.out))
-    assert heading == ["distance_um", "time_s", "area_um2", "force_uN"]
-    curve = call("junction", "x.h5", "40", "--json").json()["curve"]
-    assert [[float(cell) for cell in row] for row in rows] == list(map(list, zip(*curve.values(), strict=True)))
-
-
 def test_csv_of_a_bare_run_has_distance_and_area(here: Path) -> None:
     bare_file(here / "bare.h5").close()
     assert call("junction", "bare.h5", "2", "--csv").out.startswith("distance_um,area_um2\n2.0,0.0\n")
@@ -127,14 +89,6 @@ def test_a_number_out_of_range_gets_one_line_with_the_range(lives: Path, number:
     answer = call("junction", "l.h5", number)
     said = f"l.h5: there is no junction {number} in this run; it has junctions 0 to 7\n"
     assert (answer.code, answer.out, answer.err) == (2, "", said)
-
-
-def test_a_run_without_junctions_says_so(here: Path) -> None:
-    description = describe(0, 3)
-    write_run("none.h5", description, random_rows(description))
-    answer = call("junction", "none.h5", "0")
-    said = "none.h5: there is no junction 0 in this run; it has no junctions at all\n"
-    assert (answer.code, answer.err) == (2, said)
 
 
 # `rubnoise junctions`: the rows that a condition chooses.
@@ -157,32 +111,6 @@ def test_rows_are_shown_below_names_and_units(lives: Path) -> None:
     assert answer.out == TABLE
 
 
-def test_columns_that_are_asked_about_are_shown(lives: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    lines = call("junctions", "l.h5", "--where", "birth_time > 1 ms", "--sort", "life_distance").out.splitlines()
-    wanted = ["junction", "birth_distance", "life_distance", "diameter", "max_area", "birth_time"]
-    assert lines[2].split()[:6] == wanted
-    assert any("state" in line.split() for line in lines)
-    assert max(map(len, lines)) <= 80
-
-
-def test_text_shows_twenty_rows_and_says_how_many_more(result: Path) -> None:
-    lines = call("junctions", "x.h5").out.splitlines()
-    with open_run(result) as run:
-        rows = len(run.junctions)
-    assert lines[0] == f"x.h5: {rows} of {rows} junctions"
-    assert [line.split()[0] for line in lines[4:24]] == [str(i) for i in range(20)]
-    assert lines[-1] == f"  and {rows - 20} more (--head N for more, --csv for all)"
-    assert "more" not in call("junctions", "x.h5", "--head", str(rows)).out
-
-
-def test_nothing_found_is_no_failure(lives: Path) -> None:
-    answer = call("junctions", "l.h5", "--where", "diameter > 1 m")
-    assert (answer.code, answer.out) == (0, "l.h5: 0 of 8 junctions\n")
-    assert call("junctions", "l.h5", "--where", "diameter > 1 m", "--csv").out.count("\n") == 1
-    assert call("junctions", "l.h5", "--where", "diameter > 1 m", "--json").json()["junctions"] == []
-
-
 def test_csv_holds_all_rows_to_the_last_bit(result: Path) -> None:
     heading, *rows = csv.reader(StringIO(call("junctions", "x.h5", "--csv").out))
     with open_run(result) as run:
@@ -191,24 +119,6 @@ def test_csv_holds_all_rows_to_the_last_bit(result: Path) -> None:
             assert heading[i].startswith(name)
             assert [float(row[i]) for row in rows] == np.asarray(run.junctions[name]).tolist()
     assert heading[1:6] == ["birth_distance_um", "death_distance_um", "life_distance_um", "diameter_um", "max_area_um2"]
-
-
-def test_json_is_one_object_with_named_states(lives: Path) -> None:
-    told = call(
-        "junctions", "l.h5", "--where", "not complete", "--sort=-birth_distance", "--head", "2", "--json"
-    ).json()
-    assert {name: told[name] for name in ("file", "where", "sort", "rows", "matched")} == {
-        "file": "l.h5",
-        "where": "not complete",
-        "sort": "-birth_distance",
-        "rows": 8,
-        "matched": 6,
-    }
-    assert [(row["junction"], row["state"]) for row in told["junctions"]] == [
-        (7, ["alive_at_end"]),
-        (4, ["ended_early"]),
-    ]
-    assert told["junctions"][0]["death_distance"] == 42.0
 
 
 ORDERS = [
@@ -230,21 +140,6 @@ def test_rows_come_in_the_order_asked_for(lives: Path, arguments: tuple[str, ...
     assert answer.out.split() == ["junction", *map(str, rows)]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        ((), None),
-        (("--sort", "diameter"), "diameter"),
-        (("--sort", "-diameter"), "-diameter"),
-        (("--sort", "diameter", "--reverse"), "-diameter"),
-        (("--sort", "-diameter", "--reverse"), "diameter"),
-        (("--reverse",), "-junction"),
-    ],
-)
-def test_json_tells_the_order_that_came_out(lives: Path, arguments: tuple[str, ...], told: str | None) -> None:
-    assert json.loads(call("junctions", "l.h5", "--json", *arguments).out)["sort"] == told
-
-
 def test_json_stays_json_whatever_a_damaged_file_holds(lives: Path) -> None:
     with h5py.File(lives, "r+") as file:
         file["junctions/diameter"][1], file["junctions/max_area"][2] = np.nan, np.inf
@@ -254,8 +149,3 @@ def test_json_stays_json_whatever_a_damaged_file_holds(lives: Path) -> None:
         (None, False),
         (6.0, True),
     ]
-
-
-def test_columns_are_printed_in_the_order_asked_for(lives: Path) -> None:
-    out = call("junctions", "l.h5", "--columns", "state, diameter,junction", "--csv", "--head", "1").out
-    assert out == "state,diameter_um,junction\n1,5.0,0\n"

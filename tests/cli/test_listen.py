@@ -1,20 +1,14 @@
 """`rubnoise listen`: a run as sound."""
 
-import shutil
 import signal
 import subprocess
 import wave
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 import pytest
 
-import rubnoise
-from rubnoise.analysis.hearing import Hearing
-from rubnoise.analysis.spectra import Spectrum
-from rubnoise.storage.reader import RunFile
 from tests.cli.terminal import begin, call, names, stop
 
 # `rubnoise listen`: a run as sound.
@@ -86,35 +80,6 @@ def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) 
     assert np.abs(found - wanted)[20:-20].max() < 2e-3 * np.abs(values - mean).max()
 
 
-def test_the_title_and_the_software_are_in_the_file(result: Path, here: Path) -> None:
-    call("run", CONTACT, "-q", "-o", "y.h5", "--set", "sliding.speed=1 mm/s", "--set", "strength.mean=1 MPa")
-    call("listen", "y.h5", "--what", "force")
-    data = (here / "y_force.wav").read_bytes()
-    assert b"INAM\x10\x00\x00\x00a short contact\x00" in data
-    assert f"rubnoise {rubnoise.__version__}".encode() in data
-
-
-@pytest.mark.parametrize(("rate", "speed_up"), [("44100", 1.0), ("44100", 3.7), ("48000", 20.0), ("48000", 0.5)])
-def test_speed_and_rate_are_met(result: Path, here: Path, rate: str, speed_up: float) -> None:
-    assert call("listen", "x.h5", "--rate", rate, "--speed-up", str(speed_up), "-o", "a.wav").code == 0
-    with wave.open(str(here / "a.wav")) as file:
-        assert file.getframerate() == int(rate)
-        assert file.getnframes() / int(rate) == pytest.approx(0.3 / speed_up, rel=3e-4, abs=1.1 / int(rate))
-    assert float(_comment(here / "a.wav")["speed_up"]) == pytest.approx(speed_up, rel=3e-4)
-
-
-def test_seconds_cut_from_the_start(result: Path, here: Path) -> None:
-    assert call("listen", "x.h5", "--seconds", "0.1", "-o", "a.wav").code == 0
-    call("listen", "x.h5", "-o", "whole.wav")
-    part, whole = _comment(here / "a.wav"), _comment(here / "whole.wav")
-    short, long = (
-        float(told["mean"]) + float(told["full_scale"]) * _samples(here / name)
-        for told, name in ((part, "a.wav"), (whole, "whole.wav"))
-    )
-    assert short.size == 4800
-    np.testing.assert_allclose(short[:-400], long[:4400], rtol=0.0, atol=1e-3 * np.abs(long).max())
-
-
 def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, here: Path) -> None:
     """In the band that a laptop plays too: at the speed-up that is taken by default."""
     quiet = ("--set", "interface.mean_junction_count=80")
@@ -139,62 +104,12 @@ def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, her
     assert call("listen", "x.h5", "y.h5", "-o", "z.wav").code == 2
 
 
-def test_the_force_is_heard_of_a_run_without_a_slider(here: Path) -> None:
-    changes = ("--set", "sliding.speed=1 mm/s", "--set", "strength.mean=250 MPa")
-    assert call("run", CONTACT, "-q", "-o", "x.h5", *changes).code == 0
-    answer = call("listen", "x.h5", "--what", "force")
-    assert answer.code == 0
-    assert "natural frequency" not in answer.out
-    assert _samples(here / "x_force.wav").size > 10_000
-
-
-@pytest.mark.parametrize(
-    ("changes", "what", "said"),
-    [
-        ((), "velocity", "x.h5: the run has no slider, and so no velocity; --what force"),
-        ((), "force", "x.h5: the run has no friction force to hear; [strength] in its scenario"),
-        (("strength.mean=1 MPa",), "force", "x.h5: the run has no times, so nothing is heard; sliding.speed"),
-    ],
-)
-def test_what_a_run_does_not_have_is_told(here: Path, changes: tuple[str, ...], what: str, said: str) -> None:
-    given = [word for change in changes for word in ("--set", change)]
-    assert call("run", CONTACT, "-q", "-o", "x.h5", *given).code == 0
-    answer = call("listen", "x.h5", "--what", what)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith(said)
-    assert names(here) == ["x.h5"]
-
-
 def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
     constant = ("birth.law=regular", "pulse.shape=triangle", "sliding.speed=1 mm/s", "strength.mean=1 MPa")
     given = [word for change in constant for word in ("--set", change)]
     assert call("run", CONTACT, "-q", "-o", "x.h5", *given).code == 0
     answer = call("listen", "x.h5", "--what", "force")
     assert (answer.code, answer.err) == (2, "x.h5: the force does not vary, so there is nothing to hear\n")
-
-
-def test_memory_holds_one_panel_at_a_time(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    read: list[int] = []
-    whole = RunFile.column
-
-    def counted(file: RunFile, group: str, name: str, start: int = 0, stop: int | None = None) -> Any:
-        values = whole(file, group, name, start, stop)
-        read.append(values.size)
-        return values
-
-    monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 50)
-    monkeypatch.setattr("rubnoise.analysis.resampling._PIECE", 50)
-    monkeypatch.setattr(RunFile, "column", counted)
-    assert call("listen", "x.h5").code == 0
-    assert max(read) <= 50 + 2 * 130  # beside a panel lies what the filter reaches: 64 zero crossings
-    assert sum(read) >= 3 * 3001  # for the mean, for the loudest sample, for the file
-
-
-def test_a_damaged_column_is_told(result: Path, here: Path) -> None:
-    with h5py.File(result, "r+") as file:
-        file["slider/velocity"][7] = np.nan
-    answer = call("listen", "x.h5")
-    assert (answer.code, answer.err) == (2, "x.h5: /slider/velocity is damaged: it holds what is no number\n")
 
 
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
@@ -208,45 +123,3 @@ def test_a_signal_leaves_nothing_behind(here: Path) -> None:
         "stopped by a signal; nothing was kept, and the same command begins again\n",
     )
     assert names(here) == ["x.h5"]
-
-
-def test_other_tools_read_it(result: Path, here: Path) -> None:
-    tool = shutil.which("soxi") or shutil.which("ffprobe")
-    if tool is None:
-        pytest.skip("neither sox nor ffmpeg is here to read the sound")
-    assert call("listen", "x.h5").code == 0
-    done = subprocess.run([tool, "x_velocity.wav"], capture_output=True, text=True, check=True)
-    assert "48000" in done.stdout + done.stderr
-    assert "full_scale" in done.stdout + done.stderr
-
-
-@pytest.mark.parametrize(
-    ("natural", "speed_up", "audible", "better"),
-    [(400.0, 1.0, 1.0, None), (39.0, 1.0, 1.0, 10.0), (3.9, 1.0, 0.0, 100.0), (39_000.0, 100.0, 0.0, 1.0)],
-)
-def test_a_speed_up_is_suggested_where_little_is_heard(
-    natural: float, speed_up: float, audible: float, better: float | None
-) -> None:
-    frequency = np.linspace(0.0, 1.5 * natural, 3001)
-    density = np.exp(-0.5 * np.square((frequency - natural) / (0.01 * natural)))
-    hearing = Hearing.of(
-        Spectrum(
-            wavenumber=2.0 * np.pi * frequency,
-            density=density,
-            standard_error=density,
-            ticks=6000,
-            segments=9,
-        )
-    )
-    assert hearing.middle == pytest.approx(natural, rel=0.002)
-    assert hearing.audible == pytest.approx(audible, abs=1e-6)
-    assert hearing.better(speed_up) == better
-
-
-def test_the_middle_of_a_slow_tone_is_found_too(result: Path, here: Path) -> None:
-    told = {}
-    for speed_up in ("1", "0.05"):
-        answer = call("listen", "x.h5", "--speed-up", speed_up, "-o", "a.wav", "--force", "--what", "force")
-        assert answer.code == 0
-        [told[speed_up]] = [each.split()[-2] for each in answer.out.splitlines() if "half of the power" in each]
-    assert float(told["0.05"]) == pytest.approx(0.05 * float(told["1"]), rel=0.01)

@@ -1,14 +1,11 @@
 """`rubnoise plot`: pictures of runs and of sweeps in files."""
 
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.api.kinds import Kind
-from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from tests.cli.terminal import call, names
 from tests.unit.scenarios import HEAD
@@ -31,10 +28,6 @@ def bare(here: Path) -> Path:
     return here / "bare.h5"
 
 
-def test_every_picture_can_be_asked_for() -> None:
-    assert get_args(Kind) == tuple(PICTURES)
-
-
 def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> None:
     answer = call("plot", "x.h5")
     assert (answer.code, answer.out, answer.err) == (0, "x_trace.png\n", "")
@@ -48,31 +41,12 @@ def test_every_picture_has_a_name_of_its_own(result: Path, here: Path, what: str
     assert names(here) == ["x.h5", f"x_{what}.png"]
 
 
-@pytest.mark.parametrize("of", ["force", "displacement", "velocity"])
-def test_a_spectrum_is_called_after_what_it_is_of(result: Path, here: Path, of: str) -> None:
-    assert call("plot", "x.h5", "psd", "--of", of).out == f"x_psd_{of}.png\n"
-    assert call("plot", "x.h5", "psd", "--of", "area").out == "x_psd.png\n"
-    assert (here / "x_psd.png").read_bytes() != (here / f"x_psd_{of}.png").read_bytes()
-
-
 @pytest.mark.parametrize("kind", BEGINNINGS)
 def test_the_ending_chooses_the_format(result: Path, here: Path, kind: str) -> None:
     (here / "sub").mkdir()
     assert call("plot", "x.h5", "acf", "-o", f"sub/a.{kind.upper()}").code == 0
     assert (here / "sub" / f"a.{kind.upper()}").read_bytes().startswith(BEGINNINGS[kind])
     assert names(here / "sub") == [f"a.{kind.upper()}"]
-
-
-def test_a_stretch_is_chosen_in_um_or_with_units(result: Path, here: Path) -> None:
-    for name, stretch in (
-        ("a.png", ("--from", "50", "--to", "90")),
-        ("b.png", ("--from", "0.05 mm", "--to", "90 um")),
-        ("c.png", ("--from", "50", "--to", "91")),
-    ):
-        assert call("plot", "x.h5", "-o", name, *stretch).code == 0
-    first, same, other = ((here / name).read_bytes() for name in ("a.png", "b.png", "c.png"))
-    assert first == same
-    assert first != other
 
 
 def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
@@ -145,10 +119,3 @@ def test_a_quantity_is_drawn(swept: Path, here: Path) -> None:
     refused = call("plot", swept)
     assert (refused.code, refused.out) == (2, "")
     assert "exists already" in refused.err
-
-
-def test_quantities_are_completed(here: Path) -> None:
-    from rubnoise.cli.plot import complete
-
-    assert complete("displ") == ["displacement_mean", "displacement_std"]
-    assert complete("ac") == ["acf"]

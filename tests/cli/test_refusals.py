@@ -3,6 +3,7 @@
 `.venv/bin/python -m pytest -n 0 --freeze tests/cli/test_refusals.py` writes those words anew.
 """
 
+import re
 import shutil
 from pathlib import Path
 from shlex import split
@@ -83,6 +84,5 @@ def test_wrong_words_are_refused_and_make_nothing(
     before = names(place)
     answer = call(*split(words)[1:])
     assert (answer.code, answer.out, names(place)) == (2, "", before)
-    told = answer.err.replace(f"{place}", "PLACE")
-    said = "\n".join(" ".join(line.split()) for line in told.splitlines() if line.strip())
-    SAID.assert_said(words, said)
+    told = re.sub(r"^Usage: [^$]*?\nError: ", "", answer.err.replace(f"{place}", "PLACE"))
+    SAID.assert_said(words, "\n".join(" ".join(line.split()) for line in told.splitlines() if line.strip()))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.progress import SIGNALS, stoppable, watching
+from rubnoise.cli.progress import SIGNALS, stoppable
 from rubnoise.errors import RunStopped
 from tests.cli.terminal import LONG, begin, call, names, spawn_program, stop
 
@@ -44,22 +44,6 @@ def test_a_signal_stops_a_run_and_an_older_result_stays(here: Path, number: sign
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_a_signal_is_obeyed_when_the_run_next_asks(number: signal.Signals) -> None:
-    with watching(100.0, shown=False) as watcher:
-        watcher(0.0, 0, 0)
-        signal.raise_signal(number)
-        with pytest.raises(RunStopped) as stopped:
-            watcher(50.0, 100, 20)
-    assert stopped.value.exit_code == 128 + number
-
-
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> None:
-    with watching(100.0, shown=False), pytest.raises(RunStopped):
-        signal.raise_signal(number)
-
-
-@pytest.mark.parametrize("number", SIGNALS)
 def test_what_writes_pages_and_sounds_is_stopped_between_pieces_alone(number: signal.Signals) -> None:
     """An exception in the middle is swallowed by a library that is being loaded, which then warns of itself."""
     with stoppable() as between:
@@ -68,21 +52,6 @@ def test_what_writes_pages_and_sounds_is_stopped_between_pieces_alone(number: si
         with pytest.raises(RunStopped) as stopped:
             between()
     assert stopped.value.exit_code == 128 + number
-
-
-def test_what_was_done_about_signals_before_is_done_again_after() -> None:
-    def mine(*_: object) -> None:
-        raise AssertionError
-
-    before = {number: signal.signal(number, mine) for number in SIGNALS}
-    try:
-        with watching(100.0, shown=False) as watcher:
-            watcher(0.0, 0, 0)
-            signal.raise_signal(signal.SIGINT)
-        assert [signal.getsignal(number) for number in SIGNALS] == [mine, mine]
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 @pytest.mark.parametrize("second", SIGNALS)
@@ -119,13 +88,6 @@ def test_an_interrupt_while_the_program_is_being_loaded_says_nothing(while_loadi
     words = [sys.executable, "-c", LOADING.replace("sys.argv[1]", repr(while_loading)), command, "x.toml"]
     done = subprocess.run(words, capture_output=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, b"", b"")
-
-
-def test_an_interrupt_after_that_ends_a_command_as_ever() -> None:
-    kept = USUAL + "from rubnoise import __main__ as entry; import rubnoise.cli.app as app;"
-    kept += "app.main = lambda: print(signal.getsignal(signal.SIGINT) is signal.default_int_handler); entry.main()"
-    done = subprocess.run([sys.executable, "-c", kept], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout) == (0, "True\n")
 
 
 # An installation that cannot be written to, used without a home.

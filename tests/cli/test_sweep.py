@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli import progress
 from rubnoise.cli.progress import SIGNALS, watching_sweep
 from rubnoise.errors import RunStopped
-from rubnoise.runs.sweep import SweepProgress
 from rubnoise.scenario.sweep import expand, load_sweep
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, call, columns, spawn
@@ -57,18 +55,6 @@ def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(f
     assert {path: path.stat().st_mtime_ns for path in before} == before
     with rubnoise.open_sweep("d") as sweep:
         assert [values["interface.mean_junction_count"] for values in sweep.values] == [40, 10, 20]
-
-
-def test_a_result_that_no_index_knows_is_found_and_one_that_went_missing_is_made_anew(file: Path) -> None:
-    call("sweep", file, "-o", "d", "--jobs", "1", "-q")
-    first, *others = sorted(Path("d/runs").iterdir())
-    kept = runs_of(Path("d"))
-    before = {path: path.stat().st_mtime_ns for path in others}
-    Path("d/index.h5").unlink()
-    first.unlink()
-    assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
-    assert {path: path.stat().st_mtime_ns for path in others} == before
-    assert runs_of(Path("d")) == kept
 
 
 def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
@@ -184,64 +170,6 @@ def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.S
     done = set(Path("d/runs").glob("*.h5"))
     assert len(done) < 8
     assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"
-
-
-def test_the_runs_of_another_scenario_are_left_where_that_is_said(file: Path) -> None:
-    assert call("sweep", file, "-o", "d", "--jobs", "1", "-q").code == 0
-    other = ("sweep", file, "-o", "d", "--jobs", "1", "--set", "sliding.distance=350 um")
-    answer = call(*other)
-    assert (answer.code, answer.out) == (2, "")
-    assert "holds the runs of another scenario" in answer.err
-    assert answer.err.endswith("; --force leaves them beside the runs of this one\n")
-    assert call(*other, "--force").out == "d: 2 points, 6 runs: 6 done\n"
-
-
-def test_a_sweep_that_the_disk_does_not_hold_is_refused(file: Path) -> None:
-    answer = call("sweep", file, "-o", "d", "--set", "sliding.distance=300 mm", "--set", "output.tick=0.001 um",
-                  "--set", "sweep.replicates=4000")  # fmt: skip
-    assert answer.code == 2
-    assert "d: the results of 8,000 runs may take" in answer.err
-    assert not Path("d").exists()
-
-
-# What a terminal shows of a sweep, and when a signal is obeyed.
-def _standing(done: int, *, failed: int = 0, before: int = 0) -> SweepProgress:
-    return SweepProgress(runs=1000, done=done, failed=failed, before=before)
-
-
-def test_the_line_tells_runs_failures_and_the_time_to_go(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    clock = iter([100.0, 100.0, 110.0, 120.0])
-    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
-    with watching_sweep(shown=True) as watch:
-        watch(_standing(200, before=200))
-        watch(_standing(300, before=200))
-        watch(_standing(390, failed=10, before=200))
-    lines = [line.rstrip() for line in capsys.readouterr().err.split("\r") if line.strip()]
-    # What was done before says nothing of how long the rest takes.
-    assert lines == [
-        " 20%  200 of 1,000 runs",
-        " 30%  300 of 1,000 runs  1:10 to go",
-        " 40%  400 of 1,000 runs, 10 failed  1:00 to go",
-    ]
-
-
-def test_nothing_is_shown_where_nobody_looks(capsys: pytest.CaptureFixture[str]) -> None:
-    with watching_sweep(shown=False) as watch:
-        watch(_standing(1))
-    assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_signal_is_obeyed_when_the_sweep_next_tells_how_far_it_is(number: signal.Signals) -> None:
-    with watching_sweep(shown=False) as watch:
-        watch(_standing(1))
-        signal.raise_signal(number)
-        assert signal.getsignal(number) == signal.SIG_DFL  # the second one leaves at once
-        with pytest.raises(RunStopped) as stopped:
-            watch(_standing(2))
-    assert stopped.value.exit_code == 128 + number
 
 
 @pytest.mark.parametrize("number", SIGNALS)

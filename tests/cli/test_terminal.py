@@ -2,18 +2,15 @@
 
 import io
 import json
-import os
 import re
 import signal
 import sys
 import time
 from io import StringIO
-from itertools import pairwise
 from pathlib import Path
 from types import FunctionType
 
 import h5py
-import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,19 +19,13 @@ from hypothesis import strategies as st
 import rubnoise
 from rubnoise.cli.app import COMMANDS
 from rubnoise.cli.commands import escaped, escaping
-from rubnoise.cli.layout import cut, groups_that_fit, line, remark, sentence, table_row
-from rubnoise.cli.progress import Watcher, announce_compilation_by_workers, watching, watching_reads
+from rubnoise.cli.progress import Watcher, watching, watching_reads
 from rubnoise.errors import RunStopped
-from rubnoise.simulation import kernel
-from rubnoise.storage.objects import REMEDY
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import (
-    LONGEST,
     WITH_SLIDER,
-    begin_on_terminal,
     call,
     command,
-    read_terminal,
     shown_on_terminal,
     spawn,
 )
@@ -68,15 +59,6 @@ def test_help_of_every_command_keeps_within_the_terminal(columns: int, monkeypat
     assert "…" not in "".join(pages)
 
 
-def test_sentences_of_help_are_broken_by_the_terminal_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "60")
-    said = call("sweep", "--help").out
-    lines = said[said.index(" The same command") : said.index(" Several --over")].strip().splitlines()
-    assert len(lines) > 2
-    for text, following in pairwise(lines):
-        assert len(text.strip()) + len(following.split()[0]) > 56
-
-
 @pytest.mark.parametrize("name", READING)
 def test_a_narrow_terminal_gets_no_line_that_runs_over(
     results: Path, name: str, monkeypatch: pytest.MonkeyPatch
@@ -91,81 +73,6 @@ def test_a_narrow_terminal_gets_no_line_that_runs_over(
     words = [re.findall(r"[\w.]+", text) for text in (piped, narrow)]
     told = words[0] if name != "junctions" else [*words[0], "junction", *map(str, range(20))]  # each part is numbered
     assert sorted(words[1]) == sorted(told) or name in ("info", "check")  # which forecast a time
-
-
-def test_a_real_terminal_is_filled_and_a_pipe_is_none(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    told = "written; `rubnoise check n.toml` says what it means, `rubnoise run n.toml` runs it"
-    narrow = shown_on_terminal(command("new", "n.toml"), 60)[1]
-    assert narrow.split("\r\n")[:2] == [
-        "n.toml: written; `rubnoise check n.toml` says what it means,",
-        "  `rubnoise run n.toml` runs it",
-    ]
-    wide = shown_on_terminal(command("new", "w.toml"), 120)[1]
-    assert wide == f"w.toml: {told.replace('n.toml', 'w.toml')}\r\n"
-    monkeypatch.delenv("COLUMNS", raising=False)
-    assert call("new", "p.toml").out == f"p.toml: {told.replace('n.toml', 'p.toml')}\n"
-
-
-def test_without_a_terminal_text_is_80_columns_wide(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(results)
-    monkeypatch.delenv("COLUMNS", raising=False)
-    heading, *rest = call("info", "t.h5").out.splitlines()
-    assert heading == f"t.h5: {'words to fill a line ' * 8}"
-    assert 72 < _longest("\n".join(rest)) <= 80
-    monkeypatch.setenv("COLUMNS", "120")
-    assert 110 < _longest(call("info", "t.h5").out) <= 120
-
-
-def test_progress_on_a_narrow_terminal_stays_in_its_line_and_tells_the_time_to_go(here: Path) -> None:
-    arguments = command("run", SLIDER, "-o", "long.h5", "--set", "sliding.distance=100 mm")
-    code, shown = shown_on_terminal(arguments, 40)
-    assert code == 0
-    steps = [text for text in shown.split("\r") if "of 100 mm" in text]
-    assert len(steps) >= 3
-    assert all(len(text) < 40 for text in steps)
-    assert any("to go" in text for text in steps)
-
-
-class Terminal(StringIO):
-    """A stream that is a terminal of 50 columns."""
-
-    def fileno(self) -> int:
-        return 99
-
-
-@pytest.fixture
-def fifty(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("COLUMNS", raising=False)
-    monkeypatch.setattr("sys.stdout", Terminal())
-    monkeypatch.setattr("os.get_terminal_size", lambda _: os.terminal_size((50, 24)))
-
-
-@pytest.mark.usefixtures("fifty")
-def test_pieces_of_text_are_laid_out_for_the_terminal() -> None:
-    assert table_row("  a label     ", "1.0 2.0") == "  a label     1.0 2.0"
-    assert table_row("  a label" + " " * 35, "   1.0   2.0") == "  a label\n     1.0   2.0"
-    assert groups_that_fit([10, 30, 10, 20, 60, 5]) == [[0, 1, 2], [0, 3], [0, 4], [0, 5]]
-    assert all(len(text) <= 50 for text in remark("word " * 40).splitlines())
-    assert line("label", "word " * 20).splitlines()[1].index("word") == 27
-    assert len(sentence("word " * 20).splitlines()) == 3
-    assert cut("x" * 60, sys.stdout) == "x" * 49
-
-
-@pytest.mark.usefixtures("fifty")
-def test_the_environment_may_say_how_wide_text_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "100")
-    assert len(sentence("word " * 19)) == 94
-    monkeypatch.setenv("COLUMNS", "nonsense")
-    assert "\n" in sentence("word " * 19)
-
-
-def test_where_no_terminal_is_nothing_is_broken_that_programs_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("COLUMNS", raising=False)
-    monkeypatch.setattr("sys.stdout", StringIO())
-    assert groups_that_fit([50] * 9) == [list(range(9))]
-    assert table_row("x" * 80, "1.0") == f"{'x' * 80}1.0"
-    assert sentence("word " * 50) == "word " * 50
-    assert cut("x" * 300, sys.stdout) == "x" * 300
 
 
 # Whatever stands in a file, or is its name, steers no terminal and adds no line to what is printed.
@@ -243,14 +150,6 @@ def test_a_name_in_a_usage_error_is_escaped_too(tmp_path: Path) -> None:
     assert r"x\x1b[2J\u202e\x9b" in answer.err
 
 
-def test_a_name_that_is_no_text_is_escaped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    name = os.fsdecode(b"\xff\x1b.h5")
-    Path(name).touch()
-    answer = call("info", name)
-    assert (answer.code, answer.err) == (2, f"\\udcff\\x1b.h5: is empty; {REMEDY}\n")
-
-
 @given(st.text())
 def test_escaped_text_is_printable_and_keeps_what_was(text: str) -> None:
     shown = escaped(text)
@@ -310,31 +209,6 @@ def _check_progress(shown: str) -> None:
     assert all(len(line[0].rstrip()) <= 80 for line in lines)
 
 
-@pytest.mark.parametrize("option", ["-q", "--json"])
-def test_a_terminal_sees_no_progress_where_silence_was_asked_for(here: Path, option: str) -> None:
-    code, shown = shown_on_terminal(command("run", SLIDER, option, "--set", "strength.mean=0.1 MPa"))
-    assert code == 0
-    assert "alive" not in shown
-    assert "Compiling" not in shown
-    assert shown == "" if option == "-q" else shown.startswith('{"output"')
-
-
-def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(here: Path) -> None:
-    run, ours = begin_on_terminal(command("run", SLIDER, *LONGEST))
-    shown = b""
-    while b"counting the births" not in shown:
-        piece = read_terminal(ours)
-        assert piece, shown
-        shown += piece
-    time.sleep(0.2)
-    run.send_signal(signal.SIGINT)
-    shown += b"".join(iter(lambda: read_terminal(ours), b""))
-    os.close(ours)
-    assert run.wait(60) == 130
-    assert b"stopped by a signal" in shown
-    assert list(here.iterdir()) == []
-
-
 @pytest.mark.parametrize(("module", "waits"), [("llvmlite.binding.executionengine", True), ("numba.core", False)])
 def test_a_signal_in_a_function_that_the_compiler_calls_is_noted_after_it(module: str, *, waits: bool) -> None:
     """What is raised there is printed and gets lost."""
@@ -354,18 +228,6 @@ def test_a_signal_in_a_function_that_the_compiler_calls_is_noted_after_it(module
     assert signal.getsignal(signal.SIGALRM) == handler
 
 
-def test_a_sweep_announces_what_its_workers_compile(monkeypatch: pytest.MonkeyPatch) -> None:
-    said: list[str] = []
-    monkeypatch.setattr("rubnoise.cli.progress._say_compiling", lambda: said.append("compiling"))
-    with monkeypatch.context() as patch:
-        patch.setattr("rubnoise.compiling.is_kept", lambda _kernel: True)
-        announce_compilation_by_workers()
-        assert said == []
-    monkeypatch.setattr(kernel, "add_areas", numba.njit(kernel.add_areas.py_func))
-    announce_compilation_by_workers()
-    assert said == ["compiling"]
-
-
 class Clock:
     """A clock that is put forward by hand."""
 
@@ -374,19 +236,6 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now
-
-
-def test_the_time_to_go_leaves_out_the_first_panel(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock, screen = Clock(), io.StringIO()
-    monkeypatch.setattr("rubnoise.cli.progress.time.monotonic", clock)
-    monkeypatch.setattr("sys.stderr", screen)
-    watcher = Watcher(1000.0, shown=True)
-    for seconds, distance in [(0.0, 0.0), (60.0, 100.0), (1.0, 200.0), (1.0, 300.0)]:
-        clock.now += seconds
-        watcher(distance, 10, 3)
-    shown = screen.getvalue().split("\r")
-    assert [text.partition("alive")[2].strip() for text in shown[1:]] == ["", "", "0:08 to go", "0:07 to go"]
-    assert "0.3 of 1 mm" in shown[-1]
 
 
 def test_an_hour_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,6 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import rubnoise
@@ -63,60 +62,6 @@ def test_the_spectrum_is_the_one_computed_elsewhere(here: Path, row: dict[str, A
     assert "two-sided" in found["convention"]
 
 
-def test_figure_5_has_everything() -> None:
-    found = told(FIG5, "--at-lag", "0,-3,3,20", "--at-area=-5,0,204.67,1e6")
-    assert sorted(found) == sorted(
-        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution"]
-    )
-    assert found["area"]["mean"] == pytest.approx(204.6736, abs=5e-5)
-    assert found["area"]["cumulants"][1] == pytest.approx(found["area"]["std"] ** 2, rel=1e-14)
-    assert len(found["area"]["cumulants"]) == len(found["force"]["cumulants"]) == 6
-    assert found["force"]["std"] == pytest.approx(14_107.34, abs=0.005)
-    assert found["slider"]["displacement_std"] == pytest.approx(195.3059, abs=5e-5)
-    assert found["slider"]["velocity_std"] == pytest.approx(47_241.1, abs=0.05)
-    assert found["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
-    assert found["slider"]["upcrossing_rate"] == pytest.approx(38.4968, abs=5e-5)
-    assert found["slider"]["coupling_strength"] == pytest.approx(2929.741, abs=5e-4)
-    assert found["slider"]["stick_number"] == pytest.approx(16.86028, abs=5e-6)
-    assert found["slider"]["expected_change"] is None
-    covariance = found["autocovariance"]["value"]
-    assert covariance[0] == pytest.approx(found["area"]["cumulants"][1], rel=1e-8)
-    assert covariance[1] == covariance[2]
-    assert covariance[3] == pytest.approx(0.0, abs=1e-9)
-    law = found["distribution"]
-    assert law["area"] == [-5.0, 0.0, 204.67, 1e6]
-    assert law["cdf"][0] == 0.0
-    assert law["cdf"][1] == pytest.approx(law["atom_at_zero"], rel=1e-12)
-    assert law["cdf"][1] == pytest.approx(np.exp(-20.0), rel=1e-6)
-    assert law["cdf"][3] == pytest.approx(1.0, abs=1e-12)
-    assert law["density"][0] == law["density"][3] == 0.0
-
-
-def test_points_are_echoed_in_order_and_taken_together(here: Path) -> None:
-    found = told(CONTACT, "--at-wavenumber", "1,-0.001, 0", "--at-wavenumber", "5e-1,1", "--at-lag", "+2.,.5")
-    assert found["spectrum"]["wavenumber"] == [1.0, -0.001, 0.0, 0.5, 1.0]
-    assert found["autocovariance"]["lag"] == [2.0, 0.5]
-    density = found["spectrum"]["density"]
-    assert density[0] == density[4]
-    assert density[2] > density[3] > density[0]
-
-
-def test_many_points_far_out_are_no_trouble(here: Path) -> None:
-    many = ",".join(str(0.01 * i) for i in range(3000))
-    far = "1e300,-1e300,1e-300,1e150"
-    found = told(CONTACT, "--at-wavenumber", f"{many},{far}", "--at-lag", far, "--at-area", far)
-    assert len(found["spectrum"]["density"]) == 3004
-    assert found["spectrum"]["density"][-4:] == [0.0, 0.0, found["spectrum"]["density"][0], 0.0]
-    assert found["autocovariance"]["value"][:2] == [0.0, 0.0]
-    assert found["distribution"]["cdf"][:2] == [1.0, 0.0]
-
-
-def test_areas_are_asked_for_in_round_steps_around_the_mean(here: Path) -> None:
-    lines = call("theory", FIG5).out.split("distribution of the area")[1].splitlines()
-    areas = [float(line.split()[0]) for line in lines[2:11]]
-    assert areas == [40.0, 80.0, 120.0, 160.0, 200.0, 240.0, 280.0, 320.0, 360.0]  # 3/4 of the std are 42 um^2
-
-
 def test_an_empty_start_is_told_of(here: Path) -> None:
     assert "from_empty" not in told(CONTACT)
     found = told(CONTACT, "--at-distance", "0,-3,2,1e6")["from_empty"]
@@ -152,21 +97,6 @@ def test_what_welchs_method_shows_is_told_of(here: Path) -> None:
         assert refused.err.startswith(f"--segment: a segment of {ticks} ticks: it has 2 to ")
 
 
-def test_grids_of_its_own_cover_what_matters(here: Path) -> None:
-    found = told(SLIDER)
-    k, lag, area = (
-        found[group][name]
-        for group, name in (("spectrum", "wavenumber"), ("autocovariance", "lag"), ("distribution", "area"))
-    )
-    assert k[0] == lag[0] == area[0] == 0.0
-    assert k == sorted(set(k))
-    assert found["spectrum"]["density"][-1] < 1e-12 * found["spectrum"]["density"][0]
-    assert found["autocovariance"]["value"][-1] == pytest.approx(0.0, abs=1e-9)
-    assert found["distribution"]["cdf"][-1] > 1.0 - 1e-6
-    # The trapezoid over the grid is the integral of the density.
-    assert np.trapezoid(found["distribution"]["density"], area) == pytest.approx(1.0, abs=1e-3)
-
-
 def test_changes_and_results_are_taken(here: Path) -> None:
     assert call("run", SLIDER, "-q", "-o", "x.h5").code == 0
     assert told("x.h5") == told(SLIDER)
@@ -174,20 +104,6 @@ def test_changes_and_results_are_taken(here: Path) -> None:
     refused = call("theory", "x.h5", "--set", "run.seed=3")
     assert (refused.code, refused.out) == (2, "")
     assert "x.h5: is a result" in refused.err
-
-
-def test_text_fits_a_terminal_and_warns(here: Path) -> None:
-    answer = call("theory", FIG5)
-    assert (answer.code, answer.err) == (0, "")
-    lines = answer.out.splitlines()
-    assert max(map(len, lines[1:])) <= 80
-    assert "  real contact area             mean 204.6736, std 56.42936 um^2" in lines
-    assert "  one-way validity              47.2411 (std of velocity over sliding speed)" in lines
-    assert "  coupling strength             2929.741 (Pi; weak below 0.03)" in lines
-    assert "  stick number                  16.86028 (theta; a slow slider sticks above 1)" in lines
-    assert "not known: the coupling is too strong for the law of weak coupling" in " ".join(answer.out.split())
-    assert "warning: the velocity of the slider spreads by 47.2 times the sliding speed" in answer.out
-    assert "warning" not in call("theory", SLIDER, "--set", 'strength.mean="0.1 MPa"').out
 
 
 def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:

@@ -3,7 +3,6 @@
 import os
 import signal
 from pathlib import Path
-from threading import Lock
 
 from rubnoise.errors import Refused
 from rubnoise.scenario.points import Point
@@ -19,18 +18,6 @@ def fail_some(point: Point) -> str:
     if point.replicate % 2:
         raise Refused(f"replicate {point.replicate} is odd")
     return point.run_id
-
-
-class Awkward(Exception):  # noqa: N818
-    """An exception that cannot be pickled."""
-
-    def __init__(self, *, what: str) -> None:
-        super().__init__(what)
-        self.lock = Lock()
-
-
-def be_awkward(point: Point) -> str:
-    raise Awkward(what=f"replicate {point.replicate}")
 
 
 def die_once(point: Point, folder: Path) -> str:

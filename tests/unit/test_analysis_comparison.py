@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.analysis import comparison, measured, moments, reading
+from rubnoise.analysis import comparison, measured, moments
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.cumulants import Cumulants
 from tests.models import bare, model, recorded
@@ -103,16 +102,6 @@ def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
     assert "start_count" in taken.outside
 
 
-def test_unequal_strengths_are_compared_and_their_force_too() -> None:
-    assert {"shear_strength_mean", "shear_strength_std", "friction_force_mean", "friction_force_std"} <= names(
-        compared("unequal strengths")
-    )
-
-
-def test_a_start_from_rest_is_forgotten_first() -> None:
-    assert {"displacement_mean", "displacement_std", "velocity_std"} <= names(compared("at rest"))
-
-
 def test_regular_births_are_told_from_random_ones() -> None:
     found = compared("regular")
     assert {"birth_gap", "birth_count", "area_from_rows", "count_from_rows"} <= {each.name for each in found.identities}
@@ -144,13 +133,6 @@ def test_what_is_too_short_for_a_figure_says_how_long_it_should_be() -> None:
     assert reason(slider, "displacement").startswith("the run is too short; it needs about 3.")
 
 
-def test_the_length_that_is_said_to_be_needed_is_enough() -> None:
-    short = compare(bare(distance=700.0, tick=0.4), recorded(bare(distance=700.0, tick=0.4), 1))
-    needed = float(reason(short, "real_contact_area_skewness").split("about ")[1].removesuffix(" um"))
-    longer = bare(distance=1.05 * needed, tick=0.4)
-    assert "real_contact_area_skewness" in names(compare(longer, recorded(longer, 1)))
-
-
 @pytest.mark.parametrize(
     ("short", "needed"), [(bare(distance=300.0), 553.0), (bare(distance=560.0, start="empty"), 567.5)]
 )
@@ -161,32 +143,10 @@ def test_a_run_too_short_for_its_mean_is_refused(short: Model, needed: float) ->
     assert isinstance(refused.value.estimate, float)
 
 
-def test_ticks_too_wide_for_a_spectrum_are_told() -> None:
-    wide = bare(distance=3000.0, tick=3.0)
-    found = compare(wide, recorded(wide, 1))
-    assert reason(found, "spectrum") == "ticks are too wide for it; it needs 8 to a mean life"
-    assert "real_contact_area_std" in names(found)
-
-
 def test_an_undamped_slider_is_left_out() -> None:
     undamped = model(distance=1000.0, slider=replace(QUICK, damping=0.0))
     found = compare(undamped, recorded(undamped, 1))
     assert reason(found, "displacement") == "a slider without damping never forgets its start"
-
-
-def test_a_bound_may_be_asked_for() -> None:
-    found = compare(RIGHT["one size"], run("one size"), 1e-6)
-    assert found.bound == 1e-6
-    assert not found.by_family
-    assert len(found.outside) > 10
-
-
-def test_panels_of_any_size_give_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reading, "CHECKED_ROWS", 997)
-    again = compare(RIGHT["empty"], run("empty"))
-    for one, other in zip(again.figures, compared("empty").figures, strict=True):
-        assert one.observed == pytest.approx(other.observed, rel=1e-9)
-        assert one.z == pytest.approx(other.z, abs=1e-6)
 
 
 def changed(groups: Any, group: str, name: str, change: Any) -> Held:
@@ -220,16 +180,6 @@ def test_a_wrong_sum_at_a_sampled_tick_breaks_an_identity() -> None:
     for name, identity in (("real_contact_area", "area_from_rows"), ("junction_count", "count_from_rows")):
         found = compare(RIGHT["figure 5"], changed(run("figure 5").groups, "trace", name, change))
         assert identity in found.outside
-
-
-@pytest.mark.parametrize("column", ["trace/junction_count", "slider/velocity", "junctions/life_distance"])
-def test_damaged_rows_are_refused(column: str) -> None:
-    group, name = column.split("/")
-    columns = dict(run("figure 5").groups[group])
-    columns[name] = columns[name].astype(np.float64)
-    columns[name][-3] = np.nan
-    with pytest.raises(RunFileRefused, match=f"/{group} is damaged: row .* has the {name} nan"):
-        compare(RIGHT["figure 5"], Held(dict(run("figure 5").groups) | {group: columns}))
 
 
 def test_right_runs_of_sparse_contact_are_accepted() -> None:

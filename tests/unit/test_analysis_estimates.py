@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from rubnoise.analysis.covariance import LaggedProducts, autocovariance
-from rubnoise.analysis.histogram import Histogram, histogram
-from rubnoise.analysis.kolmogorov import UniformSample, distance_tail, kolmogorov_figure, sample_distance
-from rubnoise.analysis.moments import covariance_errors, needed_for_mean, over_ticks
+from rubnoise.analysis.covariance import LaggedProducts
+from rubnoise.analysis.histogram import histogram
+from rubnoise.analysis.kolmogorov import distance_tail, kolmogorov_figure, sample_distance
+from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import (
     FEWEST_BATCHES,
     RecordTooShort,
     batch_length,
     error_of_mean,
     integrated_autocorrelation,
-    longer,
 )
 from rubnoise.theory.sampling import variance_of_time_mean
 from rubnoise.theory.second_order import autocovariance as model_covariance
@@ -24,29 +23,7 @@ from tests.models import bare, recorded
 from tests.unit.theory_models import Doubles, memory, white
 from tests.verification.scores import seed_of
 
-
-def test_a_mean_needs_lives_and_births() -> None:
-    dense, thin = bare(count=200.0), bare(count=0.5)
-    assert needed_for_mean(dense) == 50.0 * dense.mean_life_distance
-    assert needed_for_mean(thin) == 1000.0 * thin.mean_birth_spacing
-
-
-def test_a_stretch_has_its_own_length() -> None:
-    stretch = over_ticks(bare(start="empty"), 401, 0.5)
-    assert (stretch.start, stretch.tick_count, stretch.distance) == ("stationary", 400, 200.0)
-
-
-def test_errors_fall_as_one_over_the_root_of_the_length() -> None:
-    assert longer(100.0, 0.3, 0.1) == pytest.approx(900.0)
-
-
 # Batch means of a record whose autocorrelation is known.
-
-
-def test_the_integrated_autocorrelation_is_that_of_the_law() -> None:
-    found = integrated_autocorrelation(memory(200_000, seed_of("memory")))
-    assert found == pytest.approx(1.9 / 0.1, rel=0.15)
-    assert integrated_autocorrelation(white(200_000, seed_of("white"))) == pytest.approx(1.0, abs=0.1)
 
 
 def test_batches_know_of_the_correlation() -> None:
@@ -65,38 +42,8 @@ def test_batches_are_many_and_long() -> None:
         batch_length(values[:1000], 1.0, "mean", None)
 
 
-# Autocovariances: of arrays, of streams, and their errors from theory and from batches.
-VALUES = memory(3000, seed_of("covariance"))
-LAGS = (0, 1, 5, 40, 700, 2999)
 SHORTER = bare(tick=0.25, distance=6000.0)
 RUNS = 60
-
-
-def naive(values: Doubles, lag: int) -> float:
-    away = values - values.mean()
-    return float((away[: values.size - lag] * away[lag:]).sum())
-
-
-def test_an_array_is_what_the_definition_says() -> None:
-    found = autocovariance(VALUES, 50)
-    assert found == pytest.approx([naive(VALUES, j) / VALUES.size for j in range(51)], rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize("pieces", [1, 3, 40, 3000])
-def test_a_stream_may_come_in_pieces(pieces: int) -> None:
-    products = LaggedProducts(LAGS, 0.1)
-    for piece in np.array_split(VALUES, pieces):
-        products.add(piece)
-    expected = [naive(VALUES, j) / (VALUES.size - j) for j in LAGS]
-    assert products.covariances() == pytest.approx(expected, rel=1e-9, abs=1e-12)
-
-
-def test_a_lag_beyond_the_record_has_no_value() -> None:
-    products = LaggedProducts((1, 4), 0.0)
-    products.add(np.array([1.0, 2.0, 3.0]))
-    first, beyond = products.covariances()
-    assert first == pytest.approx(0.0)
-    assert np.isnan(beyond)
 
 
 @cache
@@ -154,61 +101,9 @@ def test_errors_of_independent_values_are_binomial() -> None:
     assert found.standard_error == pytest.approx(binomial, rel=0.3)
 
 
-def test_errors_of_a_record_with_memory_are_larger() -> None:
-    lone = histogram(white(200_000, seed_of("histogram")) - 3.0, 1.0, EDGES)
-    kept = histogram(memory(200_000, seed_of("histogram")), 1.0, EDGES)
-    assert np.median(kept.standard_error / lone.standard_error) > 1.5
-
-
-def test_a_histogram_adds_up_and_says_what_lies_outside() -> None:
-    values = white(10_000, seed_of("histogram"))
-    found = histogram(values, 1.0)
-    assert (found.density * np.diff(found.edges)).sum() == pytest.approx(1.0)
-    assert found.outside == pytest.approx(0.0, abs=1e-12)
-    assert found.middles.size == found.density.size == 60
-    half = histogram(values, 1.0, [3.0, 5.0, 10.0])
-    assert half.outside == pytest.approx((values < 3.0).mean())
-
-
-def test_the_last_edge_belongs_to_the_last_bin() -> None:
-    values = np.tile([0.0, 1.0, 2.0, 2.0], 1000)
-    found = histogram(values, 1.0, [0.0, 1.0, 2.0])
-    assert found.density.tolist() == [0.25, 0.75]
-    assert found.standard_error == pytest.approx(0.0, abs=0.01)
-
-
-def test_a_constant_fills_one_bin() -> None:
-    found = histogram(np.full(1000, 7.0), 1.0, 4)
-    assert found.edges[0] == 7.0
-    assert found.density[0] * np.diff(found.edges)[0] == 1.0
-
-
-@pytest.mark.parametrize("edges", [[1.0], [0.0, 0.0], [1.0, 0.0], [[0.0, 1.0]]])
-def test_edges_must_rise(edges: list[float]) -> None:
-    with pytest.raises(ValueError, match="must rise"):
-        histogram(white(1000, 1), 1.0, edges)
-
-
-def test_a_short_record_is_refused_with_its_histogram() -> None:
-    with pytest.raises(RecordTooShort) as refused:
-        histogram(memory(1000, 1), 1.0, EDGES)
-    assert isinstance(refused.value.estimate, Histogram)
-    assert refused.value.estimate.density.size == 24
-
-
 # Kolmogorov distances: by the definition, their tails, and samples of any size.
 def uniform(count: int, name: str) -> np.ndarray:
     return np.random.default_rng(seed_of(f"kolmogorov/{name}")).random(count)
-
-
-def naive_distance(values: np.ndarray) -> float:
-    places = np.linspace(0.0, 1.0, 20_001)
-    return float(np.max(np.abs((values[:, None] <= places).mean(axis=0) - places)))
-
-
-def test_the_distance_is_the_largest_difference() -> None:
-    values = uniform(50, "few")
-    assert sample_distance(values, values) == pytest.approx(naive_distance(values), abs=1e-4)
 
 
 def test_the_tail_is_that_of_the_exact_law() -> None:
@@ -219,14 +114,6 @@ def test_the_tail_is_that_of_the_exact_law() -> None:
     assert distance_tail(0.02, 10_000) == pytest.approx(float(kstwo.sf(0.02, 10_000)), rel=0.05)
     assert distance_tail(0.0, 10) == distance_tail(0.0, 10_000) == 1.0
     assert distance_tail(2.0, 10) == 0.0
-
-
-def test_a_law_is_accepted_and_another_rejected() -> None:
-    values = np.random.default_rng(seed_of("kolmogorov/normal")).standard_normal(5000)
-    right = kolmogorov_figure("x", sample_distance(values, ndtr(values)), 5000)
-    wrong = kolmogorov_figure("x", sample_distance(values, ndtr(values - 0.2)), 5000)
-    assert abs(right.z or 0.0) <= 4.0
-    assert (wrong.z or 0.0) > 5.0
 
 
 def test_scores_of_right_samples_are_unit_normals() -> None:
@@ -240,11 +127,6 @@ def test_scores_of_right_samples_are_unit_normals() -> None:
     assert abs(float(np.mean(plain))) <= 4.0 / 20.0
 
 
-def test_few_values_are_never_called_too_good() -> None:
-    even = (np.arange(20) + 0.5) / 20
-    assert kolmogorov_figure("x", sample_distance(even, even), 20).z == 0.0
-
-
 def test_small_distances_of_a_law_with_an_atom_are_never_called_too_good() -> None:
     """Of mostly one value the distance is that of a few: it says nothing, and a large one still does."""
     values = np.maximum(uniform(20_000, "atom") - 0.9, 0.0)
@@ -252,23 +134,6 @@ def test_small_distances_of_a_law_with_an_atom_are_never_called_too_good() -> No
     assert (kolmogorov_figure("x", distance, 20_000).z or 0.0) < -2.0
     assert kolmogorov_figure("x", distance, 20_000, 0.9).z == 0.0
     assert (kolmogorov_figure("x", 0.02, 20_000, 0.9).z or 0.0) > 5.0
-
-
-@pytest.mark.parametrize("pieces", [1, 9])
-def test_counts_in_bins_give_the_distance(pieces: int) -> None:
-    values = uniform(30_000, "bins")
-    sample = UniformSample()
-    for piece in np.array_split(values, pieces):
-        sample.add(piece)
-    assert sample.count == 30_000
-    assert sample.distance() <= sample_distance(values, values)
-    assert sample.distance() == pytest.approx(sample_distance(values, values), abs=1e-4)
-
-
-def test_counts_take_the_ends() -> None:
-    sample = UniformSample()
-    sample.add(np.array([0.0, 1.0]))
-    assert sample.distance() == pytest.approx(0.5, abs=1e-5)
 
 
 def test_an_atom_at_zero_is_compared_as_one() -> None:

@@ -5,34 +5,26 @@ import wave
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from rubnoise.analysis import resampling
 from rubnoise.analysis.covariance import CovarianceSum, LaggedProducts, autocovariance
 from rubnoise.analysis.histogram import HistogramSum
-from rubnoise.analysis.records import RecordTooShort, error_of_mean
+from rubnoise.analysis.records import error_of_mean
 from rubnoise.analysis.resampling import (
     CROSSINGS,
-    MOST,
     PASSED,
     RIPPLE,
-    input_count,
     output_count,
-    rate_ratio,
     resampled,
 )
-from rubnoise.analysis.spectra import Band, Spectrum, WelchSum, band_powers, hann, shared_variance, welch
+from rubnoise.analysis.spectra import Band, WelchSum, band_powers, hann, welch
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.storage.wave_file import MOST as MOST_SAMPLES
-from rubnoise.storage.wave_file import STEPS, check_length, write_wave
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.storage.wave_file import STEPS, write_wave
 from rubnoise.theory.periodogram import expected_periodogram
 from tests.models import bare, recorded
 from tests.unit.theory_models import memory, white
@@ -55,12 +47,6 @@ def test_it_is_what_scipy_finds(ticks: int) -> None:
     assert found.wavenumber == pytest.approx(np.abs(2.0 * pi * frequency[:half]), rel=1e-12)
 
 
-def test_its_integral_is_the_variance() -> None:
-    found = welch(VALUES, 0.05)
-    whole = 2.0 * found.density.sum() - found.density[0] - found.density[-1]
-    assert whole * found.wavenumber[1] / (2.0 * pi) == pytest.approx(VALUES.var(), rel=0.02)
-
-
 def test_it_is_flat_for_white_noise_and_falls_for_one_with_memory() -> None:
     flat = welch(white(65_536, seed_of("spectra/white")), 0.05)
     score = (flat.density - 0.05) / flat.standard_error
@@ -68,45 +54,6 @@ def test_it_is_flat_for_white_noise_and_falls_for_one_with_memory() -> None:
     assert np.abs(score[2:-2]).mean() == pytest.approx((2.0 / pi) ** 0.5, rel=0.15)
     falling = welch(VALUES, 0.05)
     assert falling.density[-5:].mean() < 0.01 * falling.density[2:7].mean()
-
-
-@pytest.mark.parametrize("pieces", [1, 7, 131])
-def test_a_record_may_come_in_pieces(pieces: int) -> None:
-    total = WelchSum(256, 0.05)
-    for piece in np.array_split(VALUES, pieces):
-        total.add(piece)
-    found, whole = total.spectrum(), welch(VALUES, 0.05, 256)
-    assert found.segments == whole.segments == 2 * (VALUES.size // 256) - 1
-    assert found.density == pytest.approx(whole.density, rel=1e-10)
-    assert found.standard_error == pytest.approx(whole.standard_error, rel=1e-6)
-
-
-def test_a_short_record_is_refused_with_its_spectrum() -> None:
-    with pytest.raises(RecordTooShort, match="spectrum: 50 um of sliding are too short for it; it needs") as refused:
-        welch(VALUES[:1000], 0.05, 512)
-    assert isinstance(refused.value.estimate, Spectrum)
-    assert refused.value.estimate.segments == 2
-    assert refused.value.needed == pytest.approx(0.5 * 31 * 512 * 0.05)
-
-
-def test_less_than_a_segment_has_no_spectrum_to_speak_of() -> None:
-    with pytest.raises(RecordTooShort) as refused:
-        welch(VALUES[:100], 0.05, 512)
-    assert isinstance(refused.value.estimate, Spectrum)
-    assert refused.value.estimate.segments == 0
-    assert np.isinf(refused.value.estimate.standard_error).all()
-
-
-def test_overlap_and_neighbours_cost_what_welch_says() -> None:
-    assert shared_variance(512, 1)[:4] == pytest.approx([1.0, 4.0 / 9.0, 1.0 / 36.0, 0.0], abs=1e-12)
-    # Half-overlapping Hann windows: correlation 1/6, its square 1/36 on either side.
-    assert shared_variance(512, 10**9)[0] == pytest.approx(1.0 + 2.0 / 36.0, rel=1e-6)
-
-
-def test_the_window_is_scipys() -> None:
-    from scipy.signal import get_window
-
-    assert hann(64) == pytest.approx(get_window("hann", 64), abs=1e-15)
 
 
 # Powers of bands: what they add up to, and that their errors are the spread of many runs.
@@ -138,30 +85,6 @@ def test_errors_are_the_spread_of_many_runs(run: Model, name: str) -> None:
     assert np.abs(scores.std(axis=0) - 1.0).max() <= 4.0 * 1.2 / (2.0 * RUNS) ** 0.5
 
 
-def test_junctions_count_in_high_bands() -> None:
-    """However many its bins, a band is known no better than the number of junctions allows."""
-    last = bands(LENS, "lens", runs=1)[0][-1]
-    births = LENS.birth_rate * LENS.distance
-    assert last.standard_error > 0.9 * last.expected / births**0.5
-
-
-def test_powers_add_up_to_the_variance_that_lies_within_them() -> None:
-    row = bands(LENS, "lens", runs=1)[0]
-    assert sum(band.expected for band in row) < area_cumulants(LENS).variance
-    assert sum(band.expected for band in row) > 0.5 * area_cumulants(LENS).variance
-    assert all(one.highest < other.lowest for one, other in pairwise(row))
-
-
-def test_more_bands_than_bins_are_as_many_as_there_are() -> None:
-    total = WelchSum(16, 0.4)
-    total.add(recorded(LENS, 1)["trace"]["real_contact_area"])
-    _, expected = expected_periodogram(LENS, LENS.tick, hann(16))
-    assert len(band_powers(LENS, total.spectrum(), expected, LENS.distance, 50)) == 4
-    tiny = WelchSum(4, 0.4)
-    tiny.add(np.ones(100))
-    assert band_powers(LENS, tiny.spectrum(), np.ones(3), LENS.distance, 8) == []
-
-
 # Estimates of a stream are those of the whole record, in whatever pieces it comes.
 OFFSET_VALUES = 200.0 + memory(70_001, seed_of("sums"))
 EDGES = np.linspace(198.0, 203.0, 41)
@@ -191,23 +114,6 @@ def test_covariances_are_those_of_the_whole_record_over_their_pairs() -> None:
     )
 
 
-def test_asking_on_the_way_changes_nothing() -> None:
-    asked, silent = CovarianceSum(200, 200.0), CovarianceSum(200, 200.0)
-    for piece in np.array_split(OFFSET_VALUES, 50):
-        asked.add(piece)
-        silent.add(piece)
-        asked.covariances()
-    assert asked.covariances() == pytest.approx(silent.covariances(), abs=1e-12)
-
-
-def test_a_lag_beyond_the_record_has_no_covariance() -> None:
-    found, slow = CovarianceSum(9, 0.0), LaggedProducts(range(10), 0.0)
-    for sums in (found, slow):
-        sums.add(OFFSET_VALUES[:6])
-    assert np.isnan(found.covariances()).tolist() == [False] * 6 + [True] * 4
-    assert found.covariances()[:6] == pytest.approx(slow.covariances()[:6], rel=1e-9, abs=1e-9)
-
-
 @pytest.mark.parametrize("pieces", PIECES)
 def test_a_histogram_is_that_of_the_whole_record(pieces: int) -> None:
     found = HistogramSum(EDGES, 1000)
@@ -220,21 +126,6 @@ def test_a_histogram_is_that_of_the_whole_record(pieces: int) -> None:
     assert seen.outside > 0.0
     error = error_of_mean(OFFSET_VALUES, 1000, _shares)
     assert seen.standard_error * np.diff(EDGES) == pytest.approx(error, rel=1e-10, abs=1e-12)
-
-
-def test_values_at_edges_count_above_them_and_the_last_is_outside() -> None:
-    found = HistogramSum(np.arange(5.0), 10)
-    found.add(np.array([0.0, 1.0, 1.5, 3.0, 4.0, -1e-9, -5.0, 9.0]))
-    assert (found.histogram().density * 8.0).tolist() == [1.0, 2.0, 0.0, 1.0]
-
-
-def test_few_stretches_promise_no_errors() -> None:
-    few, enough = HistogramSum(EDGES, 1000), HistogramSum(EDGES, 1000)
-    few.add(OFFSET_VALUES[:29_999])
-    enough.add(OFFSET_VALUES[:30_000])
-    assert np.isinf(few.histogram().standard_error).all()
-    assert np.isfinite(enough.histogram().standard_error).all()
-    assert few.histogram().density == pytest.approx(enough.histogram().density, abs=1e-3)
 
 
 # Sound: resampling, and files of sound as others read them.
@@ -277,59 +168,6 @@ def test_a_tone_that_would_fold_is_gone(ratio: Fraction) -> None:
             assert np.abs(_middle(_all(tone, ratio), ratio)).max() < RIPPLE
             picked = tone[np.rint(np.arange(output_count(inputs, ratio)) / float(ratio)).astype(int)]
             assert np.abs(picked).max() > 0.1  # what happens to it without a filter
-
-
-@pytest.mark.parametrize("ratio", RATIOS, ids=str)
-def test_pieces_do_not_matter(ratio: Fraction, monkeypatch: pytest.MonkeyPatch) -> None:
-    values = np.random.default_rng(4).normal(size=int(max(5000, 900 / ratio)))
-    whole = _all(values, ratio)
-    for piece in (values.size // 12, values.size // 2):
-        monkeypatch.setattr(resampling, "_PIECE", piece)
-        found = _all(values, ratio)
-        assert found.size == whole.size == output_count(values.size, ratio)
-        np.testing.assert_allclose(found, whole, atol=1e-12)
-
-
-def test_beyond_its_ends_a_record_stays_as_it_is_there() -> None:
-    found = _all(np.full(500, 7.0), Fraction(24, 5))
-    np.testing.assert_allclose(found, 7.0, rtol=RIPPLE)
-
-
-def test_few_values_are_resampled_too() -> None:
-    assert _all(np.array([2.0]), Fraction(24, 5)) == pytest.approx([2.0], rel=RIPPLE)
-    assert _all(np.array([2.0, 2.0]), Fraction(24, 5)).size == 5
-    assert list(resampled(lambda *_: np.zeros(0), 0, Fraction(2))) == []
-
-
-@pytest.mark.parametrize("ratio", RATIOS, ids=str)
-def test_counts_of_inputs_and_outputs_belong_together(ratio: Fraction) -> None:
-    for outputs in (1, 2, 3, 100, 12_345):
-        inputs = input_count(outputs, ratio)
-        assert output_count(inputs, ratio) >= outputs
-        assert inputs == 1 or output_count(inputs - 1, ratio) < outputs
-    assert (output_count(0, ratio), input_count(0, ratio)) == (0, 0)
-
-
-@pytest.mark.parametrize(
-    ("source", "target", "ratio"),
-    [
-        (10_000.0, 48_000.0, Fraction(24, 5)),
-        (200_000.0, 48_000.0, Fraction(6, 25)),
-        (44_100.0, 48_000.0, Fraction(160, 147)),
-        (10_000.0 / 3.0, 48_000.0, Fraction(72, 5)),
-        (10.0, 48_000.0, Fraction(0)),
-        (48_000.0 * 5000.0, 48_000.0, Fraction(0)),
-    ],
-)
-def test_ratios_are_met_exactly_where_they_can_be(source: float, target: float, ratio: Fraction) -> None:
-    assert rate_ratio(source, target) == ratio
-
-
-def test_every_ratio_is_met_to_a_part_in_4096() -> None:
-    for source in np.geomspace(12.0, 1.9e8, 2001).tolist():
-        ratio = rate_ratio(source, 48_000.0)
-        assert max(ratio.numerator, ratio.denominator) <= MOST
-        assert abs(float(ratio) * source / 48_000.0 - 1.0) <= 1.0 / 4096.0
 
 
 # WAV files as others read them.
@@ -387,17 +225,3 @@ def test_every_length_in_it_is_right(tmp_path: Path, count: int) -> None:
     assert len(chunks[b"data"]) == 3 * count
     texts = _chunks(chunks[b"LIST"][4:])
     assert {name.decode(): text.rstrip(b"\0").decode() for name, text in texts.items()} == TEXTS
-
-
-def test_samples_beyond_the_number_are_left_out_and_missing_ones_noticed(tmp_path: Path) -> None:
-    write_wave(tmp_path / "x.wav", [np.zeros(3), np.zeros(3)], samples=4, rate=48_000, texts=TEXTS)
-    assert _read(tmp_path / "x.wav").size == 4
-    with pytest.raises(AssertionError, match="6 samples came of 7"):
-        write_wave(tmp_path / "x.wav", [np.zeros(3), np.zeros(3)], samples=7, rate=48_000, texts=TEXTS)
-
-
-def test_more_samples_than_a_file_can_tell_are_refused() -> None:
-    check_length(MOST_SAMPLES)
-    with pytest.raises(Refused, match="that a WAV file holds; --seconds takes some"):
-        check_length(MOST_SAMPLES + 1)
-    assert 3 * MOST_SAMPLES + 65_536 <= 1 << 32

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
@@ -16,10 +15,9 @@ from rubnoise import Junction
 from rubnoise.analysis.agreement import from_attributes
 from rubnoise.analysis.run_summary import CURVES, curve_theory
 from rubnoise.contact.overlap import junction_area
-from rubnoise.errors import OutputRefused, RunFileRefused, RunStopped, ScenarioRefused
+from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.point_file import numbers_in, summarised
-from rubnoise.scenario import build
 from rubnoise.scenario.sweep import expand
 from tests.cli.terminal import CONTACT, WITH_SLIDER, names
 from tests.unit.scenarios import GRID, sweep_of
@@ -38,14 +36,6 @@ def contact(tmp_path: Path) -> Any:
     file = tmp_path / "contact.toml"
     file.write_text(CONTACT, encoding="utf-8")
     return rubnoise.load(file)
-
-
-def test_a_scenario_is_loaded_with_changes(tmp_path: Path) -> None:
-    file = tmp_path / "given.toml"
-    file.write_text(WITH_SLIDER, encoding="utf-8")
-    assert rubnoise.load(str(file), ["run.seed=9"]).run.seed == 9
-    with pytest.raises(ScenarioRefused, match="did you mean seed"):
-        rubnoise.load(file, ["run.sed=9"])
 
 
 def test_a_run_in_memory_is_the_run_in_the_file(scenario: Any, tmp_path: Path) -> None:
@@ -98,17 +88,6 @@ def test_a_copy_of_a_run_is_open_for_itself(
         again.trace["distance"][:]
 
 
-def test_a_copy_is_never_of_another_file(scenario: Any, tmp_path: Path) -> None:
-    rubnoise.run(scenario, tmp_path / "x.h5").close()
-    with rubnoise.open(tmp_path / "x.h5") as run:
-        content = pickle.dumps(run)
-    with pytest.raises(ValueError, match="closed"):
-        copy.deepcopy(run)
-    rubnoise.run(scenario.replace(seed=99), tmp_path / "x.h5", force=True).close()
-    with pytest.raises(RunFileRefused, match=r"x\.h5: has changed since it was opened"):
-        pickle.loads(content)  # noqa: S301  (made here)
-
-
 def test_a_junction_is_the_overlap_of_two_circles(scenario: Any, tmp_path: Path) -> None:
     with rubnoise.run(scenario, tmp_path / "x.h5") as run:
         junction = run.junction(40)
@@ -131,12 +110,6 @@ def test_a_junction_that_was_ended_early_is_gone_from_then_on() -> None:
         number=0, birth_distance=1.0, death_distance=4.0, life_distance=3.0, diameter=2.0, max_area=np.pi, state=4
     )
     assert junction.area([3.9, 4.0, 4.5]).tolist() == [float(junction_area(np.array(2.9), 2.0)), 0.0, 0.0]
-
-
-def test_the_trace_is_the_sum_of_the_junctions(scenario: Any, tmp_path: Path) -> None:
-    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
-        total = sum(run.junction(n).area(run.trace["distance"]) for n in range(len(run.junctions)))
-        np.testing.assert_allclose(total, run.trace["real_contact_area"], rtol=0, atol=1e-9)
 
 
 def test_what_is_not_there_is_named(contact: Any, tmp_path: Path) -> None:
@@ -165,29 +138,6 @@ def test_the_scenario_of_a_run_runs_again_to_the_same_bits(scenario: Any, tmp_pa
     assert rubnoise.simulate(again)["trace"]["real_contact_area"].tobytes() == area.tobytes()
 
 
-def test_another_seed_is_another_run(contact: Any) -> None:
-    first, same, other = (rubnoise.simulate(contact, seed=seed) for seed in (1, None, 2))
-    assert first["junctions"]["diameter"].size > 20
-    assert first["trace"]["real_contact_area"].tobytes() == same["trace"]["real_contact_area"].tobytes()
-    assert first["trace"]["real_contact_area"].tobytes() != other["trace"]["real_contact_area"].tobytes()
-
-
-def test_a_seed_may_come_from_an_array(contact: Any) -> None:
-    expected = rubnoise.simulate(contact, seed=7)
-    for seed in (np.arange(8)[7], np.uint8(7), np.array(7)):
-        found = rubnoise.simulate(contact, seed=seed)
-        assert np.array_equal(found["junctions"]["diameter"], expected["junctions"]["diameter"])
-
-
-def test_a_junction_may_be_asked_for_by_the_numbers_of_numpy(contact: Any) -> None:
-    run = rubnoise.simulate(contact)
-    for number in (np.int64(3), np.uint8(3), np.array(3)):
-        assert run.junction(number) == run.junction(3)
-        assert type(run.junction(number).number) is int
-    with pytest.raises(TypeError, match="cannot be interpreted as an integer"):
-        run.junction(3.0)
-
-
 @pytest.mark.parametrize("seed", [-1, 2**53, 1.5, True, "7"])
 def test_a_seed_that_is_none_is_refused(contact: Any, tmp_path: Path, seed: Any) -> None:
     with pytest.raises(ScenarioRefused, match=rf"run\.seed: {seed} is no whole number from 0 to"):
@@ -195,16 +145,6 @@ def test_a_seed_that_is_none_is_refused(contact: Any, tmp_path: Path, seed: Any)
     with pytest.raises(ScenarioRefused, match=r"run\.seed"):
         rubnoise.run(contact, tmp_path / "x.h5", seed=seed)
     assert names(tmp_path) == ["contact.toml"]
-
-
-def test_an_existing_file_is_kept_unless_forced(contact: Any, tmp_path: Path) -> None:
-    rubnoise.run(contact, tmp_path / "x.h5").close()
-    before = (tmp_path / "x.h5").read_bytes()
-    with pytest.raises(OutputRefused, match="exists already"):
-        rubnoise.run(contact, tmp_path / "x.h5", seed=2)
-    assert (tmp_path / "x.h5").read_bytes() == before
-    with rubnoise.run(contact, tmp_path / "x.h5", seed=2, force=True) as run:
-        assert run.provenance["seed"] == 2
 
 
 def test_a_watcher_is_told_from_the_start_and_may_stop_the_run(contact: Any, tmp_path: Path) -> None:
@@ -224,28 +164,6 @@ def test_a_watcher_is_told_from_the_start_and_may_stop_the_run(contact: Any, tmp
     assert told[1][0] > 0.0
     assert "x.h5.part" in created[1]
     assert names(tmp_path) == ["contact.toml"]
-
-
-def test_theory_and_summary_speak_of_the_same_values(scenario: Any, tmp_path: Path) -> None:
-    theory = rubnoise.exact(scenario)
-    assert theory.area.mean == pytest.approx(204.6736, abs=5e-5)
-    assert theory.area.std == pytest.approx(56.42936, abs=5e-6)
-    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
-        figures = {figure.name: figure for figure in run.summary}
-        assert figures["real_contact_area_mean"].expected == theory.area.mean
-        assert figures["real_contact_area_mean"].observed == pytest.approx(run.trace["real_contact_area"].mean())
-
-
-def test_a_scenario_of_python_values_is_run_and_kept(tmp_path: Path) -> None:
-    values = {
-        "format": 1,
-        "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
-        "sliding": {"distance": 50.0},
-    }
-    with rubnoise.run(build(values), tmp_path / "by_hand.h5", command=["by", "hand"]) as run:
-        assert run.provenance["command"] == "by hand"
-        assert run.attributes["title"] == "by_hand"
-        assert run.scenario.model() == build(values).model()
 
 
 # Results as xarray and pandas have them.
@@ -283,63 +201,12 @@ def test_it_is_what_xarray_finds_in_the_file_itself(run: rubnoise.Run, path: Pat
             xr.testing.assert_equal(columns.to_xarray(), theirs)
 
 
-def test_rows_are_found_by_distance_and_by_number(run: rubnoise.Run) -> None:
-    trace, junctions = run.trace.to_xarray(), run.junctions.to_xarray()
-    near = trace["real_contact_area"].sel(distance=150.03, method="nearest")
-    assert near.item() == run.trace["real_contact_area"][1500]
-    stretch = trace.sel(distance=slice(10.0, 20.0))["friction_force"]
-    np.testing.assert_array_equal(stretch.values, run.trace["friction_force"][100:201])
-    assert junctions["diameter"].sel(junction=17).item() == run.junction(17).diameter
-    chosen = junctions["diameter"].isel(junction=[5, 2, 2])
-    np.testing.assert_array_equal(chosen.values, run.junctions["diameter"][[5, 2, 2]])
-    every = junctions["diameter"][::-7]
-    np.testing.assert_array_equal(every.values, run.junctions["diameter"][::-7])
-
-
-def test_what_was_read_outlives_the_run(path: Path, tmp_path: Path) -> None:
-    with rubnoise.open(path) as run:
-        lazy = run.trace.to_xarray()
-        kept = lazy.copy(deep=True).load()
-        lazy.isel(distance=slice(9)).to_netcdf(tmp_path / "nine.nc")
-        area = run.trace["real_contact_area"][:]
-    np.testing.assert_array_equal(kept["real_contact_area"].values, area)
-    with xr.open_dataset(tmp_path / "nine.nc") as nine:
-        assert nine["real_contact_area"].attrs["units"] == "um^2"
-    with rubnoise.open(path) as run:
-        trace, column = run.trace, run.trace["real_contact_area"]
-    np.testing.assert_array_equal(column, area)
-    with pytest.raises(ValueError, match=r"x\.h5: the run file is closed"):
-        trace["real_contact_area"]
-
-
-def test_pandas_gets_a_frame_over_the_first_column(run: rubnoise.Run) -> None:
-    frame = run.trace.to_pandas()
-    assert isinstance(frame, pd.DataFrame)
-    assert (frame.index.name, list(frame)) == ("distance", list(run.trace.names[1:]))
-    assert frame.attrs["units"] == {name: run.trace[name].units for name in run.trace}
-    np.testing.assert_array_equal(frame["real_contact_area"], run.trace["real_contact_area"])
-    assert frame.loc[10.0:20.0].shape == (101, 3)
-    assert {name: len(each) for name, each in run.to_pandas().items()} == {
-        name: len(columns) for name, columns in run.groups().items()
-    }
-
-
 def test_what_is_no_name_of_a_column_is_answered_with_the_way(run: rubnoise.Run) -> None:
     wrong: Any
     rows = "a column has the rows"
     for wrong, way in ((slice(1, 3), rows), (3, rows), (np.ones(3), rows), (["diameter", "state"], "to_pandas")):
         with pytest.raises(KeyError, match=way):
             run.junctions[wrong]
-
-
-def test_pandas_gets_only_what_is_named(run: rubnoise.Run) -> None:
-    assert list(run.junctions.to_pandas("diameter")) == ["diameter"]
-    frame = run.junctions.to_pandas(["diameter", "state"])
-    assert list(frame) == ["diameter", "state"]
-    assert frame["state"].dtype == np.uint8
-    assert frame["diameter"][17] == run.junction(17).diameter
-    with pytest.raises(KeyError, match="no column 'diametre'"):
-        run.junctions.to_pandas(["diametre"])
 
 
 # What a sweep keeps of a run without keeping the run.
@@ -352,33 +219,9 @@ def test_a_summary_is_that_of_the_run_with_a_file(tmp_path: Path) -> None:
             assert row["autocovariance"][0] == pytest.approx(run.trace["real_contact_area"][:].var(), rel=1e-10)
 
 
-def test_it_fits_in_a_few_kilobytes_and_goes_through_a_pipe(tmp_path: Path) -> None:
-    row = summarised(expand(sweep_of(tmp_path, GRID))[0].scenario, first=True)
-    assert sum(row[name].nbytes for name in CURVES) <= 4096
-    assert {name: row[name].size for name in CURVES} == CURVES
-    again = pickle.loads(pickle.dumps(row))  # noqa: S301  (what was pickled the moment before)
-    assert numbers_in(again) == numbers_in(row)
-
-
 def test_what_is_expected_comes_once_a_point(tmp_path: Path) -> None:
     first, second = (summarised(p.scenario, first=not p.replicate) for p in expand(sweep_of(tmp_path, GRID))[:2])
     theory = curve_theory(expand(sweep_of(tmp_path, GRID))[0].scenario.model())
     parts = {f"{name}_{part}" for name in theory for part in ("place", "expected", "standard_error")} - CURVES.keys()
     assert first.keys() - second.keys() == parts
     assert first["spectrum_place"].tobytes() == theory["spectrum"].place.tobytes()
-
-
-def test_a_run_can_be_stopped_on_its_way(tmp_path: Path) -> None:
-    def stop(_distance: float, _junctions: int, _live: int) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        summarised(expand(sweep_of(tmp_path, GRID))[0].scenario, first=True, watch=stop)
-
-
-def test_what_is_expected_lies_where_the_curves_do(tmp_path: Path) -> None:
-    row = summarised(expand(sweep_of(tmp_path, GRID))[0].scenario, first=True)
-    for name in ("spectrum", "autocovariance"):
-        assert np.array_equal(np.isnan(row[name]), np.isnan(row[f"{name}_expected"]))
-        score = (row[name] - row[f"{name}_expected"]) / row[f"{name}_standard_error"]
-        assert 0.1 < float(np.nanstd(score)) < 2.5

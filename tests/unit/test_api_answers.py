@@ -1,8 +1,5 @@
 """What compare, verify, plot, psd and exact answer in Python."""
 
-import pickle
-from collections.abc import Callable
-from copy import copy, deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +14,6 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.errors import RunFileRefused
-from rubnoise.inference.populations import POPULATIONS
 from tests.verification.scores import seed_of
 
 # What compare, verify, plot and psd answer in Python, of a run in a file and in memory.
@@ -37,12 +33,6 @@ def with_area(record: rubnoise.Record, area: NDArray[Any]) -> rubnoise.Record:
     return rubnoise.Record(replace(record.reader(), groups=groups))
 
 
-def found_in(record: rubnoise.Record, law: str) -> rubnoise.Inference:
-    """Return what is found in the first half of its force."""
-    force = record.trace["friction_force"][:20_000]
-    return rubnoise.infer(force, rate="10 kHz", speed="1 mm/s", unit="uN", zero="known", law=law)
-
-
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("answers") / "run.h5"
@@ -60,23 +50,6 @@ def test_a_saved_record_is_the_run_that_run_writes(record: rubnoise.Record, path
     with pytest.raises(rubnoise.Refused, match=r"exists already \(force=True replaces it\)"):
         record.save(tmp_path / "saved.h5")
     record.save(tmp_path / "saved.h5", force=True).close()
-
-
-def test_a_two_way_record_is_saved_whole(tmp_path: Path) -> None:
-    scenario = rubnoise.example("paper/fig5_two_way").replace({"sliding.distance": "500 um"})
-    with rubnoise.simulate(scenario).save(tmp_path / "x.h5") as saved:
-        assert saved.verify(regenerate=1).passed
-
-
-def test_an_intervention_is_kept_in_what_is_saved(tmp_path: Path) -> None:
-    def end_one(env: Any, live: rubnoise.LiveJunctions) -> Any:
-        yield env.timeout(50.0)
-        live.end(next(iter(live)).number)
-
-    record = rubnoise.simulate(SCENARIO.replace(distance="200 um"), intervene=end_one)
-    with record.save(tmp_path / "x.h5") as saved:
-        assert "end_one" in str(saved.provenance["intervention"])
-        assert (saved.junctions["state"][:] & 4).any()
 
 
 def test_a_right_run_passes_in_a_file_and_in_memory(record: rubnoise.Record, path: Path) -> None:
@@ -106,12 +79,6 @@ def test_a_run_of_another_contact_does_not_pass(record: rubnoise.Record) -> None
     assert not found.passed
     assert repr(found).splitlines()[-1].startswith("not passed: trace (")
     assert {row["check"] for row in found.rows if row["different"]} == {"trace"}
-
-
-def test_what_is_no_number_of_blocks_is_refused(record: rubnoise.Record) -> None:
-    for wrong in (-1, 1.5, True):
-        with pytest.raises(rubnoise.Refused, match=f"regenerate=: {wrong}"):
-            record.verify(regenerate=wrong)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("quantity", "scale"), [("velocity", 1e-6), ("displacement", 1e-6), ("friction_force", 1e-6)])
@@ -161,12 +128,6 @@ def test_a_segment_is_a_number_or_has_its_unit(record: rubnoise.Record) -> None:
     for wrong in (np.nan, np.inf, 0, -0.5, True, "0.5", "2 um", 500 * unit.um, [0.5]):
         with pytest.raises(rubnoise.Refused, match="segment=: "):
             record.psd("velocity", segment=wrong)
-
-
-@pytest.mark.parametrize("bound", [-1, 0, np.nan, np.inf, "3"])
-def test_a_bound_is_above_zero(record: rubnoise.Record, bound: Any) -> None:
-    with pytest.raises(rubnoise.Refused, match="bound=: "):
-        record.compare(bound=bound)
 
 
 @pytest.mark.parametrize("what", ["trace", "histogram", "slider"])
@@ -221,41 +182,6 @@ def test_a_picture_that_there_is_not_is_refused(record: rubnoise.Record, words: 
         record.plot(**words)
 
 
-DOORS: dict[str, Callable[[rubnoise.Column], NDArray[Any]]] = {
-    "all rows": lambda column: column[:],
-    "some rows": lambda column: column[3:9],
-    "backwards": lambda column: column[::-1],
-    "every second": lambda column: column[::2],
-    "an axis more": lambda column: column[:, None],
-    "values": lambda column: column.values,
-    "asarray": np.asarray,
-    "to_numpy": lambda column: column.to_numpy(copy=True),
-    "astype": lambda column: column.astype(float),
-    "ravel": np.ravel,
-    "chunks": lambda column: next(column.chunks()),
-}
-
-
-@pytest.mark.parametrize("door", DOORS)
-def test_what_was_read_may_be_changed_and_the_run_remains(record: rubnoise.Record, door: str) -> None:
-    force = record.trace["friction_force"]
-    first = force[0]
-    found = DOORS[door](force)
-    found /= 1000.0
-    assert record.trace["friction_force"][0] == record["trace"]["friction_force"][0] == first
-
-
-def test_a_run_in_memory_cannot_be_changed(record: rubnoise.Record) -> None:
-    force = record.trace["friction_force"]
-    first = force[0]
-    loaded = record.trace.to_xarray().load()
-    loaded["friction_force"].values[0] = 5.0
-    np.add.at(force, 0, 5.0)
-    assert record.trace["friction_force"][0] == first
-    record["trace"]["friction_force"][0] = 5.0
-    assert record.force[0] == first
-
-
 def test_rows_are_chosen_as_the_command_line_does(record: rubnoise.Record, path: Path) -> None:
     junctions = record.junctions
     chosen = junctions.where("diameter > 5.6 um and not alive_at_end")
@@ -285,54 +211,6 @@ def test_chosen_rows_keep_their_numbers(path: Path) -> None:
         assert labelled.indexes[scale].tolist() == chosen.to_pandas().index.tolist() == [3, 4, 5, 6]
         assert labelled[other].sel({scale: 5}).item() == columns[other][5]
         assert chosen.where(f"{scale} != 4").to_xarray()[scale].values.tolist() == [3, 5, 6]
-
-
-@pytest.mark.parametrize("copied", [copy, deepcopy, lambda each: pickle.loads(pickle.dumps(each))])  # noqa: S301
-def test_chosen_rows_and_what_was_found_can_be_copied(record: rubnoise.Record, copied: Callable[[Any], Any]) -> None:
-    chosen = record.junctions.where("diameter > 6 um")
-    np.testing.assert_array_equal(copied(chosen)["diameter"][3:], chosen["diameter"][3:])
-    found = found_in(record, "fixed")
-    assert copied(found).to_dict() == found.to_dict()
-    assert all(copied(each) == each for each in POPULATIONS.values())
-
-
-@pytest.mark.parametrize(
-    "result",
-    [
-        lambda record: record,
-        lambda record: record.exact.distribution(),
-        lambda record: record.exact.estimated_spectrum(256),
-        lambda _: rubnoise.Surface.of(np.random.default_rng(1).normal(size=(32, 32)), spacing="1 um", unit="um"),
-        lambda record: found_in(record, "fixed"),
-    ],
-    ids=["record", "distribution", "spectrum", "surface", "inference"],
-)
-def test_what_holds_arrays_is_compared_by_identity(record: rubnoise.Record, result: Callable[[Any], Any]) -> None:
-    one = result(record)
-    assert one == one  # noqa: PLR0124
-    assert one != deepcopy(one)
-    assert len({one, one}) == 1
-
-
-def test_what_is_shown_is_short(record: rubnoise.Record, path: Path) -> None:
-    with rubnoise.open(path) as run:
-        shown = (SCENARIO, run, record, run.junction(3), rubnoise.exact(SCENARIO), run.trace, run.junctions)
-        assert all(len(repr(each)) <= 1500 for each in shown)
-        assert all("<table>" in each._repr_html_() for each in shown)
-    several = {"birth.law": "clustered", "birth.cluster_size": 3, "birth.cluster_width": "2 um"}
-    clustered, theory = rubnoise.exact(SCENARIO.replace(several)), rubnoise.exact(SCENARIO)
-    trace = rubnoise.Trace(record.trace.to_pandas(["friction_force"]))
-    for each in (
-        *(theory, theory.distribution(), theory.estimated_spectrum(256), theory.coupling()),
-        *(clustered, clustered.area, clustered.force, rubnoise.exact("load/fig5_load").load),
-        *(trace.histogram(), rubnoise.load_sweep("paper/fig9")),
-    ):
-        assert len(repr(each)) <= 1500
-        assert len(repr(each).splitlines()) <= 14
-        assert "np." not in repr(each)
-    assert "np." not in clustered._repr_html_()
-    assert repr(theory.distribution()).splitlines()[1].startswith("  area          2,049 values: 0 ... ")
-    assert "&lt;b&gt;" in rubnoise.build({**SCENARIO.resolved(), "title": "<b>"})._repr_html_()
 
 
 def test_a_file_with_values_that_no_run_has_is_refused_by_compare(path: Path, record: rubnoise.Record) -> None:
@@ -403,12 +281,6 @@ def test_the_mean_of_a_run_that_begins_empty(empty: tuple[Doubles, Doubles]) -> 
     assert stationary.expected_mean_count(3.0) == stationary.count_mean
 
 
-@pytest.mark.parametrize("distance", [0.0, -1.0, float("nan"), float("inf")])
-def test_a_mean_over_no_distance_is_refused(distance: float) -> None:
-    with pytest.raises(rubnoise.Refused, match="the distance is a number above 0"):
-        rubnoise.exact(contact()).expected_mean_area(distance)
-
-
 TICKS = 64
 LONG = contact(distance="10 mm", start="stationary")
 
@@ -431,26 +303,3 @@ def test_an_estimate_is_as_expected_in_every_bin(estimate: tuple[Doubles, Double
     assert np.max(np.abs(z[inner])) <= BOUND
     plain = (estimate[1] - theory.spectral_density(seen.wavenumber)) / seen.standard_error
     assert np.max(np.abs(plain[inner])) > 4.0 * BOUND
-
-
-def test_what_an_estimate_cannot_be_asked() -> None:
-    theory = rubnoise.exact(LONG)
-    seen = theory.estimated_spectrum()
-    assert (seen.ticks, seen.segments) == (1230, 64)
-    for ticks in (1, 40_002):
-        with pytest.raises(rubnoise.Refused, match=f"a segment of {ticks} ticks: it has 2 to 40001"):
-            theory.estimated_spectrum(ticks)
-    regular = rubnoise.exact(rubnoise.build(LONG.resolved() | {"birth": {"law": "regular"}})).estimated_spectrum(TICKS)
-    assert np.isnan(regular.standard_error).all()
-    huge = rubnoise.exact(rubnoise.build(LONG.resolved() | {"output": {"tick": "0.0001 um"}}))
-    with pytest.raises(rubnoise.Refused, match="it has 2 to 262144, of a record of 100000001"):
-        huge.estimated_spectrum(300_000)
-
-
-def test_passages_of_the_mean() -> None:
-    values = {"strength": {"mean": 250.0}, "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping_ratio": 0.2}}
-    sliding = {"sliding": {"distance": "1 mm", "speed": "1 mm/s"}}
-    motion = rubnoise.exact(rubnoise.build(contact().resolved() | values | sliding)).slider
-    assert motion is not None
-    assert motion.upcrossing_rate == pytest.approx(motion.velocity_std / motion.displacement_std / (2.0 * np.pi))
-    assert 30.0 < motion.upcrossing_rate < 40.0

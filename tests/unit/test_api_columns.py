@@ -1,31 +1,22 @@
 """Columns of a result: arrays with a unit, which is kept by choosing, sorting and copying rows, and by nothing else."""
 
 import pickle
-import subprocess
-import sys
 from collections.abc import Callable
 from copy import copy, deepcopy
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.figure import Figure
-from scipy import signal
 
 import rubnoise
-from rubnoise.errors import ExtraMissing
 from rubnoise.storage import reader
-from rubnoise.storage.schema import TRACE, Dataset
+from rubnoise.storage.schema import TRACE
 from tests.format.runs import Compression, describe, random_rows, write_run
 
 PLACE, AREA = TRACE.columns[:2]
 ROWS = 1000
-STOPS = (None, 0, 9, -1, -2000, 1000, 5000)
-STEPS = (None, 1, 2, 63, 700, -1, -3, -100)
 VALUES = np.random.default_rng(1).normal(size=ROWS)
 PLACES = np.arange(ROWS) / 10.0
 
@@ -91,11 +82,6 @@ def test_a_unit_is_lost_by_anything_else(column: rubnoise.Column, way: str) -> N
     np.testing.assert_array_equal(again, found)
 
 
-def test_a_number_is_a_number(column: rubnoise.Column) -> None:
-    for value in (column[3], column.mean(), column.std(ddof=1), column.max(), np.sum(column), np.median(column)):
-        assert isinstance(value, np.float64)
-
-
 def test_rows_keep_their_places(column: rubnoise.Column) -> None:
     for rows in (slice(3, 900, 7), VALUES > 1.0, [5, 3]):
         chosen = column[rows]
@@ -105,58 +91,6 @@ def test_rows_keep_their_places(column: rubnoise.Column) -> None:
     assert np.sort(column).beside is None
     assert isinstance(column[:9].plot(), Figure)
     assert isinstance(np.sort(column).plot(), Figure)
-
-
-@pytest.mark.parametrize("start", [None, 0, 7, -3, -1001, 999, 1000, 5000])
-def test_slices_are_those_of_an_array(column: rubnoise.Column, start: int | None) -> None:
-    for stop, step in product(STOPS, STEPS):
-        where = slice(start, stop, step)
-        found, wanted = column[where], VALUES[where]
-        assert found.dtype == wanted.dtype
-        np.testing.assert_array_equal(found, wanted, err_msg=str(where))
-
-
-@pytest.mark.parametrize(
-    "where", [1000, -1001, [0, 1000], "0", 1.5, (0, 0), (..., ...), np.ones(7, dtype=bool)], ids=str
-)
-def test_what_an_array_refuses_is_refused(column: rubnoise.Column, where: Any) -> None:
-    with pytest.raises(IndexError):
-        column[where]
-
-
-def test_polars_takes_a_column_as_it_stands(column: rubnoise.Column) -> None:
-    pl = pytest.importorskip("polars")
-    assert pl.DataFrame({"area": column})["area"].to_list() == VALUES.tolist()
-    assert pl.Series("area", column).dtype == pl.Float64
-
-
-def test_libraries_take_a_column_as_it_stands(column: rubnoise.Column) -> None:
-    frame = pd.DataFrame({"area": column})
-    assert frame["area"].to_numpy().tolist() == VALUES.tolist()
-    density = signal.welch(VALUES, nperseg=100)[1]
-    np.testing.assert_allclose(signal.welch(column, nperseg=100)[1], density, rtol=1e-12)
-    figure = Figure()
-    (line,) = figure.subplots().plot(column, 2.0 * column)
-    np.testing.assert_array_equal(line.get_xdata(), VALUES)
-    np.testing.assert_array_equal(xr.DataArray(column, dims="row"), VALUES)
-    assert column.tolist() == column.values.tolist() == column.to_numpy().tolist()
-    assert column.astype(np.float32).dtype == np.float32
-
-
-def test_without_rows_there_is_no_largest() -> None:
-    empty = rubnoise.Column(VALUES[:0], AREA)
-    assert (len(empty), empty[:].size, list(empty)) == (0, 0, [])
-    with pytest.raises(ValueError, match="zero-size"):
-        empty.max()
-
-
-def test_a_column_is_shown_in_a_line(column: rubnoise.Column) -> None:
-    shown = repr(column)
-    assert shown.startswith("<real_contact_area (um^2), 1,000 rows of float64: 0.345584 0.821618 0.330437 ... ")
-    assert repr(rubnoise.Column(np.array([1.0, 2.5]), AREA)).endswith("2 rows of float64: 1 2.5>")
-    words = np.array(["done", "failed", "x" * 99])
-    states = rubnoise.Column(words, Dataset(name="state", units="", long_name="", symbol="", dtype="<U99"))
-    assert repr(states) == f"<state, 3 rows of text: done failed {'x' * 40}>"
 
 
 # An open run shows the rows that it had when it was opened, or refuses.
@@ -208,20 +142,6 @@ def test_a_column_outlives_its_run_and_changes_in_memory_alone(
         np.testing.assert_array_equal(run.trace["real_contact_area"], other)
 
 
-def test_other_processes_get_columns_with_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By pickle, as pools of processes and joblib pass them on; one of the columns is mapped."""
-    monkeypatch.setattr(reader, "READ_BYTES", 16)
-    description = describe(700, 5000)
-    write_run(tmp_path / "x.h5", description, random_rows(description))
-    with rubnoise.open(tmp_path / "x.h5") as run:
-        columns = [run.trace["real_contact_area"], run.junctions["diameter"][:99]]
-    program = "import pickle, sys; print([(float(c.mean()), c.units) for c in pickle.load(sys.stdin.buffer)])"
-    done = subprocess.run(
-        [sys.executable, "-c", program], input=pickle.dumps(columns), capture_output=True, check=True, timeout=120
-    )
-    assert done.stdout.decode().strip() == str([(float(each.mean()), each.units) for each in columns])
-
-
 def test_groups_show_names_units_and_meaning(tmp_path: Path) -> None:
     description = describe()
     write_run(tmp_path / "x.h5", description, random_rows(description))
@@ -267,10 +187,3 @@ def test_a_record_in_memory_has_the_same_face(tmp_path: Path) -> None:
                 assert group in dir(each)
                 column = getattr(each, group)[getattr(each, group).names[-1]]
                 assert column.units == getattr(run, group)[column.name].units
-
-
-@pytest.mark.parametrize(("library", "method"), [("xarray", "to_xarray"), ("pandas", "to_pandas")])
-def test_a_missing_library_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch, library: str, method: str) -> None:
-    monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(ExtraMissing, match=rf"{method} needs {library}: python3 .*tools/dev.py sync$"):
-        getattr(rubnoise.Columns(TRACE, {AREA.name: AREA}, ROWS, lambda *_: VALUES), method)()

@@ -8,19 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from simpy import Environment
 
 import rubnoise
 from rubnoise.contact.overlap import junction_area
-from rubnoise.errors import OutputRefused, Refused
+from rubnoise.errors import Refused
 from rubnoise.record.rows import JunctionState
-from rubnoise.runs.point_file import file_of, found
 from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
-from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.simulation import draws
-from rubnoise.simulation.junctions import Processes
-from rubnoise.simulation.state import LiveRows
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import call, names
 from tests.unit.tampering import tell
@@ -79,21 +74,6 @@ def raising_after(times: int) -> rubnoise.Observer:
             raise Sheared(junction)
 
     return rubnoise.Observer(birth=birth)
-
-
-def test_births_are_counted_as_they_happen_and_nothing_changes(scenario: Scenario, tmp_path: Path) -> None:
-    born: dict[int, float] = {}
-    counting = rubnoise.Observer(birth=born.__setitem__)
-    watched = rubnoise.simulate(scenario, observe=counting)
-    rows = watched.junctions["birth_distance"][:]
-    inside = ~np.signbit(rows)
-    assert born == dict(zip(np.flatnonzero(inside).tolist(), rows[inside].tolist(), strict=True))
-    assert contents(watched) == contents(rubnoise.simulate(scenario))
-    with rubnoise.run(scenario, tmp_path / "x.h5", observe=counting) as run:
-        assert contents(run) == contents(watched)
-        assert "intervention" not in run.provenance
-    # The comparison would notice a run in which one life is another.
-    assert contents(rubnoise.simulate(scenario, intervene=largest_goes)) != contents(watched)
 
 
 def test_what_an_intervention_ends_is_ended_early_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
@@ -169,43 +149,6 @@ def test_an_intervention_knows_nothing_of_blocks(scenario: Scenario) -> None:
     np.testing.assert_allclose([-place for place in places if place < 0.0], [600.0, 1200.0], rtol=1e-12)
 
 
-def test_a_clock_made_anew_in_a_block_would_be_seen(scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
-    play = Processes.__call__
-
-    def forgetful(self: Processes, **block: Any) -> LiveRows:
-        if block["state"].block > 0:
-            self._env = Environment(block["state"].begin)
-            self._start()
-        return play(self, **block)
-
-    monkeypatch.setattr(Processes, "__call__", forgetful)
-    places: list[float] = []
-    rubnoise.simulate(scenario, intervene=waits(places))
-    assert not np.allclose(np.remainder([place + 1.0 for place in places if place > 0.0], 7.0), 1.0)
-
-
-def test_a_life_ended_where_it_begins_has_no_length_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
-    bell: list[Any] = []
-
-    def birth(junction: int, _distance: float) -> None:
-        if junction % 100 == 50:
-            bell[0].succeed(junction)
-
-    def ends_newborns(env: Any, live: rubnoise.LiveJunctions) -> Iterator[Any]:
-        while True:
-            bell[:] = [env.event()]
-            number = yield bell[0]
-            live.end(number)
-
-    watching = rubnoise.Observer(birth=birth)
-    with rubnoise.run(scenario, tmp_path / "x.h5", observe=watching, intervene=ends_newborns) as run:
-        lives = run.junctions["life_distance"][:][50::100]
-        assert lives.size > 10
-        assert np.all((lives >= 0.0) & (lives < 1e-9))
-    with open_run(tmp_path / "x.h5") as file:
-        assert [str(check.first) for check in verify(file, regenerate=3).different] == []
-
-
 def test_what_a_callback_raises_comes_out_and_nothing_is_left(scenario: Scenario, tmp_path: Path) -> None:
     def breaks(env: Any, _live: Any) -> Iterator[Any]:
         yield env.timeout(700.0)
@@ -248,22 +191,3 @@ def test_guests_need_events(scenario: Scenario, tmp_path: Path, guest: Any) -> N
 def test_an_observer_is_made_of_functions() -> None:
     with pytest.raises(Refused, match="Observer: death: 3 is no function of a junction's number and a distance"):
         rubnoise.Observer(death=3)
-
-
-def test_a_run_with_an_intervention_is_no_run_of_a_sweep(tmp_path: Path) -> None:
-    file = tmp_path / "one.toml"
-    file.write_text(
-        'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
-        '[sliding]\ndistance = "300 um"\n[sweep]\nreplicates = 1\n',
-        encoding="utf-8",
-    )
-    (point,) = expand(load_sweep(file, ["run.engine=events"]))
-    path = file_of(tmp_path, point.run_id, "runs")
-    path.parent.mkdir()
-    rubnoise.run(point.scenario, path, intervene=largest_goes).close()
-    with pytest.raises(OutputRefused, match="is not the result of this run"):
-        found(point, path)
-    with pytest.raises(OutputRefused, match="exists already"):
-        rubnoise.run(point.scenario, path)
-    rubnoise.run(point.scenario, path, force=True).close()
-    assert found(point, path) is not None

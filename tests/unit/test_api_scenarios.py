@@ -2,7 +2,6 @@
 
 import gc
 import pickle
-import shlex
 from copy import copy
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from scipy import signal
 import rubnoise
 from rubnoise.api.sweep_result import short_names
 from rubnoise.api.sweeps import TemporaryFolder
-from rubnoise.errors import Refused, ScenarioRefused, how_to_install, in_shell
+from rubnoise.errors import Refused, ScenarioRefused
 from tests.cli.terminal import call
 
 # Scenarios by path, name or object, and other values of their keys.
@@ -128,32 +127,6 @@ def test_short_names_are_those_that_mean_one_key() -> None:
     assert short_names(["run.seed", "sliding.speed"], {"seed"}) == {"sliding.speed": "speed"}
 
 
-def test_a_sweep_goes_by_its_name_and_its_keys_without_dots(tmp_path: Path) -> None:
-    with rubnoise.sweep("paper/fig9", tmp_path / "s", jobs=1) as sweep:
-        data = sweep.to_xarray()
-        dotted = data["real_contact_area_std"].sel({"interface.mean_junction_count": 20.0})
-        np.testing.assert_array_equal(data["real_contact_area_std"].sel(mean_junction_count=20.0), dotted)
-        assert len(repr(sweep)) <= 1500
-        assert "<table>" in sweep._repr_html_()
-        assert sweep.plot("real_contact_area_std").axes
-
-
-def test_overrides_of_a_scenario_are_those_of_a_file() -> None:
-    overrides = ["run.seed=7", "sliding.speed = 2 mm/s", 'title="mine"']
-    assert rubnoise.load(BASE, overrides).resolved() == rubnoise.load("paper/fig5", overrides).resolved()
-    for source in (BASE, "paper/fig5"):
-        for wrong in ("run.seed=7", [7], ["run.seed"]):
-            with pytest.raises(rubnoise.Refused, match=r'a list of texts is needed, such as \["run.seed=7"\]'):
-                rubnoise.load(source, wrong)  # type: ignore[arg-type]
-
-
-def test_none_takes_a_key_of_a_table_away() -> None:
-    whole = {"law": "exponential", "spread": None}
-    changed = BASE.replace({"diameter": whole, "interface.calibration": "matched"})
-    parts = {"diameter.law": "exponential", "diameter.spread": None, "interface.calibration": "matched"}
-    assert changed.resolved() == BASE.replace(parts).resolved()
-
-
 @pytest.mark.parametrize(
     "asked",
     [
@@ -263,24 +236,6 @@ def test_a_choice_of_a_sweep_is_found_by_its_word() -> None:
         assert sweep.ratios("real_contact_area_mean", "shape", "lens")[0].value == 1.0
         with pytest.raises(ValueError, match=r"no point has pulse\.shape = 3"):
             sweep.ratios("real_contact_area_mean", "shape", 3)
-
-
-def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:
-    assert in_shell("x.h5: exists already (force=True replaces it)") == "x.h5: exists already (--force replaces it)"
-    assert in_shell("rubnoise.run(..., force=True) starts over") == "rubnoise run --force starts over"
-    assert in_shell("jobs=: 0 is no number") == "--jobs: 0 is no number"
-    assert in_shell("too little; jobs=3 fits") == "too little; --jobs 3 fits"
-
-
-def test_advice_on_what_is_missing_works_where_it_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    tool = shlex.split(how_to_install("plot"))[1]
-    assert Path(tool).is_file()
-    assert how_to_install("cluster").endswith("sync all")
-    monkeypatch.chdir(tmp_path)
-    there = Path(rubnoise.__file__).parents[2] / "tools" / "dev.py"
-    assert Path(shlex.split(how_to_install("plot"))[1]).samefile(there)
-    monkeypatch.setattr("rubnoise.errors.__file__", str(tmp_path / "lib" / "site-packages" / "rubnoise" / "errors.py"))
-    assert how_to_install("plot") == 'python -m pip install "rubnoise[plot]"'
 
 
 # Records of the user's own: read, checked, converted, and estimated from as runs are.

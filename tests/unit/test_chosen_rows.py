@@ -72,12 +72,6 @@ def test_rows_come_in_a_stable_order(file: RunFile, text: str | None, *, descend
         assert rows.tolist() == expected[:head], head
 
 
-@pytest.mark.parametrize("head", [None, 7, 700])
-def test_without_a_column_the_order_is_that_of_birth(file: RunFile, head: int | None) -> None:
-    assert select(file, head=head)[0].tolist() == list(range(ROWS))[:head]
-    assert select(file, head=head, descending=True)[0].tolist() == list(range(ROWS))[::-1][:head]
-
-
 @pytest.mark.parametrize("rows", [[], [3], [999, 0, 500, 500], list(range(1000)), list(range(999, -1, -3))])
 def test_columns_are_gathered_in_the_order_of_the_rows(file: RunFile, rows: list[int]) -> None:
     panels = list(gather(file, np.array(rows, dtype=np.int64), ["state", "junction", "birth_distance"]))
@@ -85,39 +79,6 @@ def test_columns_are_gathered_in_the_order_of_the_rows(file: RunFile, rows: list
     for name in ("state", "junction", "birth_distance"):
         told = np.concatenate([np.zeros(0), *(panel[name] for panel in panels)])
         assert told.tolist() == file.column("junctions", name)[rows].tolist()
-
-
-def test_only_what_is_needed_is_read_a_panel_at_a_time(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    read, asked = RunFile.column, []
-
-    def watched(self: RunFile, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        assert stop is not None
-        asked.append((name, stop - start))
-        return read(self, group, name, start, stop)
-
-    monkeypatch.setattr(RunFile, "column", watched)
-    rows, _ = select(file, condition("diameter > 2 and not ended_early"), sort="max_area", head=4)
-    assert {name for name, _ in asked} == {"diameter", "state", "max_area"}
-    assert max(count for _, count in asked) == CHUNK
-    asked.clear()
-    next(gather(file, rows, ["birth_distance"]))
-    assert sum(count for _, count in asked) <= 4 * 6
-
-
-def test_few_rows_are_held_where_few_are_wanted(file: RunFile) -> None:
-    best = selection._Best(5, descending=False)
-    for first in range(0, ROWS, CHUNK):
-        best.add(np.arange(first, first + CHUNK), np.random.default_rng(first).random(CHUNK))
-        assert sum(map(len, best._rows)) <= 5
-
-
-def test_a_run_without_junctions_has_none_to_choose(tmp_path: Path) -> None:
-    description = describe(0, 3)
-    write_run(tmp_path / "x.h5", description, random_rows(description))
-    with open_run(tmp_path / "x.h5") as file:
-        rows, total = select(file, condition("diameter > 1"), sort="diameter", head=3)
-        assert (rows.size, total) == (0, 0)
-        assert list(gather(file, rows, ["diameter"])) == []
 
 
 # Conditions on junctions: what they choose, and what is said where they cannot be read.
@@ -169,17 +130,6 @@ CHOSEN = {
 @pytest.mark.parametrize("text", CHOSEN)
 def test_a_condition_chooses_its_rows(text: str) -> None:
     assert np.flatnonzero(condition(text).chosen(SIX_ROWS)).tolist() == CHOSEN[text]
-
-
-def test_only_columns_that_are_named_are_needed() -> None:
-    assert condition("diameter > 6 and (complete or birth_time < 3 s)").columns == {"diameter", "state", "birth_time"}
-
-
-def test_a_state_is_a_bit_of_several() -> None:
-    both = {"state": np.array([1, 2, 3], dtype=np.uint8)}
-    assert condition("alive_at_start").chosen(both).tolist() == [True, False, True]
-    assert condition("state == alive_at_end").chosen(both).tolist() == [False, True, True]
-    assert condition("state == 3").chosen(both).tolist() == [False, False, True]
 
 
 REFUSED = {
@@ -241,12 +191,6 @@ def test_what_cannot_be_read_is_shown_with_a_caret(text: str) -> None:
         assert lines[-1] == (f"    {hint}" if hint else lines[2])
 
 
-def test_a_column_of_other_runs_is_told_apart_from_a_slip() -> None:
-    bare = [column for column in JUNCTIONS.columns if column.needs is None]
-    with pytest.raises(ConditionRefused, match="this run has no birth_time; it has junction, birth_distance"):
-        condition("birth_time > 1 s", bare)
-
-
 def test_length_and_depth_are_bounded() -> None:
     longest = "diameter > 1" + " " * (LONGEST - 12)
     deepest = "(" * 100 + "not " * 100 + "complete" + ")" * 100
@@ -255,12 +199,6 @@ def test_length_and_depth_are_bounded() -> None:
     for text in (f"{longest} ", "(" * 400 + "complete" + ")" * 400, "(" * LONGEST):
         with pytest.raises(ConditionRefused):
             condition(text)
-
-
-def test_what_would_steer_a_terminal_is_escaped() -> None:
-    with pytest.raises(ConditionRefused) as refused:
-        condition("diameter > 6 \x1b[31m")
-    assert "\x1b" not in str(refused.value)
 
 
 OPERATORS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
@@ -400,16 +338,6 @@ def test_rows_are_read_as_asked_for(huge: Path) -> None:
         assert _read(lambda: area[:: LAST_TICK // 10]) < 1_000_000
         assert _read(lambda: repr(run)) < 100_000
         assert _read(lambda: run.junction(LONG_RUN - 17)) < 1_000_000
-
-
-@COUNTED_BY_LINUX
-def test_xarray_reads_no_long_column_before_it_is_asked_to(huge: Path) -> None:
-    with rubnoise.open(huge) as run:
-        # xarray loads libraries of its own when it is first asked for something.
-        float(run.trace.to_xarray(index=False)["friction_force"][:9].mean())
-        assert _read(lambda: run.trace.to_xarray(index=False)) < 100_000
-        trace = run.trace.to_xarray(index=False)
-        assert _read(lambda: float(trace["friction_force"][1000:2000].mean())) < 200_000
 
 
 @COUNTED_BY_LINUX

@@ -19,9 +19,6 @@ from numba.core.caching import IndexDataCacheFile
 
 import rubnoise
 from rubnoise import compiling
-from rubnoise.contact.laws import Spread
-from rubnoise.simulation.cost import PROGRAM_BYTES, working_bytes
-from tests.models import bare, model
 
 # Machine code that is kept is not used any more once a file has changed that was compiled into it.
 PROGRAM = """
@@ -49,15 +46,6 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
     other.write_text(other.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     hits, _ = output()
     assert hits == "0"
-
-
-def test_of_two_processes_one_compiles_and_the_other_loads(tmp_path: Path) -> None:
-    """As the workers of the tests do (tests/warm.py); without turns both would compile."""
-    program = f"from tests.warm import take_turns\ntake_turns()\n{PROGRAM}"
-    variables = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), "NUMBA_CACHE_DIR": str(tmp_path)}
-    words = [sys.executable, "-c", program]
-    both = [subprocess.Popen(words, env=variables, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    assert sorted(each.communicate()[0].split()[0] for each in both) == ["0", "1"]
 
 
 def test_every_file_that_is_compiled_into_others_is_known() -> None:
@@ -150,26 +138,3 @@ def _nowhere(*, cache: bool = False, **how: Any) -> Any:
     if cache:
         raise RuntimeError("cannot cache function: no locator available")
     return numba.njit(**how)
-
-
-# Estimates of memory and time: how they grow, and that they are near what a process really takes.
-ENGINES = ("events", "batch")
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_memory_does_not_depend_on_the_length_of_a_run(engine: Any) -> None:
-    assert working_bytes(model(distance=1e5), engine) == working_bytes(model(distance=1e7), engine)
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_memory_grows_with_the_number_of_junctions_at_once(engine: Any) -> None:
-    equal = Spread(absolute=0.0)
-    needs = [working_bytes(bare(count=count, spread=equal, distance=1e4), engine) for count in (1e4, 1e5, 1e6)]
-    assert 3.0 < needs[1] / needs[0] < 10.0
-    assert needs[2] / needs[1] == pytest.approx(10.0, rel=0.2)
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_thin_contact_needs_no_more_memory_than_another(engine: Any) -> None:
-    assert working_bytes(model(count=0.01, distance=1e6), engine) <= 2 * working_bytes(model(distance=1e6), engine)
-    assert working_bytes(model(count=0.01, distance=1e6), engine) < 0.25 * PROGRAM_BYTES

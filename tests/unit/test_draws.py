@@ -1,38 +1,27 @@
 """What a seed decides: streams, deviates by inversion, and draws block by block."""
 
 import itertools
-import sys
-from dataclasses import replace
 
 import mpmath
 import numpy as np
 import pytest
 from scipy import special
 
-from rubnoise.contact import deviates, plain_deviates
 from rubnoise.contact import deviates as module
+from rubnoise.contact import plain_deviates
 from rubnoise.contact.deviates import (
     antilogarithm,
-    density_at_the_mean,
-    exponential,
     gamma_deviates,
-    likely_range,
     logarithm,
     normal_above,
     normal_quantile,
 )
 from rubnoise.contact.laws import Spread
-from rubnoise.simulation import draws
 from rubnoise.simulation.draws import (
-    birth_distances,
-    births_by_block,
-    births_per_block,
     draw_blocks,
-    first_birth,
-    start,
 )
-from rubnoise.streams import SEED_LIMIT, Stream, generator, uniforms
-from tests.models import UNEQUAL, bare, model
+from rubnoise.streams import Stream, uniforms
+from tests.models import bare, model
 from tests.verification.scores import seed_of
 
 # Named streams: the same numbers for the same purpose, and others for another.
@@ -74,19 +63,6 @@ def test_a_stream_is_philox_keyed_by_seed_and_purpose() -> None:
     assert np.array_equal(uniforms(9, Stream.GAPS, 5, 4), expected)
 
 
-def test_uniforms_lie_on_a_grid_below_one() -> None:
-    u = uniforms(1, Stream.GAPS, 0, COUNT)
-    assert np.all((u >= 0.0) & (u < 1.0))
-    assert np.array_equal(u * 2.0**53, np.floor(u * 2.0**53))
-    assert abs(u.mean() - 0.5) <= 4.0 / np.sqrt(12.0 * COUNT)
-
-
-def test_numbers_do_not_depend_on_how_many_are_drawn() -> None:
-    assert np.array_equal(uniforms(3, Stream.DIAMETERS, 7, 10), uniforms(3, Stream.DIAMETERS, 7, 500)[:10])
-    assert np.array_equal(uniforms(3, Stream.DIAMETERS, 7, 10), generator(3, Stream.DIAMETERS, 7).random(10))
-    assert uniforms(3, Stream.DIAMETERS, 7, 0).size == 0
-
-
 def test_streams_are_independent_of_each_other() -> None:
     seed = seed_of("streams")
     drawn = [uniforms(seed, stream, 0, COUNT) for stream in Stream]
@@ -116,19 +92,9 @@ def test_a_shared_half_would_be_seen() -> None:
     assert correlation(one, other) > 4.5
 
 
-def test_the_largest_seed_has_its_own_numbers() -> None:
-    largest = uniforms(SEED_LIMIT - 1, Stream.GAPS, 0, 8)
-    assert not np.array_equal(largest, uniforms(SEED_LIMIT - 2, Stream.GAPS, 0, 8))
-
-
 # Deviates by inversion against a library's special functions, and their moments against theory.
 MANY = 200_000
 UNIFORM = np.random.default_rng(20).random(MANY)
-
-
-def test_logarithm_is_right_to_the_last_bits():
-    x = np.concatenate([UNIFORM[UNIFORM > 0], 1.0 - 2.0**-53 * np.arange(1, 100), 2.0 ** -np.arange(1.0, 1000.0)])
-    assert np.abs(logarithm(x) / np.log(x) - 1.0).max() < 5e-16
 
 
 def test_numpy_has_the_bits_of_the_compiled_functions():
@@ -140,16 +106,6 @@ def test_numpy_has_the_bits_of_the_compiled_functions():
     assert plain_deviates.logarithms(numbers[:0]).size == plain_deviates.normal_quantiles(numbers[:0]).size == 0
 
 
-@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
-def test_without_the_compiler_arrays_of_any_shape_come_back(shape: tuple[int, ...], monkeypatch: pytest.MonkeyPatch):
-    numbers = UNIFORM[: np.prod(shape, dtype=int)].reshape(shape)
-    compiled = logarithm(numbers), normal_quantile(numbers), exponential(numbers)
-    monkeypatch.setattr(deviates, "_has_compiler", lambda: False)
-    monkeypatch.setitem(sys.modules, "rubnoise.contact.compiled_deviates", None)  # not to be imported
-    plain = logarithm(numbers), normal_quantile(numbers), exponential(numbers)
-    assert [(each.shape, each.tobytes()) for each in plain] == [(each.shape, each.tobytes()) for each in compiled]
-
-
 def test_antilogarithm_is_right_to_the_last_bit():
     x = np.concatenate([np.linspace(-708.0, 709.0, 3001), UNIFORM[:3000] - 0.5, 1e-9 * UNIFORM[:100]])
     with mpmath.workdps(30):
@@ -159,36 +115,11 @@ def test_antilogarithm_is_right_to_the_last_bit():
     assert max(map(abs, errors)) < 2.0**-52
 
 
-def test_antilogarithm_undoes_the_logarithm_and_ends_where_doubles_do():
-    x = np.array([1e-300, 0.3, 1.0, 7.0, 1e300])
-    assert antilogarithm(logarithm(x)) == pytest.approx(x, rel=2e-13)
-    assert antilogarithm(np.array([0.0])).tolist() == [1.0]
-    tiny = antilogarithm(np.array([-708.0, -1e4]))
-    assert tiny[0] == tiny[1] > 0.0
-
-
 def test_normal_quantile_follows_the_library_into_both_tails():
     p = np.concatenate([UNIFORM, 10.0 ** -np.linspace(0.5, 300, 5000), 1.0 - 10.0 ** -np.linspace(0.5, 15.9, 5000)])
     expected = special.ndtri(p)
     assert np.abs(normal_quantile(p) - expected).max() < 1e-13
     assert np.abs(normal_quantile(p) / expected - 1.0)[np.abs(expected) > 1e-3].max() < 1e-14
-
-
-@pytest.mark.parametrize(("power", "moment", "variance"), [(1, 1.0, 1.0), (2, 2.0, 20.0), (3, 6.0, 684.0)])
-def test_exponential_moments(power, moment, variance):
-    z = (np.mean(exponential(UNIFORM) ** power) - moment) / np.sqrt(variance / MANY)
-    assert abs(z) <= 4
-
-
-def test_a_one_percent_longer_gap_would_be_seen():
-    z = (np.mean(1.01 * exponential(UNIFORM)) - 1.0) / np.sqrt(1.0 / MANY)
-    assert abs(z) > 4
-
-
-def test_uniform_ends_give_finite_deviates():
-    ends = np.array([0.0, 1.0 - 2.0**-53])
-    assert np.all(np.isfinite(exponential(ends)))
-    assert np.all(np.isfinite(normal_above(ends, 1.0)))
 
 
 def test_normal_above_lies_above_its_bound():
@@ -221,17 +152,6 @@ def test_deviates_invert_the_distribution_function(shape):
         assert max(map(abs, relative_errors(mpmath.mpf(shape)))) < 1e-15
 
 
-@pytest.mark.parametrize("shape", ["0.1111111", "25", "1e20"])
-def test_finer_pieces_and_more_terms_change_nothing_but_rounding(shape, monkeypatch):
-    as_is = gamma_deviates(FEW_UNIFORM, mpmath.mpf(shape))
-    module._table.cache_clear()
-    for name, value in {"_PIECES_PER_UNIT": 16, "_REACH": 136, "_TERMS_KEPT": 15, "_TERMS_STEPPED": 44}.items():
-        monkeypatch.setattr(module, name, value)
-    finer = gamma_deviates(FEW_UNIFORM, mpmath.mpf(shape))
-    module._table.cache_clear()
-    assert np.max(np.abs(finer / as_is - 1.0) / (1.0 + np.abs(np.log(as_is)))) < 5e-16
-
-
 def test_too_few_terms_would_be_seen(monkeypatch):
     module._table.cache_clear()
     monkeypatch.setattr(module, "_TERMS_STEPPED", 14)
@@ -241,63 +161,8 @@ def test_too_few_terms_would_be_seen(monkeypatch):
     assert worst > 1e-15
 
 
-@pytest.mark.parametrize("shape", [0.2, 1.0, 40.0])
-def test_hardly_anything_lies_beyond_the_likely_range(shape):
-    low, high = likely_range(mpmath.mpf(shape))
-    below = mpmath.gammainc(shape, 0, shape * low, regularized=True)
-    above = mpmath.gammainc(shape, shape * high, mpmath.inf, regularized=True)
-    assert 1e-20 < below <= 5e-17
-    assert 1e-20 < above <= 5e-17
-
-
-def test_the_density_at_the_mean_of_the_exponential_law_is_one_over_e():
-    assert float(density_at_the_mean(mpmath.mpf(1))) == pytest.approx(np.exp(-1.0), rel=1e-15)
-
-
 # What a seed decides, block by block.
 RUN = bare(distance=3_000.0, tick=1.0)
-
-
-@pytest.mark.parametrize(
-    ("count", "births"), [(0.01, 1000), (20.0, 1000), (100.0, 1000), (100.01, 1001), (5000.0, 50_000)]
-)
-def test_a_block_has_a_thousand_births_or_ten_lives(count: float, births: int) -> None:
-    assert births_per_block(bare(count=count)) == births
-
-
-def test_each_birth_is_the_one_before_plus_its_gap() -> None:
-    birth, gaps = birth_distances(RUN, 4, 2, 812.25)
-    assert birth[0] == 812.25
-    at = 812.25
-    for gap, following in zip(gaps.tolist(), birth[1:].tolist(), strict=True):
-        at += gap
-        assert at == following
-
-
-def test_blocks_follow_each_other_without_a_gap() -> None:
-    block, begin, seen = 0, first_birth(RUN, 4), []
-    while begin <= RUN.distance:
-        births = draw_blocks(RUN, 4, block, begin)
-        assert births.birth[0] == begin
-        seen.extend(births.birth.tolist())
-        block, begin = block + 1, births.next_birth
-    assert len(seen) == sum(births_by_block(RUN, 4))
-    assert block == -(-len(seen) // 1000)
-    assert seen[-1] <= RUN.distance < begin
-
-
-def test_a_birth_at_the_very_end_is_still_of_the_run() -> None:
-    birth, _ = birth_distances(RUN, 4, 0, first_birth(RUN, 4))
-    at = replace(RUN, distance=float(birth[10]))
-    assert sum(births_by_block(at, 4)) == 11
-    assert draw_blocks(at, 4, 0, first_birth(at, 4)).next_birth == birth[11]
-    assert sum(births_by_block(replace(RUN, distance=float(np.nextafter(birth[10], 0.0))), 4)) == 10
-
-
-def test_no_birth_within_the_run() -> None:
-    run = bare(count=0.01, distance=1e-3, tick=1e-3)
-    assert sum(births_by_block(run, 1)) == 0
-    assert len(draw_blocks(run, 1, 0, first_birth(run, 1))) == 0
 
 
 def test_one_purpose_never_shifts_another() -> None:
@@ -309,42 +174,3 @@ def test_one_purpose_never_shifts_another() -> None:
     assert np.array_equal(draw_blocks(stressed, 4, 0, 1.0).diameter, first.diameter)
     assert np.all(draw_blocks(stressed, 4, 0, 1.0).strength == 250.0)
     assert np.all(first.strength == 1.0)
-
-
-def test_the_start_is_in_order_of_birth_and_alive() -> None:
-    state = start(RUN, 4)
-    assert np.all(np.diff(state.live.birth) >= 0.0)
-    assert np.all(state.live.birth <= 0.0)
-    assert np.all(state.live.death > 0.0)
-    assert state.junctions == len(state.live) == state.live.junction[-1] + 1
-    assert (state.block, state.ticks, state.begin, state.velocity) == (0, 0, 0.0, 0.0)
-    assert len(start(replace(RUN, start="empty"), 4).live) == 0
-
-
-def test_the_slider_starts_where_the_model_says() -> None:
-    assert start(model(), 4).displacement == pytest.approx(170.561, rel=1e-5)
-    assert start(RUN, 4).displacement == 0.0
-
-
-@pytest.mark.parametrize("mean", [0.0, 0.3, 20.0, 1024.0, 5000.0])
-def test_a_poisson_count_is_how_many_unit_exponentials_fit(mean: float) -> None:
-    """Also beyond the 1024 that are drawn at a time."""
-    waits = exponential(generator(8, Stream.START_COUNT).random(9_000))
-    total, count = 0.0, 0
-    while total + waits[count] <= mean:
-        total += waits[count]
-        count += 1
-    assert draws._poisson(8, mean) == count
-
-
-@pytest.mark.parametrize("births", ["poisson", "regular"])
-def test_blocks_drawn_together_are_the_blocks_drawn_alone(monkeypatch, births):
-    run = model(distance=6000.0, births=births, strength=UNEQUAL)
-    together = draw_blocks(run, 5, 9, 4977.0)
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    alone = draw_blocks(run, 5, 9, 4977.0)
-    assert len(together) == len(alone) > 500
-    for column in ("birth", "gaps", "diameter", "strength"):
-        assert getattr(together, column).tobytes() == getattr(alone, column).tobytes()
-    with pytest.raises(ValueError, match="read-only"):
-        together.diameter[0] = 1.0

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import replace
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 import pytest
@@ -14,8 +14,6 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import (
     velocity_weakening,
-    white_displacement_spectrum,
-    white_force_spectrum,
     white_noise,
 )
 from rubnoise.theory.asperities import height_integral
@@ -41,15 +39,6 @@ def test_white_noise_has_its_published_figures() -> None:
     assert white_noise(replace(model(births="gamma"), pulse=one_size().pulse)).wavenumber is None
 
 
-def test_the_spectrum_that_white_noise_leaves_has_its_variances() -> None:
-    run = one_size()
-    found, w = white_noise(run), np.linspace(0.0, 20_000.0, 400_001)
-    density = white_displacement_spectrum(run, w)
-    assert np.trapezoid(density, w) / pi == pytest.approx(found.displacement_std**2, rel=1e-4)
-    assert np.trapezoid(density * w * w, w) / pi == pytest.approx(found.velocity_std**2, rel=5e-3), "its tail is long"
-    assert white_force_spectrum(run, w[:2]).tolist() == pytest.approx([found.force_density] * 2, rel=1e-14)
-
-
 LISTS: list[dict[str, object]] = [
     {"law": "empirical", "values": [4.0, 5.0, 8.5]},
     {"law": "mixture", "weights": [1.0, 2.0], "parts": [{"law": "fixed", "mean": 4}, {"law": "fixed", "mean": 9}]},
@@ -62,23 +51,6 @@ def test_lists_of_sizes_are_the_same_when_read_again(sizes: dict[str, object]) -
     asked = {"interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}, "diameter": sizes}
     resolved = rubnoise.build({"format": 1, "sliding": {"distance": 1000.0}} | asked).resolved()
     assert json.loads(json.dumps(resolved)) == resolved
-
-
-@pytest.mark.parametrize("births", ["poisson", "regular", "gamma"])
-@pytest.mark.parametrize("sizes", LISTS)
-def test_lists_of_sizes_answer_one_number_with_one_number(sizes: dict[str, object], births: str) -> None:
-    """The slider's back action asks for the density at 0 alone."""
-    contact = {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}
-    birth = {"law": births} | ({"shape": 2.0} if births == "gamma" else {})
-    slider = {"mass": "5 g", "stiffness": "300 N/m", "damping_ratio": 0.02}
-    rest = {"strength": {"mean": "250 MPa"}, "sliding": {"distance": 1000.0, "speed": 1000.0}, "slider": slider}
-    theory = rubnoise.exact(
-        rubnoise.build({"format": 1, "interface": contact, "diameter": sizes, "birth": birth} | rest)
-    )
-    for answer in (theory.spectral_density, theory.autocovariance, theory.area_from_empty, theory.count_from_empty):
-        assert np.shape(answer(0.3)) == ()
-        assert answer([[0.3], [0.4]])[0, 0] == answer(0.3)
-    assert (theory.coupling().strength > 0.0) == (births == "poisson")
 
 
 BIRTHS: dict[str, tuple[dict[str, object], list[float], float]] = {
@@ -103,24 +75,6 @@ def test_births_have_their_spectra_to_every_digit(name: str) -> None:
     assert theory.mean_diameter == pytest.approx(5.530012635, rel=1e-9)
     assert theory.spectral_density(np.array([0.01, 0.1, 0.3, 1.0])) == pytest.approx(densities, rel=5e-6)
     assert theory.area.std / theory.area.mean == pytest.approx(spread, rel=2e-3), "kept to what its brute sums resolve"
-
-
-def test_parabolas_of_rough_surfaces_need_a_matched_mean() -> None:
-    asked = {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0}
-    rough = {
-        "format": 1,
-        "sliding": {"distance": 1000.0},
-        "pulse": {"shape": "parabola"},
-        "diameter": {"law": "weibull", "spread": f"{100.0 * sqrt(4.0 / pi - 1.0)!r} %"},
-    }
-    matched, exact = (
-        rubnoise.exact(rubnoise.build(rough | {"interface": asked | {"calibration": name}}))
-        for name in ("matched", "exact")
-    )
-    assert matched.mean_diameter == pytest.approx(sqrt(10.0), rel=1e-9)
-    assert matched.area.mean == pytest.approx(200.0, rel=1e-9)
-    assert sqrt(20.0) * matched.area.std / matched.area.mean == pytest.approx(sqrt(2.0), rel=1e-9)
-    assert exact.area.mean / 200.0 == pytest.approx(1.9099, abs=5e-5)
 
 
 @pytest.mark.parametrize(("count", "times"), [(20.0, 1.0), (0.2, 0.1)])

@@ -50,43 +50,6 @@ def test_a_function_of_a_place_answers_every_number_and_refuses_the_rest(name: s
             function(wrong)
 
 
-def test_both_units_are_named() -> None:
-    with pytest.raises(rubnoise.Refused, match="lag: 2 second: a quantity in um is needed"):
-        THEORY.autocovariance(2 * UNIT.s)
-
-
-@pytest.mark.parametrize("births", [{"law": "regular"}, {"law": "jittered", "jitter": "20 %"}])
-def test_an_autocovariance_that_swings_for_ever_has_no_limit(births: dict[str, Any]) -> None:
-    theory = rubnoise.exact(BASE.replace({f"birth.{key}": value for key, value in births.items()}))
-    assert np.isnan(theory.autocovariance(np.nan))
-    assert theory.autocovariance([]).shape == (0,)
-    with pytest.raises(rubnoise.Refused, match="lag: inf: there is no limit"):
-        theory.autocovariance([1.0, np.inf])
-
-
-def test_one_number_is_asked_for() -> None:
-    for wrong in ("5", [1.0, 2.0]):
-        with pytest.raises(rubnoise.Refused, match=r"^distance: "):
-            THEORY.expected_mean_area(wrong)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("ticks", ["256", 3.0, True, 100 * UNIT.um])
-def test_a_segment_has_a_whole_number_of_ticks(ticks: Any) -> None:
-    with pytest.raises(rubnoise.Refused, match=r"ticks: .* whole number"):
-        THEORY.estimated_spectrum(ticks)
-    assert THEORY.estimated_spectrum(np.int64(256)).ticks == 256  # type: ignore[arg-type]
-
-
-def test_a_static_contact_takes_quantities_of_pint() -> None:
-    texts = {"radius": "50 um", "height": "0.5 um", "density": "300 1/mm^2", "modulus": "100 GPa", "load": "1 N"}
-    found = rubnoise.greenwood_williamson(**{name: UNIT(text) for name, text in texts.items()})
-    assert found.load == pytest.approx(1e6, rel=1e-12)
-    assert found.real_contact_area == pytest.approx(rubnoise.greenwood_williamson(**texts).real_contact_area, rel=1e-12)
-    for wrong in (10 * UNIT.s, [1.0, 2.0], None, float("nan"), True):
-        with pytest.raises(rubnoise.Refused, match=r"^radius: "):
-            rubnoise.greenwood_williamson(**texts | {"radius": wrong})
-
-
 FORCES = np.array([1.0, 2.0, 1.5])
 TIMES = np.array([0.0, 0.1, 0.2])
 
@@ -232,21 +195,6 @@ def test_the_path_of_a_result_beside_a_picture_is_told_what_goes(
     RECORD.save(tmp_path / "run.h5").close()
     with pytest.raises(rubnoise.Refused, match=f"beside.*{told}"):
         RECORD.plot(**words, beside=tmp_path / "run.h5")
-
-
-@pytest.mark.parametrize(
-    ("source", "words"),
-    [
-        (FORCES, {"rate": "10 Hz", "unit": "N", "place": "time"}),
-        (FORCES, {"rate": "10 Hz", "unit": "N", "column": "force"}),
-        ("m.csv", {"name": "mine"}),
-    ],
-)
-def test_a_word_without_effect_is_refused(source: Any, words: dict[str, Any]) -> None:
-    with pytest.raises(rubnoise.Refused, match=f"^{list(words)[-1]}=: .* has no effect"):
-        rubnoise.Trace(source, **words)
-    with pytest.raises(rubnoise.Refused, match="column=: 2: an array has one column"):
-        rubnoise.infer(FORCES, column=2, rate="10 Hz", unit="N", speed="1 mm/s")
 
 
 def test_a_trace_is_not_turned_round() -> None:

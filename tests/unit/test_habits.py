@@ -1,6 +1,5 @@
 """Calls written from the habits of numpy, pandas and xarray: what works at first try, and what is refused with help."""
 
-import pickle
 import shutil
 from pathlib import Path
 
@@ -187,43 +186,6 @@ def test_a_scenario_that_was_written_has_the_same_bits(desk, tmp_path):
     assert first.tobytes() == second.tobytes()
     with pytest.raises(rubnoise.Refused, match="force=True"):
         changed.save(tmp_path / "again.toml")
-
-
-def test_a_fit_shows_what_it_holds(desk):
-    fit = desk["fit"]
-    value = fit.estimates["diameter"].value
-    assert f"{value:.5g}" in repr(fit)
-    assert f"{value:.5g}" in fit._repr_html_()
-    assert fit.to_pandas().loc["diameter", "value"] == value
-    assert fit.scenario.strength.mean == pytest.approx(fit.estimates["shear_strength"].value, rel=1e-5)
-
-
-def test_a_sweep_without_a_folder_leaves_nothing(desk):
-    swept = rubnoise.sweep(desk["sc"], grid={"interface.mean_junction_count": [10, 20]}, jobs=1)
-    place = swept.path
-    assert place.exists()
-    assert swept.count("done") == 2
-    swept.close()
-    del swept
-    assert not place.exists()
-
-
-def test_traces_are_cut_and_kept(desk):
-    trace = desk["trace"]
-    part = trace[1000:3000]
-    assert (len(part), part.step) == (2000, trace.step)
-    assert np.array_equal(part["Friction force"], trace["Friction force"][1000:3000])
-    again = pickle.loads(pickle.dumps(trace))  # noqa: S301  (made here)
-    assert np.array_equal(again["Friction force"], trace["Friction force"])
-    assert again.units == trace.units
-
-
-def test_names_complete_themselves(desk):
-    run = desk["run"]
-    assert "friction_force" in dir(run.trace)
-    assert run.trace._ipython_key_completions_() == list(run.trace.names)
-    with pytest.raises(AttributeError, match="friction_force"):
-        run.trace.friction  # noqa: B018
 
 
 def test_a_picture_has_the_size_of_a_column(desk):

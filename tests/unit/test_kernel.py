@@ -3,13 +3,12 @@
 from itertools import pairwise
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import PULSES
-from rubnoise.simulation.kernel import LENS, count_live, lobatto, peak_areas, sum_at_places, sum_over_cells
+from rubnoise.simulation.kernel import peak_areas, sum_at_places, sum_over_cells
 from rubnoise.simulation.state import LiveRows
 from tests.oracle.second.sums import off_centre_fraction
 
@@ -66,15 +65,6 @@ def moments_of_one_life(name: str, rows: LiveRows, row: int, cells: int) -> Doub
             z = 2.0 * (s - cell) - 1.0
             found[:, cell] += share.sum(), (share * z).sum(), (share * (1.5 * z * z - 0.5)).sum()
     return found
-
-
-@pytest.mark.parametrize("u", [1e-9, 1e-3, 0.1, 0.5, 0.999, 1.0])
-def test_the_series_of_the_lens_is_the_lens(u: float) -> None:
-    with mpmath.workdps(40):
-        x = 1 - mpmath.mpf(u)
-        exact = (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
-        found = mpmath.mpf(u) ** 1.5 * sum(c * mpmath.mpf(u) ** n for n, c in enumerate(LENS))
-        assert abs(found / exact - 1) < 2e-14
 
 
 @EVERY_SHAPE
@@ -144,21 +134,6 @@ def test_no_bit_depends_on_where_a_run_is_cut(name: str, cuts: list[int]) -> Non
         part, of_part = sum_over_cells(shape, *here)  # type: ignore[arg-type]
         assert np.array_equal(part, total[first : end + 1])
         assert np.array_equal(of_part, moments[:, first:end])
-
-
-@EVERY_SHAPE
-def test_one_place_within_a_cell_is_enough_for_long_lives(name: str) -> None:
-    rows, shape = lives(name, 3.3, 130.4, offset=0.3), name.rsplit(maxsplit=1)[-1]
-    two, one = (sum_over_cells(shape, rows, np.ones(1), 0, 270, 1.0, within)[1] for within in (2, 1))  # type: ignore[arg-type]
-    assert np.abs(two - one)[0].max() < 1e-7
-    assert lobatto(1)[1][0] == pytest.approx(np.array([1.0, 4.0, 1.0]) / 6.0)
-    assert lobatto(2)[1][0] == pytest.approx(np.array([1.0, 5.0, 5.0, 1.0]) / 12.0)
-
-
-def test_a_junction_counts_from_its_birth_until_it_is_gone() -> None:
-    birth, departure = np.array([-3.0, 0.5, 2.0, 2.0, 9.0]), np.array([1.0, 4.0, np.inf, 2.0, 9.5])
-    assert count_live(0, 8, 1.0, birth, departure).tolist() == [1, 1, 2, 2, 1, 1, 1, 1]
-    assert count_live(3, 5, 1.0, birth, departure).tolist() == [2, 1]
 
 
 @pytest.mark.parametrize("shape", ["lens", "parabola"])

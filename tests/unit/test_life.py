@@ -1,31 +1,23 @@
 """One junction's life as told from its file, and its picture."""
 
-import sys
-import warnings
 from collections.abc import Iterator
-from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
 import h5py
-import matplotlib as mpl
 import matplotlib.image
 import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis import selection as selection_module
 from rubnoise.analysis.life import Life, life_of
 from rubnoise.contact.overlap import junction_area
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.errors import RunFileRefused
 from rubnoise.figures import style
 from rubnoise.figures.life import life_png
-from rubnoise.figures.style import PicturesMissing
-from rubnoise.record.rows import JunctionState
 from rubnoise.storage.reader import RunFile, open_run
 from tests.architecture.sources import ROOT
-from tests.format.runs import describe, random_rows, write_run
-from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, RECORD_END, SPEED, STRENGTH, bare_file, lives_file
+from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, STRENGTH, bare_file, lives_file
 
 # One junction's life as told from its file, held to sums over all rows that are written out here.
 DEATH = np.minimum(DEPARTURE, BIRTH + 2.0 * DIAMETER)
@@ -61,13 +53,6 @@ def test_the_peak_and_its_shares_are_those_of_the_rows(file: RunFile, number: in
     assert life.beside.rows.tolist() == [row for row in np.flatnonzero(areas) if row != number]
 
 
-def test_shares_of_all_that_are_alive_add_up(file: RunFile) -> None:
-    life = life_of(file, 2)
-    others = life.beside.area(life.peak_distance) / life.real_contact_area
-    assert others.sum() + life.area_share == pytest.approx(1.0, rel=1e-14)
-    assert life.area_share != pytest.approx(life.force_share, rel=0.01)  # strengths differ
-
-
 def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
     before, at, after = (life_of(file, number) for number in (3, 5, 4))
     assert before.mid_life_distance is None
@@ -78,26 +63,6 @@ def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
     assert after.peak_area == pytest.approx(after.max_area, rel=1e-14)
 
 
-def test_a_curve_goes_from_birth_to_death_over_mid_life(file: RunFile) -> None:
-    life = life_of(file, 2)
-    curve = life.curve()
-    distance, area = curve["distance"], curve["area"]
-    assert (distance[0], distance[100], distance[-1], distance.size) == (2.0, 8.0, 14.0, 201)
-    assert (area[0], area[-1]) == (0.0, 0.0)
-    assert area[100] == area.max() == pytest.approx(9.0 * np.pi, rel=1e-15)
-    assert np.trapezoid(area, distance) == pytest.approx(2.0 / 3.0 * 6.0**3, rel=1e-4)
-    np.testing.assert_allclose(curve["time"], distance / SPEED, rtol=1e-14)
-    np.testing.assert_allclose(curve["force"], 100.0 * area, rtol=1e-15)
-
-
-@pytest.mark.parametrize(("number", "points"), [(3, 101), (5, 101), (4, 151)])
-def test_the_curve_of_a_life_ended_early_stops_where_it_was(file: RunFile, number: int, points: int) -> None:
-    curve = life_of(file, number).curve()
-    assert curve["distance"].size == points
-    assert curve["distance"][-1] == DEATH[number]
-    assert curve["area"][-1] > 1.0
-
-
 def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:
     with bare_file(tmp_path / "x.h5") as file:
         life = life_of(file, 2)
@@ -105,34 +70,6 @@ def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:
     assert life.time(3.0) is None
     assert (life.peak_force, life.friction_force, life.force_share) == (None, None, None)
     assert life.area_share > 0.0
-
-
-def test_born_where_the_record_ends_it_has_no_share(file: RunFile) -> None:
-    life = replace(life_of(file, 7), birth_distance=RECORD_END, others=life_of(file, 7).others.alive(-100.0))
-    assert (life.peak_area, life.real_contact_area, life.area_share) == (0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("number", [-1, 8, 10**30])
-def test_a_row_that_is_not_there_is_refused_with_the_range(file: RunFile, number: int) -> None:
-    with pytest.raises(Refused, match=rf"no junction {number} in this run; it has junctions 0 to 7"):
-        life_of(file, number)
-
-
-def test_a_file_that_does_not_say_how_far_it_goes_is_refused(tmp_path: Path) -> None:
-    description = describe()
-    write_run(tmp_path / "x.h5", description, random_rows(description))
-    with open_run(tmp_path / "x.h5") as file, pytest.raises(RunFileRefused, match="gives no sliding distance"):
-        life_of(file, 3)
-
-
-def test_panels_do_not_change_the_answer(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = life_of(file, 2)
-    monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 3)
-    monkeypatch.setattr(selection_module, "AREAS_AT_ONCE", 3)
-    parts = life_of(file, 2)
-    assert parts.others.rows.tolist() == whole.others.rows.tolist() == [1, 3, 4, 5]
-    distance = np.linspace(2.0, 14.0, 50)
-    np.testing.assert_allclose(parts.others.total_area(distance), whole.others.total_area(distance), rtol=1e-14)
 
 
 @pytest.fixture(scope="module")
@@ -204,29 +141,6 @@ def test_every_life_can_be_drawn_with_nothing_cut_off(lives: list[Life], number:
     assert blue[:420].sum() > 1000  # its curve, above
 
 
-def test_nothing_is_written_over_the_axis_beside_a_narrow_band(lives: list[Life]) -> None:
-    life = replace(lives[1], birth_distance=-0.3, death_distance=7.7)
-    dark = np.all(_pixels(life_png(life, "x.h5")) < 0.3, axis=2)
-    spine = int(np.argmax(dark[:, :200].sum(axis=0)))
-    lines = np.flatnonzero(dark.sum(axis=1) > 800)
-    feet = lines[lines > 200]  # above is the axis of times
-    assert np.ptp(feet) > 300  # of both axes
-    for foot in feet[[0, -1]]:
-        assert np.all(dark[foot - 100 : foot, spine])
-
-
-def test_a_life_ended_after_its_peak_is_told_from_a_whole_one(lives: list[Life]) -> None:
-    whole = replace(lives[4], state=JunctionState.COMPLETE)
-    assert life_png(lives[4]) != life_png(whole)
-
-
-def test_its_part_of_the_contact_grows_with_its_share(lives: list[Life]) -> None:
-    large, small = (_of_colour(_pixels(life_png(lives[n])), style.BLUE)[450:].sum() for n in (6, 4))
-    assert lives[6].area_share == 1.0
-    assert lives[4].area_share < 0.4
-    assert large > 2 * small
-
-
 def _luminance(colour: str) -> float:
     red, green, blue = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
     return 0.299 * red + 0.587 * green + 0.114 * blue
@@ -235,30 +149,3 @@ def _luminance(colour: str) -> float:
 def test_colours_are_told_apart_in_grey() -> None:
     greys = sorted(map(_luminance, (style.INK, style.BLUE, style.VERMILION, style.FAINT, style.PALE, "#ffffff")))
     assert np.diff(greys).min() > 0.08
-
-
-def test_the_same_life_gives_the_same_picture_whatever_is_set(lives: list[Life]) -> None:
-    with mpl.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
-        assert life_png(lives[2]) == life_png(lives[2])
-        red = life_png(lives[2])
-    assert red == life_png(lives[2])
-    assert red != life_png(lives[6])
-
-
-@pytest.mark.parametrize("name", ["cost$5_{x", "表面.h5", "x" * 300])
-def test_odd_names_are_drawn_as_they_are(lives: list[Life], name: str) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        pixels = _pixels(life_png(lives[2], name))
-    assert np.all(pixels[:, -2:] == 1.0)
-
-
-def test_a_bare_run_is_drawn_without_times(tmp_path: Path, lives: list[Life]) -> None:
-    with bare_file(tmp_path / "bare.h5") as file:
-        assert life_png(life_of(file, 2)) != life_png(lives[2])
-
-
-def test_without_matplotlib_it_is_said_how_to_get_it(lives: list[Life], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(PicturesMissing, match=r"a picture needs matplotlib: python3 .*tools/dev\.py sync$"):
-        life_png(lives[2])

@@ -92,16 +92,6 @@ def test_a_sweep_goes_over_files(folder: Path) -> None:
     assert call("verify", str(place)).code == 0
 
 
-def test_as_many_values_as_a_result_keeps_are_read(folder: Path) -> None:
-    values = np.random.default_rng(3).lognormal(1.5, 0.4, MOST)
-    (folder / "sizes.csv").write_text(
-        "diameter\n" + "".join(f"{each!r}\n" for each in values.tolist()), encoding="utf-8"
-    )
-    found = rubnoise.load(folder / "contact.toml")
-    assert found.diameter.values == tuple(values)
-    assert loads(found.to_toml()).resolved() == found.resolved()
-
-
 WRONG = {
     "no file": ("", "diameter.file: {0}sizes.csv: no such file"),
     "a folder": ("folder", "diameter.file: {0}sizes.csv: is not a regular file"),
@@ -181,11 +171,6 @@ def test_keys_that_contradict_are_refused(table: str, said: str) -> None:
     with pytest.raises(Refused) as refused:
         loads(HEAD + f'[diameter]\nlaw = "empirical"\n{table}' + RUN)
     assert said in str(refused.value)
-
-
-def test_another_law_takes_no_file(folder: Path) -> None:
-    with pytest.raises(Refused, match=r'diameter\.file: the law "fixed" takes no file'):
-        rubnoise.load(folder / "contact.toml", ["diameter.law=fixed"])
 
 
 def test_values_take_the_place_of_a_file(folder: Path) -> None:

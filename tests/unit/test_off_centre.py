@@ -6,7 +6,7 @@ drawn at random from the model's own words. Each check rejects the lens whose pa
 
 import json
 from dataclasses import replace
-from math import acos, inf, pi, sqrt
+from math import acos, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -15,29 +15,25 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
-from rubnoise.contact.calibration import PaperMeansLens, calibrated_diameter
-from rubnoise.contact.laws import Fixed, Lognormal, Normal, Spread
+from rubnoise.contact.laws import Fixed, Lognormal, Normal
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, overlap
-from rubnoise.contact.pulses import LENS, PARABOLA, TRIANGLE, Pulse
-from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
+from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.live_count import count_covariance, mean_count
 from rubnoise.theory.motion import response
-from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import (
     area_noise,
     autocovariance,
     count_noise,
     density_at_zero,
     half_power_wavenumber,
-    joint_cumulant,
     spectral_density,
-    tail,
 )
-from rubnoise.theory.sizes import SETTLED, panels
+from rubnoise.theory.sizes import panels
 from rubnoise.theory.unit_pulse import energy, overlaps
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
@@ -94,26 +90,12 @@ def test_parabolas_have_the_moments_and_energies_of_their_chords() -> None:
     assert energy(PARABOLA, np.full(1, 3.0)) != pytest.approx(energy(pulse, np.full(1, 3.0)), rel=0.05)
 
 
-def test_parabolas_lose_nothing_by_the_step_to_their_level() -> None:
-    z, weights = panels(np.arange(10.0, 400.0, 0.5), 16)
-    smooth = np.exp(-np.square((z - 90.0) / 60.0))
-    both = [float(weights @ (smooth * energy(OFF_CENTRE_PARABOLA, z, last))) for last in (inf, SETTLED)]
-    assert both[0] == pytest.approx(both[1], rel=2e-6)
-
-
 def test_life_integrals_are_those_of_the_reference() -> None:
     assert OFF_CENTRE_LENS.mean_life == pytest.approx(REFERENCE["life_integrals"][0], rel=1e-14)
     found = [OFF_CENTRE_LENS.life_integral(n) for n in range(1, 7)]
     assert found == pytest.approx(REFERENCE["life_integrals"][1:], rel=1e-13)
     assert found[0] == pytest.approx(pi**2 / 32.0, rel=1e-14)
     assert [LENS.life_integral(n) for n in range(1, 7)] != pytest.approx(found, rel=0.1)
-
-
-def test_the_spread_over_the_mean_is_that_of_the_reference() -> None:
-    area = area_cumulants(contact())
-    known = REFERENCE["std_over_mean_times_sqrt_N"]
-    assert sqrt(COUNT) * area.std / area.mean == pytest.approx(known, rel=1e-12)
-    assert area.mean == pytest.approx(COUNT * pi / 16.0 * DIAMETER**2, rel=1e-12)
 
 
 def test_the_energy_spectrum_is_that_of_the_reference() -> None:
@@ -135,23 +117,6 @@ def test_the_energy_spectrum_is_its_integral_over_the_plane(phase: float) -> Non
     assert energy(OFF_CENTRE_LENS, phase) == pytest.approx(direct, rel=1e-8 if phase < 16.0 else 1e-5)
 
 
-def test_the_step_to_the_level_loses_nothing_of_an_integral() -> None:
-    z, weights = panels(np.arange(10.0, 400.0, 0.5), 16)
-    smooth = np.exp(-np.square((z - 90.0) / 60.0))
-    followed, settled = energy(OFF_CENTRE_LENS, z), energy(OFF_CENTRE_LENS, z, SETTLED)
-    assert float(weights @ (smooth * followed)) == pytest.approx(float(weights @ (smooth * settled)), rel=2e-6)
-    assert np.abs(followed / settled - 1.0).max() > 1e-3, "there is a swing to lose"
-
-
-def test_the_tail_falls_as_the_fifth_power() -> None:
-    model = contact(Normal(centre=5.0, std=0.5))
-    k = np.array([50.0, 200.0])
-    assert spectral_density(model, k) == pytest.approx(tail(model, k), rel=1e-3)
-    assert tail(model, 20.0) / tail(model, 10.0) == pytest.approx(2.0**-5, rel=1e-12)
-    through = replace(model, pulse=LENS)
-    assert tail(through, 20.0) / tail(through, 10.0) == pytest.approx(2.0**-4, rel=1e-12)
-
-
 @pytest.mark.parametrize("sizes", [Fixed(value=5.0), Normal(centre=5.0, std=1.0), Lognormal(mean=5.0, std=2.5)])
 def test_spectrum_and_autocovariance_are_transforms_of_each_other(sizes: Any) -> None:
     model = contact(sizes)
@@ -163,13 +128,6 @@ def test_spectrum_and_autocovariance_are_transforms_of_each_other(sizes: Any) ->
         back = 2.0 * float(weights @ (covariance * np.cos(k * lags)))
         assert float(spectral_density(model, k)) == pytest.approx(back, rel=1e-6, abs=1e-9 * density_at_zero(model))
     assert density_at_zero(model) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-8)
-
-
-def test_joint_cumulants_at_no_lag_are_the_cumulants() -> None:
-    model, powers = contact(), ((1, 1), (1, 2), (2, 2), (1, 3), (3, 3))
-    known = area_cumulants(model).values
-    for i, j in powers:
-        assert joint_cumulant(model, np.zeros(1), i, j)[0] == pytest.approx(known[i + j - 1], rel=1e-6)
 
 
 @pytest.mark.parametrize(("damping_ratio", "speed"), [(0.02, 1e3), (1e-3, 1e4), (0.5, 10.0), (3.0, 1e5)])
@@ -195,16 +153,6 @@ def test_power_at_zero_is_more_by_58_per_cent() -> None:
     assert [area_cumulants(model).mean for model in (through, off)] == pytest.approx([200.0, 200.0], rel=1e-12)
     assert density_at_zero(off) / density_at_zero(through) == pytest.approx(1.58, abs=0.005)
     assert half_power_wavenumber(off) < half_power_wavenumber(through)
-
-
-def test_the_page_on_the_paper_has_these_numbers() -> None:
-    page = " ".join((ROOT / "docs" / "paper.md").read_text(encoding="utf-8").split())
-    area = area_cumulants(contact())
-    relative = sqrt(COUNT) * area.std / area.mean
-    drops = [relative * mean * (1.0 / sqrt(10.0) - 1.0 / sqrt(50.0)) for mean in (100.0, 500.0)]
-    assert f"the std falls by {drops[0]:.0f} µm² at 100 µm² and by {drops[1]:.0f} µm² at 500 µm²" in page
-    assert rf"$(\pi/16)\,d^2 = {pi / 16.0:.3f}\,d^2$" in page
-    assert rf"is ${relative:.3f}/\sqrt{{N_{{jm}}}}$" in page
 
 
 def drawn(contacts: int, distance: float, centred: bool = False) -> tuple[Doubles, NDArray[np.int64]]:  # noqa: FBT001, FBT002
@@ -256,25 +204,6 @@ def test_contacts_drawn_by_births_and_offsets_have_the_distribution() -> None:
     assert abs(0.05 - float(through.cdf(place))) > 4.0 * sqrt(0.05 * 0.95 / area.size)
 
 
-def test_the_live_count_is_poisson_and_its_covariance_is_that_of_chords() -> None:
-    model = contact()
-    assert mean_count(model) == pytest.approx(COUNT, rel=1e-12)
-    offset, weights = panels([0.0, 1.0], 200)
-    chord = 2.0 * DIAMETER * np.sqrt(1.0 - offset**2)
-    for lag in (0.0, 1.0, 4.0, 9.0, 10.0):
-        left = float(weights @ np.maximum(chord - lag, 0.0))
-        assert float(count_covariance(model, lag)) == pytest.approx(model.birth_rate * left, abs=2e-4)
-
-
-def test_growth_ends_with_the_stationary_mean() -> None:
-    model = contact(Normal(centre=5.0, std=1.0))
-    longest = 2.0 * model.sizes.support[1]
-    grown = area_noise(model).from_empty(np.linspace(0.0, longest, 30))
-    assert grown[0] == pytest.approx(0.0, abs=1e-9)
-    assert np.all(np.diff(grown) >= -1e-9 * grown[-1])
-    assert grown[-1] == pytest.approx(area_cumulants(model).mean, rel=1e-8)
-
-
 def test_the_slope_of_the_force_follows_from_the_autocovariance() -> None:
     """Var F' = -R''(0), from R at a small lag."""
     model = contact(slider=FIG5_SLIDER)
@@ -282,17 +211,6 @@ def test_the_slope_of_the_force_follows_from_the_autocovariance() -> None:
     curvature = 2.0 * (area_cumulants(model).variance - float(autocovariance(model, step))) / step**2
     assert force_slope_std(model) == pytest.approx(250.0 * sqrt(curvature), rel=1e-3)
     assert coupling(model).stick_number == pytest.approx(force_slope_std(model) / 300.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("spread", [Spread(), Spread(relative=0.3), Spread(absolute=0.5)])
-def test_both_calibrations_give_the_area_that_they_promise(spread: Spread) -> None:
-    diameter = calibrated_diameter("matched", 200.0, COUNT, spread, OFF_CENTRE_LENS)
-    exact = calibrated_diameter("exact", 200.0, COUNT, spread, OFF_CENTRE_LENS)
-    assert exact == pytest.approx(sqrt(160.0 / pi), rel=1e-14)
-    third = float(spread.moment(diameter, 3)) if spread.entry.takes_spread else diameter**3
-    assert COUNT * pi / 16.0 * third / diameter == pytest.approx(200.0, rel=1e-12)
-    with pytest.raises(PaperMeansLens, match="not for the off-centre lens"):
-        calibrated_diameter("paper", 200.0, COUNT, spread, OFF_CENTRE_LENS)
 
 
 def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: Any) -> None:
@@ -383,24 +301,3 @@ def test_regular_births_off_the_centre_line_are_those_drawn(pulse: Pulse) -> Non
     at_random = replace(model, births=PoissonBirths(mean_spacing=1.7))
     products = np.square(area[0] - area_cumulants(model).mean)
     assert abs(products.mean() - float(autocovariance(at_random, 0.0))) > 10.0 * products.std() / sqrt(draws)
-
-
-def test_what_needs_births_at_random_is_refused() -> None:
-    regular = replace(contact(), births=RegularBirths(mean_spacing=0.5))
-    for ask in (distribution, standard_errors, half_power_wavenumber):
-        with pytest.raises(Refused, match="Poisson births"):
-            ask(regular)
-
-
-def test_errors_of_moments_are_those_of_many_lives() -> None:
-    """A long record's mean scatters by S(0)/T; its std by an error of the order of sqrt(life/T)."""
-    errors = standard_errors(contact(), 1e6)
-    assert errors.mean == pytest.approx(sqrt(density_at_zero(contact()) / 1e6), rel=1e-4)
-    assert 0.0 < errors.std < errors.mean < inf
-
-
-def test_the_overlap_is_that_of_the_lens() -> None:
-    r = np.array([0.0, 0.25, 0.5, 0.999, 1.0, 3.0])
-    assert overlap(r, OFF_CENTRE_LENS) == pytest.approx(LENS.area(1.0 - np.minimum(r, 1.0), 1.0), abs=1e-15)
-    assert OFF_CENTRE_LENS.lives_left(np.array([0.0, 2.0, 5.0])) == pytest.approx([0.5 * pi, 0.0, 0.0], abs=1e-15)
-    assert TRIANGLE.lives_left(np.array([0.5, 3.0])).tolist() == [1.5, 0.0]

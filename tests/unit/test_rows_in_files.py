@@ -1,27 +1,17 @@
 """Rows of a result that others are derived from: junctions with their pulse, areas by stretches, the slider."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.life import life_of
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
-from rubnoise.figures.life import life_png
-from rubnoise.figures.slider import slider_figure
-from rubnoise.figures.stretch import Stretch
-from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.record.sink import Appender, Extent
-from rubnoise.runs.verification import verify
-from rubnoise.scenario import Scenario, build
-from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, pulse_of, stored_pulse
-from rubnoise.storage.reader import open_run
+from rubnoise.record.sink import Extent
+from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, life_curve, stored_pulse
 
 # Junctions of a result have the pulse of the run, from the scenario in the file alone.
 SCENARIO = """format = 1
@@ -101,34 +91,6 @@ def test_the_trace_is_the_sum_of_the_junctions(run: rubnoise.Run) -> None:
     np.testing.assert_allclose(force, run.trace["friction_force"][:], rtol=0.0, atol=1e-6)
 
 
-def test_a_record_in_memory_has_the_same_junctions(scenario: rubnoise.Scenario, run: rubnoise.Run) -> None:
-    record = rubnoise.simulate(scenario)
-    assert record.junction(7) == run.junction(7)
-    assert record.junction(7).pulse == TRIANGLE
-
-
-def test_a_life_and_its_share_are_those_of_the_rows(path: Path) -> None:
-    with open_run(path) as file:
-        life = life_of(file, 20)
-        columns = {name: file.column("junctions", name) for name in ("birth_distance", "diameter", "shear_strength")}
-    areas = TRIANGLE.area(life.peak_distance - columns["birth_distance"], columns["diameter"])
-    forces = areas * columns["shear_strength"]
-    assert life.peak_area == pytest.approx(areas[20], rel=1e-14)
-    assert life.area_share == pytest.approx(areas[20] / areas.sum(), rel=1e-12)
-    assert life.force_share == pytest.approx(forces[20] / forces.sum(), rel=1e-12)
-    assert life.area_share != pytest.approx(life.force_share, rel=0.01)
-    quarter = 0.25 * life.diameter
-    assert life.area_at_age(quarter) == pytest.approx(0.25 * life.max_area, rel=1e-14)
-    around = life.others.total_area(np.array([life.peak_distance]))[0]
-    assert around + life.peak_area == pytest.approx(areas.sum(), rel=1e-14)
-    assert life_png(life).startswith(b"\x89PNG")
-
-
-def test_a_file_that_names_no_pulse_is_of_the_lens() -> None:
-    assert pulse_of({}) == stored_pulse("{}") == LENS
-    assert stored_pulse(json.dumps({"pulse": {"shape": "triangle"}})) == TRIANGLE
-
-
 @pytest.mark.parametrize(
     "text",
     ['{"pulse": {"shape": "square"}}', '{"pulse": {"shape": ["lens"]}}', '{"pulse": 3}', "[]", "no JSON", "[" * 9999],
@@ -136,85 +98,6 @@ def test_a_file_that_names_no_pulse_is_of_the_lens() -> None:
 def test_a_pulse_that_nobody_knows_is_refused(text: str) -> None:
     with pytest.raises(RunFileRefused, match="the scenario in the file"):
         stored_pulse(text)
-
-
-# /slider has a number of rows of its own: nothing takes it for a copy of /trace.
-KEYS = {
-    "format": 1,
-    "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
-    "strength": {"mean": "250 MPa"},
-    "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
-    "sliding": {"distance": "16 mm", "speed": "1 mm/s"},
-    "output": {"tick": "5 um"},
-}
-TICKS, FEWER = 3201, 2001
-
-
-@pytest.fixture
-def slider_scenario() -> Scenario:
-    return build(KEYS)
-
-
-def shorten(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let sliders end before the run does."""
-    append = Appender.append
-
-    def at_most(self: Appender, columns: dict[str, Any]) -> None:
-        append(self, {name: values[: FEWER - self.rows] for name, values in columns.items()})
-
-    monkeypatch.setattr(Model, "slider_rows", FEWER)
-    monkeypatch.setattr(Appender, "append", at_most)
-
-
-def test_a_slider_may_have_fewer_rows_than_there_are_ticks(
-    tmp_path: Path, slider_scenario: Scenario, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    whole = rubnoise.simulate(slider_scenario)
-    with monkeypatch.context() as patch:
-        shorten(patch)
-        short = rubnoise.simulate(slider_scenario)
-        rubnoise.run(slider_scenario, tmp_path / "x.h5").close()
-    assert (len(short.trace), len(short.slider)) == (TICKS, FEWER)
-    with rubnoise.open(tmp_path / "x.h5") as opened:
-        assert (len(opened.trace), len(opened.slider)) == (TICKS, FEWER)
-        assert opened.to_xarray()["slider"].sizes == {"time": FEWER}
-        for name in whole.slider:
-            assert np.array_equal(opened.slider[name], whole["slider"][name][:FEWER])
-            assert np.array_equal(short["slider"][name], whole["slider"][name][:FEWER])
-    with open_run(tmp_path / "x.h5") as file:
-        assert (file.extent.ticks, file.extent.slider) == (TICKS, FEWER)
-        assert Stretch.of(file).rows("slider") == (0, FEWER)
-        assert Stretch.of(file).rows("trace") == (0, TICKS)
-        assert len(slider_figure(Stretch.of(file)).axes) == 3
-
-
-def test_a_one_way_slider_of_other_rows_is_seen(
-    tmp_path: Path, slider_scenario: Scenario, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with monkeypatch.context() as patch:
-        shorten(patch)
-        rubnoise.run(slider_scenario, tmp_path / "x.h5").close()
-    with open_run(tmp_path / "x.h5") as file:
-        [wrong] = verify(file).different
-    assert (wrong.name, wrong.first.place) == ("structure", "/slider/time")
-    assert f"[{FEWER}]" in wrong.first.found
-    assert f"[{TICKS}]" in wrong.first.expected
-
-
-def test_a_run_is_the_same_whether_the_rows_of_its_slider_are_counted_or_grow(
-    tmp_path: Path, slider_scenario: Scenario, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rubnoise.run(slider_scenario, tmp_path / "counted.h5").close()
-    with monkeypatch.context() as patch:
-        patch.setattr(Model, "slider_rows", None)
-        rubnoise.run(slider_scenario, tmp_path / "grown.h5").close()
-        assert len(rubnoise.simulate(slider_scenario).slider) == TICKS
-    with open_run(tmp_path / "counted.h5") as one, open_run(tmp_path / "grown.h5") as other:
-        assert one.extent == other.extent
-        for group, columns in one.columns.items():
-            for name in columns:
-                assert one.column(group, name).tobytes() == other.column(group, name).tobytes()
-        assert verify(other).different == []
 
 
 def test_a_record_in_memory_grows() -> None:

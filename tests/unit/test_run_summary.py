@@ -1,10 +1,9 @@
 """A run summed up while it passes, several runs pooled, and the moments below both."""
 
 import tracemalloc
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from math import inf, isinf, isnan, nan, sqrt
+from math import nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -13,26 +12,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.histogram import histogram
-from rubnoise.analysis.records import error_of_mean
-from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio, ratio_of_pairs
-from rubnoise.analysis.run_summary import BANDS, BINS, CURVES, LAGS, RunLayout, RunSummary, SummarySink, curve_theory
-from rubnoise.analysis.spectra import welch
-from rubnoise.analysis.summary import FIGURES, expected_figure, summarise
+from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
+from rubnoise.analysis.run_summary import CURVES, RunLayout, RunSummary, SummarySink, curve_theory
+from rubnoise.analysis.summary import summarise
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Slips, Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.cumulants import area_cumulants
-from tests.models import bare, model, recorded
+from tests.models import bare, model
 from tests.verification.scores import seed_of
 
 # A run summed up while it passes: what is left of it is what its whole trace would have told.
 RUN = bare(distance=3000.0)
-LONG = bare(distance=9000.0)
 
 
 def _summary(run: Model, seed: int = 1) -> RunSummary:
@@ -41,56 +34,11 @@ def _summary(run: Model, seed: int = 1) -> RunSummary:
     return sink.finish()
 
 
-def _area(run: Model, seed: int = 1) -> np.ndarray:
-    return recorded(run, seed, engine="batch")["trace"]["real_contact_area"]
-
-
-def test_the_spectrum_is_welchs_in_bands() -> None:
-    layout, seen = RunLayout.of(LONG), _summary(LONG).curves["spectrum"]
-    density = welch(_area(LONG), LONG.tick, layout.segment).density
-    bands = [density[first : first + width].mean() for first, width in zip(layout.starts, layout.widths, strict=True)]
-    assert seen[: len(bands)] == pytest.approx(bands, rel=1e-10)
-    assert np.isnan(seen[len(bands) :]).all()
-    assert seen.size == BANDS
-
-
-def test_the_autocovariance_is_that_of_the_trace() -> None:
-    lags = RunLayout.of(RUN).lags
-    seen = _summary(RUN).curves["autocovariance"]
-    products = LaggedProducts(lags.tolist(), float(_area(RUN).mean()))
-    products.add(_area(RUN))
-    whole = products.covariances()
-    assert seen[: lags.size] == pytest.approx(whole, abs=1e-10 * whole[0])
-    assert seen.size == LAGS
-    assert np.isnan(seen[lags.size :]).all()
-
-
-def test_the_histogram_is_that_of_the_trace_and_its_errors_those_of_batches() -> None:
-    layout, seen, area = RunLayout.of(LONG), _summary(LONG).curves, _area(LONG)
-    assert seen["histogram"] == pytest.approx(histogram(area, LONG.tick, layout.edges).density, abs=1e-15)
-    assert float(seen["histogram"].sum()) * np.diff(layout.edges)[0] == pytest.approx(1.0, abs=1e-12)
-
-    def shares(parts: np.ndarray) -> np.ndarray:
-        return np.stack([np.histogram(part, layout.edges)[0] for part in parts]) / parts.shape[1]
-
-    errors = error_of_mean(area, layout.batch, shares) / np.diff(layout.edges)
-    assert seen["histogram_standard_error"] == pytest.approx(errors, rel=1e-9, abs=1e-14)
-    assert seen["histogram"].size == BINS
-
-
 @pytest.mark.parametrize("run", [bare(), model()], ids=["contact", "slider"])
 def test_the_figures_are_those_of_any_run(run: Model) -> None:
     tally = Tally()
     simulate(run, 1, tally, engine="batch")
     assert _summary(run).figures == summarise(run, tally)
-
-
-def test_both_engines_leave_the_same() -> None:
-    sink = SummarySink(RUN)
-    simulate(RUN, 1, sink, engine="events")
-    events, batch = sink.finish().curves, _summary(RUN).curves
-    for name in CURVES:
-        assert events[name] == pytest.approx(batch[name], rel=1e-12, abs=1e-9, nan_ok=True)
 
 
 def _peak(run: Model) -> int:
@@ -105,19 +53,6 @@ def _peak(run: Model) -> int:
 def test_memory_does_not_grow_with_the_run() -> None:
     # The trace alone of the longer run would be 12 MB more.
     assert _peak(bare(distance=200_000.0)) < _peak(bare(distance=50_000.0)) + 500_000
-
-
-def test_fine_ticks_cost_no_more_than_they_tell() -> None:
-    layout = RunLayout.of(bare(distance=20.0, tick=0.0005))
-    assert layout.stride == 21
-    assert layout.lags[-1] * layout.step <= 2.0 * RUN.mean_life_distance
-    fine = bare(distance=300.0, tick=0.005)
-    assert RunLayout.of(fine).stride == 2
-    seen = _summary(fine).curves["autocovariance"]
-    lags = RunLayout.of(fine).lags
-    thinned = LaggedProducts(lags.tolist(), 200.0)
-    thinned.add(_area(fine)[::2])
-    assert seen[: lags.size] == pytest.approx(thinned.covariances(), abs=1e-10 * seen[0])
 
 
 def _chi(told: Model, simulated: Model, curve: str, runs: int, name: str) -> float:
@@ -195,28 +130,6 @@ def test_runs_of_any_kind_are_summed_up(run: Model) -> None:
     assert float(seen.curves["histogram"].sum() * np.diff(RunLayout.of(run).edges)[0]) == pytest.approx(1.0, abs=1e-9)
 
 
-# A figure of several runs, and the exact value of each figure alone.
-@pytest.mark.parametrize(
-    "run", [model(), model(start="empty"), model(slider=None), bare(), replace(bare(), hardness=1e3)]
-)
-def test_exact_values_are_those_of_the_summary(run: Model) -> None:
-    tally = Tally()
-    simulate(run, 1, tally, engine="batch")
-    expected = {figure.name: figure.expected for figure in summarise(run, tally)}
-    for name in FIGURES:
-        value = expected_figure(run, name)
-        assert value == pytest.approx(expected[name], rel=1e-12) if name in expected else isnan(value)
-
-
-def test_every_figure_has_an_exact_value() -> None:
-    tally = Tally()
-    run = replace(model(), hardness=1000.0)
-    simulate(run, 1, tally, engine="batch")
-    assert [figure.name for figure in summarise(run, tally)] == [
-        name for name in FIGURES if FIGURE_NAMES[name].needs != "load"
-    ]
-
-
 def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> None:
     values = [3.0, nan, 4.0, 5.0]
     mean = pooled("area_mean", values)
@@ -226,16 +139,6 @@ def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> No
     std = pooled("area_std", values)
     assert std.value == pytest.approx(sqrt(50.0 / 3.0))
     assert std.standard_error == pytest.approx(np.std([9.0, 16.0, 25.0], ddof=1) / sqrt(3.0) / 2.0 / std.value)
-
-
-def test_one_run_has_the_error_of_theory_or_none() -> None:
-    assert pooled("area_std", [3.0], 0.5).reach == pytest.approx(0.98, rel=1e-3)
-    assert isinf(pooled("area_std", [3.0]).reach)
-    assert pooled("area_std", [3.0, nan], 0.5).standard_error == 0.5
-    nothing = pooled("area_std", [nan], 0.5)
-    assert isnan(nothing.value)
-    assert (nothing.standard_error, nothing.runs) == (inf, 0)
-    assert pooled("area_std", [0.0, 0.0]).standard_error == 0.0
 
 
 @pytest.mark.parametrize(("name", "truth"), [("x_mean", 5.0), ("x_std", 2.0)])
@@ -250,13 +153,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say(name: str, truth: float) 
         missed += abs(found.value - 1.03 * truth) <= found.reach
     assert 922 <= held <= 978
     assert missed < 850
-
-
-def test_a_ratio_is_as_uncertain_as_both_together() -> None:
-    first, second = (PooledEstimate(value=v, standard_error=e, runs=n) for v, e, n in ((6.0, 0.3, 9), (-2.0, 0.06, 12)))
-    found = ratio(first, second)
-    assert (found.value, found.runs) == (-3.0, 9)
-    assert found.standard_error == pytest.approx(3.0 * sqrt(0.05**2 + 0.03**2))
 
 
 @pytest.mark.parametrize(("name", "truth"), [("x_mean", 0.8), ("x_std", 0.8)])
@@ -277,16 +173,6 @@ def test_pairs_tell_a_ratio_as_well_as_they_say(name: str, truth: float) -> None
     assert 922 <= held <= 978
     assert missed < 850
     assert np.median(widths) < 0.1
-
-
-def test_pairs_with_nothing_in_them_have_no_ratio() -> None:
-    assert ratio_of_pairs("x_std", [2.0, nan, 4.0], [1.0, 1.0, 2.0]) == PooledEstimate(
-        value=2.0, standard_error=0.0, runs=2
-    )
-    assert isinf(ratio_of_pairs("x_mean", [2.0], [1.0]).standard_error)
-    for first, second in (([], []), ([nan], [1.0]), ([1.0, 1.0], [0.0, 0.0])):
-        assert isnan(ratio_of_pairs("x_mean", first, second).value)
-    assert ratio_of_pairs("x_std", [0.0, 0.0], [1.0, 2.0]).value == 0.0
 
 
 # Running moments against the plain two-pass formulas.
@@ -340,32 +226,6 @@ def test_the_merge_of_known_numbers() -> None:
     assert (moments.excess_kurtosis + 3.0) * 12.5**2 == pytest.approx((81.0 + 16.0 + 1.0 + 1296.0) / 4.0)
 
 
-def test_two_powers_give_the_same_mean_and_variance() -> None:
-    values = np.random.default_rng(3).normal(5.0, 2.0, 1000)
-    two, four = _seen(values, [100, 700], powers=2), _seen(values, [100, 700])
-    assert two.mean == pytest.approx(four.mean, rel=1e-14)
-    assert two.variance == pytest.approx(four.variance, rel=1e-12)
-
-
-@pytest.mark.parametrize("values", [np.empty(0), np.full(5, 3.25)], ids=["none", "all the same"])
-def test_values_that_do_not_vary_have_no_shape(values: Doubles) -> None:
-    moments = _seen(values, [])
-    assert moments.count == values.size
-    assert (moments.variance, moments.std, moments.skewness, moments.excess_kurtosis) == (0.0, 0.0, 0.0, 0.0)
-
-
-def test_a_tally_keeps_what_it_watches_and_nothing_else() -> None:
-    tally = Tally()
-    tally.write("junctions", 0, {"diameter": np.ones(3)})
-    tally.write("trace", 0, {"distance": np.arange(3.0), "real_contact_area": np.array([1.0, 2.0, 3.0])})
-    tally.write("trace", 3, {"distance": np.arange(1.0), "real_contact_area": np.array([6.0])})
-    tally.write("trace", 0, {"junction_count": np.array([200, 100], dtype=np.uint32)})
-    assert set(tally.moments) == {"real_contact_area", "junction_count"}
-    assert tally.moments["real_contact_area"].mean == 3.0
-    assert tally.moments["real_contact_area"].variance == 3.5
-    assert tally.moments["junction_count"].variance == 2500.0
-
-
 def landmarks(kinds: list[int], places: list[float]) -> dict[str, Any]:
     return {"kind": np.array(kinds, dtype=np.uint8), "distance": np.array(places)}
 
@@ -382,15 +242,3 @@ def test_slips_are_measured_along_their_path_from_a_breakaway_to_the_next_stick(
     assert tally.slips.count == 2
     assert tally.counts["kind"] == [5, 5, 1, 1]
     assert Tally().slips.count == 0
-
-
-def test_the_last_row_of_a_balance_is_kept() -> None:
-    tally = Tally()
-    tally.write("balance", 0, {"time": np.array([2.5]), "velocity": np.array([-3.0])})
-    assert tally.last == {"time": 2.5, "velocity": -3.0}
-    assert tally.moments == {}
-
-
-def test_a_tally_for_a_model_has_its_diameter() -> None:
-    run = model()
-    assert Tally.of(run).slips.longer_than == run.calibrated_diameter

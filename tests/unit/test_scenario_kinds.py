@@ -1,17 +1,14 @@
 """Kinds of scenarios: the laws of sizes and strengths, and two-way coupling."""
 
 import json
-from typing import Any
 
-import numpy as np
 import pytest
 
 import rubnoise
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Spread, Weibull, law_for
-from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import build, loads
-from rubnoise.scenario.sweep import load_sweep
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 from tests.unit.test_scenario_traps import shown
 
@@ -43,19 +40,6 @@ def test_exponential_sizes_need_no_spread() -> None:
     assert model.stationary_mean_area == pytest.approx(6.0 * 200.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("law", ["lognormal", "exponential", "gamma"])
-def test_matched_sizes_have_the_mean_area_asked_for(law: str) -> None:
-    spread = "" if law == "exponential" else 'spread = "150 %"\n'
-    text = BARE.replace("[sliding]", f'calibration = "matched"\n[diameter]\nlaw = "{law}"\n{spread}[sliding]')
-    assert loads(text).model().stationary_mean_area == pytest.approx(200.0, rel=1e-13)
-
-
-@pytest.mark.parametrize("law", ["lognormal", "gamma"])
-def test_no_spread_at_all_is_one_size(law: str) -> None:
-    model = loads(whole(law=f'"{law}"', spread='"0 um"')).model()
-    assert model.sizes == Fixed(value=model.calibrated_diameter)
-
-
 @pytest.mark.parametrize(
     ("law", "spread", "expected"),
     [
@@ -83,22 +67,11 @@ def test_a_law_with_a_spread_needs_one(law: str) -> None:
     assert report.splitlines()[0] == head
 
 
-def test_exponential_sizes_take_no_spread() -> None:
-    report = refusal(whole(law='"exponential"')).splitlines()
-    assert report[0] == 'run.toml:11: error: diameter.spread: the law "exponential" takes no spread'
-    assert report[-1] == '    write law = "gamma", or leave the spread out'
-
-
 @pytest.mark.parametrize("law", ['law = "constant"\n', ""])
 def test_one_strength_takes_no_spread(law: str) -> None:
     report = refusal(WHOLE.replace(STRENGTH, f'{STRENGTH}{law}spread = "5 MPa"\n'))
     assert 'error: strength.spread: the law "constant" takes no spread' in report
     assert report.endswith('write law = "normal", or leave the spread out')
-
-
-def test_a_strength_does_not_spread_over_a_length() -> None:
-    report = refusal(strong("normal", '"5 um"'))
-    assert report.startswith('run.toml:16: error: strength.spread: "um" is the unit of a length, a stress or a ratio')
 
 
 @pytest.mark.parametrize("law", ["lognormal", "gamma"])
@@ -108,31 +81,6 @@ def test_a_long_tail_may_be_three_times_the_mean_and_no_more(law: str) -> None:
     head = f'run.toml:11: error: diameter.spread: 3.01 times the mean is too wide for the law "{law}"'
     assert (report.splitlines()[0], report.splitlines()[-1]) == (head, '    up to "300 %"')
     loads(whole(spread='"301 %"'))
-
-
-def test_strengths_may_be_as_wide_and_no_more() -> None:
-    loads(strong("weibull", '"750 MPa"'))
-    assert "strength.spread: 4 times the mean is too wide" in refusal(strong("weibull", '"1 GPa"'))
-    loads(strong("normal", '"1 GPa"'))
-
-
-def test_python_gives_spreads_in_working_units() -> None:
-    values = {
-        "format": 1,
-        "interface": {"mean_real_contact_area": 200, "mean_junction_count": 20},
-        "diameter": {"law": "gamma", "spread": 0.5},
-        "strength": {"law": "weibull", "mean": 250, "spread": 40},
-        "sliding": {"distance": 1000},
-    }
-    model = build(values).model()
-    assert model.sizes == Gamma(mean=model.calibrated_diameter, std=0.5)
-    assert model.strengths == Weibull(mean=250.0, std=40.0)
-
-
-def test_the_least_matched_area_of_a_law_is_named() -> None:
-    text = whole(law='"lognormal"', spread='"3 um"', calibration='"matched"')
-    with pytest.raises(ScenarioRefused, match=r"2\.25 mean_junction_count \* spread\^2 = 405 um\^2"):
-        loads(text)
 
 
 POWER = "exponent = 2.5\nsmallest = 0.5\nlargest = 4.0\n"
@@ -177,19 +125,6 @@ def test_the_ends_of_a_range_have_an_order(largest: str) -> None:
     )
 
 
-@pytest.mark.parametrize(("key", "value"), [("exponent", "11"), ("smallest", "0"), ("largest", '"4"')])
-def test_numbers_of_a_law_have_bounds(key: str, value: str) -> None:
-    lines = [f"{key} = {value}" if line.startswith(key) else line for line in POWER.splitlines()]
-    assert f"diameter.{key}: " in refusal(powered("\n".join(lines) + "\n"))
-
-
-def test_matched_power_sizes_have_the_mean_area_asked_for() -> None:
-    text = powered().replace('calibration = "paper"', 'calibration = "matched"')
-    model = loads(text).model()
-    assert model.calibration == "matched"
-    assert model.stationary_mean_area == pytest.approx(model.mean_real_contact_area, rel=1e-13)
-
-
 # Two-way coupling in scenarios: its keys, what they leave out, and what is refused beside them.
 TWO_WAY = WHOLE.replace('damping = "0.05 N*s/m"\n', 'damping = "0.05 N*s/m"\ncoupling = "two-way"\n')
 LINE = 1 + TWO_WAY[: TWO_WAY.index("coupling")].count("\n")
@@ -222,13 +157,6 @@ def test_two_way_has_a_tolerance_and_is_the_same_when_read_again() -> None:
     assert again.resolved() == scenario.resolved()
 
 
-@pytest.mark.parametrize("value", ["1e-12", "1e-4", "3e-7"])
-def test_a_tolerance_in_range_is_taken(value: str) -> None:
-    slider = loads(with_tolerance(value)).model().slider
-    assert slider is not None
-    assert slider.tolerance == float(value)
-
-
 @pytest.mark.parametrize(
     ("value", "message", "hint"),
     [
@@ -241,100 +169,6 @@ def test_a_tolerance_in_range_is_taken(value: str) -> None:
 def test_a_tolerance_out_of_range_is_refused(value: str, message: str, hint: str) -> None:
     head = f"run.toml:{LINE + 1}: error: slider.tolerance: {message}"
     assert refusal(with_tolerance(value)) == shown(head, f"tolerance = {value}", value, hint)
-
-
-def test_one_way_coupling_takes_no_tolerance() -> None:
-    hint = 'write coupling = "two-way", or leave the tolerance out'
-    head = f'run.toml:{LINE}: error: slider.tolerance: the coupling "one-way" takes no tolerance'
-    said = refusal(with_tolerance("1e-9", WHOLE))
-    assert said == shown(f'{head}, and "one-way" is the default', "tolerance = 1e-9", "1e-9", hint)
-    said = refusal(with_tolerance("1e-9", TWO_WAY.replace("two-way", "one-way")))
-    assert said.startswith(head.replace(f":{LINE}:", f":{LINE + 1}:") + "\n")
-
-
-def test_coupling_alone_makes_no_slider() -> None:
-    """Without a slider nothing can push back: what a slider has is asked for, at the key that asks for one."""
-    text = TWO_WAY[: TWO_WAY.index("mass = ")] + 'coupling = "two-way"\n'
-    said = refusal(text)
-    line = 1 + text[: text.index("[slider]")].count("\n")
-    for key, example in (
-        ("damping", '"0.05 N*s/m" or damping_ratio = 0.02'),
-        ("mass", '"5 g"'),
-        ("stiffness", '"300 N/m"'),
-    ):
-        assert f"run.toml:{line}: error: slider.{key}: missing" in said
-        assert f"write {key} = {example}" in said
-    assert "sliding.speed: missing" in refusal(TWO_WAY.replace('speed = "1 mm/s"\n', ""))
-    assert "strength.mean: missing" in refusal(TWO_WAY.replace('[strength]\nmean = "250 MPa"\n', ""))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "key"),
-    [
-        ("250 MPa", "0 MPa", "strength.mean"),
-        ("300 N/m", "0 N/m", "slider.stiffness"),
-        ("1 mm/s", "0 mm/s", "sliding.speed"),
-        ("1 mm/s", "-1 mm/s", "sliding.speed"),
-        ("200 um^2", "0 um^2", "interface.mean_real_contact_area"),
-    ],
-)
-def test_a_contact_that_bears_nothing_by_its_keys_is_refused(old: str, new: str, key: str) -> None:
-    said = refusal(TWO_WAY.replace(f'"{old}"', f'"{new}"'))
-    assert f"error: {key}: must be above 0" in said
-    assert f'"{new}"' in said
-
-
-def test_a_contact_that_bears_nothing_here_and_there_is_taken() -> None:
-    """G = 0 is a place like any other: before the first birth of an empty start, and between junctions that are few."""
-    few = TWO_WAY.replace("mean_junction_count = 20", "mean_junction_count = 0.2")
-    few = few.replace('distance = "20 mm"', 'distance = "2 mm"\nstart = "empty"').replace("0.1 um", "1 um")
-    record = rubnoise.simulate(loads(few))
-    slider, area = record["slider"], record["trace"]["real_contact_area"]
-    assert area[0] == 0.0
-    assert (area == 0.0).mean() > 0.5
-    free = (slider["phase"] != 1) & (slider["friction_force"] == 0.0)
-    assert free.any()
-    assert np.isfinite(slider["displacement"]).all()
-
-
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [
-        ('"two_way"', 'unknown value "two_way"'),
-        ('""', 'unknown value ""'),
-        ("true", "needs a word in quotation marks, not a boolean"),
-        ("2", "needs a word in quotation marks, not a"),
-    ],
-)
-def test_another_coupling_is_refused(value: str, said: str) -> None:
-    head = f"run.toml:{LINE}: error: slider.coupling: "
-    told = refusal(TWO_WAY.replace('"two-way"', value))
-    assert told.startswith(head)
-    assert said in told
-    assert "two-way" in told.splitlines()[-1]
-
-
-def test_an_intervention_is_refused_before_anything_runs(tmp_path: Any) -> None:
-    def process(env: Any, _live: Any) -> Any:
-        yield env.timeout(1.0)
-
-    with pytest.raises(Refused, match=r'slider\.coupling = "one-way" takes interventions'):
-        rubnoise.simulate(loads(TWO_WAY), intervene=process)
-    with pytest.raises(Refused, match=r'slider\.coupling = "one-way" takes interventions'):
-        rubnoise.run(loads(TWO_WAY), tmp_path / "x.h5", intervene=process)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_sweep_cannot_ask_for_the_validity_of_what_is_not_there(tmp_path: Any) -> None:
-    path = tmp_path / "sweep.toml"
-    sweep = '\n[sweep]\nkeep = "summary"\nprecision = 0.1\nquantity = "{}"\n[sweep.grid]\nslider.coupling = {}\n'
-    path.write_text(TWO_WAY.replace('coupling = "two-way"\n', "") + sweep.format("one_way_validity", '["two-way"]'))
-    with pytest.raises(Refused, match="one_way_validity is no quantity of a run with two-way coupling"):
-        load_sweep(path)
-    path.write_text(
-        TWO_WAY.replace('coupling = "two-way"\n', "") + sweep.format("velocity_std", '["one-way", "two-way"]')
-    )
-    assert [case.scenario.model().is_two_way for case in load_sweep(path).cases] == [False, True]
 
 
 @pytest.mark.parametrize("law", BIRTHS)

@@ -2,10 +2,8 @@
 
 import json
 import os
-import pickle
 from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
@@ -40,26 +38,6 @@ def test_a_bare_scenario_has_the_defaults() -> None:
     assert (model.strengths, model.sliding_speed, model.slider) == (None, None, None)
     assert model.tick == diameter / 100
     assert (scenario.run.seed, scenario.run.engine, scenario.output.compression) == (1, "events", "none")
-
-
-def test_sections_mirror_the_file_in_working_units() -> None:
-    scenario = loads(WHOLE)
-    assert scenario.interface.mean_real_contact_area == 200.0
-    assert scenario.sliding.distance == 20_000.0
-    assert scenario.slider is not None
-    assert (scenario.slider.mass, scenario.slider.start) == (0.005, "equilibrium")
-    assert (scenario.title, scenario.text) == ("whole", WHOLE)
-
-
-@pytest.mark.parametrize(
-    ("spread", "std"), [('"0 um"', 0.0), ('"0 %"', 0.0), ('"20 %"', 0.2), ('"300 %"', 3.0), ('"200 nm"', None)]
-)
-def test_a_spread_is_absolute_or_relative_and_may_be_nothing(spread: str, std: float | None) -> None:
-    model = loads(whole(spread=spread)).model()
-    diameter = model.calibrated_diameter
-    wanted = 0.2 if std is None else std * diameter
-    size_law = Normal(centre=diameter, std=wanted) if wanted else Fixed(value=diameter)
-    assert model.sizes == size_law
 
 
 def test_a_damping_ratio_gives_the_damping() -> None:
@@ -161,12 +139,6 @@ def test_what_contradicts_a_load_that_weighs_is_refused(old: str, new: str, line
     assert said in report
 
 
-@pytest.mark.parametrize(("tick", "turned"), [("0.033 um", ""), ("0.034 um", "0.304 rad")])
-def test_a_tick_that_hardly_shows_the_contact_resonance_is_warned_of(tick: str, turned: str) -> None:
-    warnings = "".join(loads(f'{WEIGHED}[output]\ntick = "{tick}"\n').warnings)
-    assert (turned in warnings) if turned else warnings == ""
-
-
 @pytest.mark.parametrize(
     ("distance", "tick", "count"),
     [("0.3 um", "0.1 um", 3), ("20 mm", "0.1 um", 200_000), ("1 inch", "0.1 um", 254_000), ("0.7 um", "0.1 um", 7)],
@@ -200,19 +172,6 @@ def test_a_needed_key_that_is_missing(lines: tuple[str, ...], key: str, reason: 
     assert refusal(without(*lines)).splitlines()[0] == f"run.toml:{line}: error: {key}: {reason}"
 
 
-def test_an_empty_file_is_told_all_that_is_needed() -> None:
-    heads = [line for line in refusal("").splitlines() if line.startswith("run.toml")]
-    keys = ("format", "interface.mean_real_contact_area", "interface.mean_junction_count", "sliding.distance")
-    assert heads == [f"run.toml:1: error: {key}: missing" for key in keys]
-
-
-@pytest.mark.parametrize("law", ['law = "fixed"\n', ""])
-def test_one_size_takes_no_spread(law: str) -> None:
-    report = refusal(WHOLE.replace('law = "normal"\n', law))
-    assert 'error: diameter.spread: the law "fixed" takes no spread' in report
-    assert report.endswith('write law = "normal", or leave the spread out')
-
-
 def test_a_newer_format_is_refused_for_that_alone() -> None:
     report = refusal(WHOLE.replace("format = 1", "format = 3").replace("mass", "gravity"))
     assert report.startswith(
@@ -220,11 +179,6 @@ def test_a_newer_format_is_refused_for_that_alone() -> None:
     )
     assert report.count("error:") == 1
     assert "format: needs a number, not a text" in refusal(WHOLE.replace("format = 1", 'format = "1"'))
-
-
-@pytest.mark.parametrize("seed", [0, 2**53 - 1])
-def test_a_seed_is_a_whole_number_that_doubles_hold(seed: int) -> None:
-    assert loads(whole(seed=str(seed))).run.seed == seed
 
 
 @pytest.mark.parametrize(("seed", "reason"), [("-1", "too small"), (str(2**53), "too large"), ("1.0", "needs a whole")])
@@ -287,14 +241,6 @@ def test_a_problem_names_the_file_and_line_that_has_the_key(tmp_path: Path) -> N
     ]
 
 
-def test_a_base_file_has_its_own_format(tmp_path: Path) -> None:
-    top = 'format = 1\nextends = "base.toml"\n'
-    with pytest.raises(ScenarioRefused, match=r"base.toml:1: error: format: needs a rubnoise that reads format 2"):
-        load(write(tmp_path, top=top, base=WHOLE.replace("format = 1", "format = 2")))
-    with pytest.raises(ScenarioRefused, match=r"base.toml:1: error: format: missing"):
-        load(write(tmp_path, top=top, base=without("format")))
-
-
 @pytest.mark.parametrize(
     ("files", "message"),
     [
@@ -334,12 +280,6 @@ def test_what_is_no_file_is_not_extended(tmp_path: Path, base: str, reason: str)
     assert reason in str(refused.value)
 
 
-def test_extends_needs_a_name_and_a_folder(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioRefused, match="error: extends: needs the name of a file"):
-        load(write(tmp_path, a="format = 1\nextends = 3\n" + BARE.partition("\n")[2]))
-    assert "extends: a text has no folder to look in" in refusal('extends = "base.toml"\n' + WHOLE)
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -354,16 +294,6 @@ def test_a_strangers_file_is_bounded(tmp_path: Path, content: bytes, message: st
     with pytest.raises(ScenarioRefused) as refused:
         load(path)
     assert message in str(refused.value)
-
-
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioRefused, match="cannot be read: no such file or directory"):
-        load(tmp_path / "none.toml")
-    with pytest.raises(ScenarioRefused, match="is not a regular file"):
-        load(tmp_path)
-    os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(ScenarioRefused, match="not a regular file"):
-        load(tmp_path / "pipe")
 
 
 def test_a_byte_order_mark_is_read_over(tmp_path: Path) -> None:
@@ -383,20 +313,6 @@ def test_the_resolved_scenario_is_the_same_scenario(text: str) -> None:
     again = build(resolved)
     assert again.model() == scenario.model()
     assert again.resolved() == resolved
-
-
-def test_python_may_give_numbers_in_working_units() -> None:
-    values = {
-        "format": 1,
-        "interface": {"mean_real_contact_area": 200, "mean_junction_count": 20, "calibration": "paper"},
-        "diameter": {"law": "normal", "spread": 0.2},
-        "sliding": {"distance": 20_000.0},
-        "output": {"tick": 0.1},
-    }
-    scenario = build(values)
-    assert scenario.model().tick_count == 200_000
-    assert scenario.output.tick.exact == Fraction(1, 10)
-    assert scenario.model().sizes == loads(WHOLE).model().sizes
 
 
 NUMBERS_OF_NUMPY = (np.float64, np.float32, np.float16, np.longdouble, np.int64, np.int32, np.uint8, np.array)
@@ -442,66 +358,6 @@ def test_what_is_no_number_is_called_what_it_is(value: object, told: str) -> Non
     values = {"interface": {"mean_real_contact_area": 200, "mean_junction_count": 20}, "sliding": {"distance": value}}
     with pytest.raises(ScenarioRefused, match=rf"^<python>: error: sliding\.distance: .*{told}"):
         build(values)
-
-
-class Shown(float):
-    """A number that shows itself as no other."""
-
-    def __repr__(self) -> str:
-        return "a number"
-
-
-def test_a_number_may_show_itself_as_it_likes() -> None:
-    values = {
-        "interface": {"mean_real_contact_area": Shown(200), "mean_junction_count": Shown(20)},
-        "sliding": {"distance": Shown(100)},
-    }
-    assert build(values).interface.mean_real_contact_area.exact == 200
-
-
-@pytest.mark.parametrize("value", [True, float("nan"), None, [1.0], -1.0, 1e300])
-def test_python_may_not_give_anything(value: object) -> None:
-    values = {"interface": {"mean_real_contact_area": 200, "mean_junction_count": 20}, "sliding": {"distance": value}}
-    with pytest.raises(ScenarioRefused, match=r"^<python>: error: sliding.distance: "):
-        build(values)
-
-
-def test_python_values_are_checked_like_a_file() -> None:
-    whole_values = loads(WHOLE).resolved()
-    with pytest.raises(ScenarioRefused, match=r"^<python>: error: format: needs a rubnoise that reads format 2"):
-        build({**whole_values, "format": 2})
-    with pytest.raises(ScenarioRefused, match=r"^<python>: error: 1: unknown key"):
-        build({**whole_values, 1: 2})  # type: ignore[dict-item]
-    assert build({name: table for name, table in whole_values.items() if name != "format"}).title == "whole"
-
-
-def test_a_slider_without_any_sliding_is_told_of_both_needed_keys() -> None:
-    report = refusal(without("[sliding]", "speed", "distance"))
-    assert [line for line in report.splitlines() if "error:" in line] == [
-        "run.toml:1: error: sliding.speed: missing; the motion of a slider needs a sliding speed",
-        "run.toml:1: error: sliding.distance: missing",
-    ]
-
-
-def test_python_values_extend_no_file() -> None:
-    with pytest.raises(ScenarioRefused, match="<python>: error: extends: unknown key"):
-        build({"extends": "base.toml", **loads(WHOLE).resolved()})
-
-
-def test_a_scenario_survives_pickling() -> None:
-    scenario = loads(WHOLE)
-    assert pickle.loads(pickle.dumps(scenario)) == scenario  # noqa: S301  (made here)
-
-
-def test_what_contradicts_a_load_is_said_beside_everything_else() -> None:
-    text = WHOLE.replace('calibration = "paper"\n', "").replace('law = "normal"\nspread = "0.2 um"\n', "")
-    text = text.replace('mean_real_contact_area = "200 um^2"', 'load = "0.2 N"\nhardness = "1 GPa"')
-    text = text.replace(
-        "[slider]", '[birth]\nlaw = "regular"\n[load]\nheight_scale = "0.5 um"\n[slider]\ncoupling = "two-way"'
-    )
-    report = refusal(text.replace('speed = "1 mm/s"', 'speed = "1 mm"').replace("[diameter]\n", ""))
-    for key in ("birth.law", "slider.coupling", "sliding.speed", "load.mass", "load.damping"):
-        assert report.count(f"error: {key}: ") == 1, report
 
 
 def test_everything_that_is_wrong_is_said_at_once() -> None:

@@ -35,11 +35,6 @@ def test_a_line_that_is_none_is_refused_with_its_number_and_a_caret(line: str) -
     SAID.assert_said(line, said)
 
 
-@pytest.mark.parametrize(("key", "value"), [("tick", '"11 um"'), ("distance", '"0.1 um"')])
-def test_a_tick_at_its_bounds_is_taken(key: str, value: str) -> None:
-    assert loads(whole(**{key: value})).model().tick_count >= 1
-
-
 def test_an_integer_beyond_every_double() -> None:
     assert refusal(whole(distance="9" * 400)).startswith(f"{DISTANCE}too large\n")
     assert refusal(whole(mean_junction_count="9" * 400)).startswith(f"{COUNT}too large\n")
@@ -60,9 +55,6 @@ IGNORABLE = (
 )
 """What Unicode 15 calls Default_Ignorable_Code_Point (DerivedCoreProperties.txt): none of it shows by itself."""
 
-SELECTORS = {0x180B, 0x180C, 0x180D, 0x180F, *range(0xFE00, 0xFE10), *range(0xE0100, 0xE01F0)}
-"""Of those the ones that choose a form of the sign before them."""
-
 
 @pytest.mark.parametrize("title", ["{}", "a{}{}b", "a {}", " {} ", "{}\u0301"])
 def test_a_title_of_invisible_letters_is_none(title: str) -> None:
@@ -72,50 +64,9 @@ def test_a_title_of_invisible_letters_is_none(title: str) -> None:
             line.read(title.replace("{}", chr(place)))
 
 
-@pytest.mark.parametrize("title", [" ", "   ", "\u2800", "\u0301", " \u0301\u20dd", "\u2800 \u2800"])
-def test_a_title_that_shows_nothing_is_none(title: str) -> None:
-    with pytest.raises(Unfit, match="holds nothing that can be seen"):
-        Line().read(title)
-
-
-def test_titles_of_all_scripts_are_some() -> None:
-    titles = [
-        "",
-        "x",
-        "?",
-        "Gr\u00f6\u00dfe in \u00b5m",
-        "Gro\u0308sse",
-        "\u65e5\u672c\U000e0100",
-        "\u0928\u092e\u0938\u094d\u0924\u0947",
-    ]
-    titles += ["\u0627\u0644\u0639\u0631\u0628\u064a\u0629", "\u2764\ufe0f", "\u2803\u2800\u2801", "\u2212\u221e"]
-    assert [Line().read(title) for title in titles] == titles
-    for place in sorted(SELECTORS):
-        assert Line().read(f"a{chr(place)}b") == f"a{chr(place)}b"
-    for place in sorted(set(IGNORABLE) - SELECTORS):
-        with pytest.raises(Unfit):
-            Line().read(f"a{chr(place)}b")
-
-
-@pytest.mark.parametrize(
-    ("value", "message", "hint"),
-    [
-        ('"1e7 Mg"', "implausibly large (1e+10 kg)", 'did you mean "1e7 mg"?'),
-        ('"1e10 kg"', "implausibly large (1e+10 kg)", ""),
-    ],
-)
-def test_an_implausible_mass_is_warned_of(value: str, message: str, hint: str) -> None:
-    head = f"run.toml:21: warning: slider.mass: {message}"
-    assert loads(whole(mass=value), "run.toml").warnings == (shown(head, f"mass = {value}", value, hint),)
-
-
 def test_a_suggested_unit_is_one() -> None:
     (warning,) = loads(whole(mass='"1e12 mile*kg/mile"'), "run.toml").warnings
     assert warning.endswith("^")  # Mile is no unit to suggest
-
-
-def test_half_a_surrogate_pair_is_no_text() -> None:
-    assert refusal("title = '\ud800'") == "run.toml: error: not UTF-8 text"
 
 
 def test_both_dampings() -> None:
@@ -142,14 +93,6 @@ def test_a_duplicate_table() -> None:
     assert refusal(text) == shown(head, "[slider]", "[slider]", "first given in line 20; keep one of the two")
 
 
-def test_two_errors_in_one_file_come_in_the_order_of_lines() -> None:
-    report = refusal(whole(distance='"1,5 mm"', mean_real_contact_area='"200 um"'))
-    assert [line for line in report.splitlines() if "error:" in line] == [
-        AREA + '"um" is the unit of a length, an area is needed',
-        DISTANCE + "a comma in a number",
-    ]
-
-
 def test_broken_lines_and_wrong_values_are_reported_together() -> None:
     report = refusal(whole(distance="1,5 mm", mass="5 g", seed='"x"'))
     assert [line for line in report.splitlines() if "error:" in line] == [
@@ -157,12 +100,6 @@ def test_broken_lines_and_wrong_values_are_reported_together() -> None:
         "run.toml:21: error: slider.mass: a value with a unit needs quotation marks",
         "run.toml:29: error: run.seed: needs a number, not a text",
     ]
-
-
-def test_a_distance_shorter_than_the_default_tick() -> None:
-    report = refusal(BARE.replace("20 mm", "0.01 um"))
-    assert "run.toml:6: error: sliding.distance: the tick is longer than the distance" in report
-    assert "(by default a two-hundredth of the mean life; set output.tick)" in report
 
 
 def test_theory_does_not_ask_how_long_a_run_would_be(tmp_path: Path) -> None:
@@ -197,16 +134,6 @@ def test_matched_without_a_solution() -> None:
     line = 'mean_real_contact_area = "200 um^2"'
     assert refusal(text) == shown(head, line, '"200 um^2"', hint)
     assert loads(text.replace("3 um", "0.2 um")).model().calibrated_diameter == pytest.approx(5.46626015, abs=5e-9)
-
-
-def test_a_sweep_is_refused_where_one_run_is_wanted() -> None:
-    report = refusal(WHOLE + "[sweep]\nreplicates = 4\n")
-    assert report == shown(
-        "run.toml:30: error: sweep: a sweep is many runs, but this command needs one scenario",
-        "[sweep]",
-        "sweep",
-        "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run",
-    )
 
 
 def test_an_unknown_word_gets_a_suggestion() -> None:

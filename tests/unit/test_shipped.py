@@ -1,6 +1,5 @@
 """The scenarios that come along: all run, and studies and lessons show what their comments say."""
 
-from itertools import pairwise
 from math import sqrt
 
 import numpy as np
@@ -9,31 +8,17 @@ import pytest
 import rubnoise
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
 from rubnoise.analysis.summary import expected_figure
-from rubnoise.errors import Refused
 from rubnoise.record.tally import Tally
 from rubnoise.runs.measuring import Measurement, run_points
-from rubnoise.scenario import Scenario, load
+from rubnoise.scenario import Scenario
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
 
-
-def test_a_scenario_of_the_paper_is_found_and_can_be_read() -> None:
-    assert load(shipped("paper/fig5.toml")).title == "Figure 5: excitation force and vibration"
-
-
-def test_what_is_not_there_is_named() -> None:
-    with pytest.raises(Refused, match=r"scenarios/paper/fig99\.toml: not found"):
-        shipped("paper/fig99.toml")
-
-
 # The studies that come along ask what their comments say, and theory answers it.
 STUDIES = ROOT / "scenarios" / "studies"
-NAMES = ("damping", "speed", "texture")
-BOTH_WAYS = ("coupling", "coupling_reference", "rise")
-"""Studies of both couplings, run by run."""
 COUNT, RATIO, SPEED = "interface.mean_junction_count", "slider.damping_ratio", "sliding.speed"
 FORCE = "friction_force_std"
 
@@ -48,12 +33,6 @@ def _exact(sweep: Sweep, quantity: str, key: str = "", value: object = None) -> 
     return [expected_figure(case.scenario.model(), quantity) for case in chosen]
 
 
-def test_these_are_all_studies() -> None:
-    assert sorted(path.stem for path in STUDIES.iterdir()) == sorted(
-        (*NAMES, *BOTH_WAYS, "exponents", "inference", "off_centre")
-    )
-
-
 def test_passes_off_the_centre_line_make_the_area_vary_by_a_tenth_more() -> None:
     """1.3559/1.2298 for equal sizes, of the same mean area and number; displacement and velocity with it."""
     key = "pulse.offset"
@@ -62,76 +41,6 @@ def test_passes_off_the_centre_line_make_the_area_vary_by_a_tenth_more() -> None
     ):  # fmt: skip
         centred, aside = (_exact(_study("off_centre"), quantity, key, value)[0] for value in ("none", "uniform"))
         assert low - 1e-9 <= aside / centred <= high + 1e-9
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_each_is_sound_and_long_enough_for_its_slider(name: str) -> None:
-    study = _study(name)
-    assert study.warnings == ()
-    assert study.keep == "summary"
-    assert study.precision is not None
-    assert study.precision.quantity == "displacement_std"
-    for case in study.cases:
-        model = case.scenario.model()
-        assert model.slider is not None
-        assert model.sliding_speed is not None
-        decays = 0.5 * model.slider.damping / model.slider.mass * model.distance / model.sliding_speed
-        assert decays >= 29.9
-        assert model.mean_life_distance >= 12.0 * model.tick
-
-
-@pytest.mark.parametrize("name", BOTH_WAYS)
-def test_both_couplings_meet_the_same_contact_at_every_point(name: str) -> None:
-    study = _study(name)
-    assert study.warnings == ()
-    assert (study.keep, study.replicates, study.precision) == ("summary", 8, None)
-    one_way, two_way = (
-        [case for case in study.cases if case.values["slider.coupling"] == coupling]
-        for coupling in ("one-way", "two-way")
-    )
-    assert len(one_way) == len(two_way) == len(study.cases) / 2
-    for first, second in zip(one_way, two_way, strict=True):
-        assert {**first.values, "slider.coupling": "two-way"} == second.values
-        seeds = [[point.seed for point in points_of([case], 8)] for case in (first, second)]
-        assert seeds[0] == seeds[1]
-        assert len(set(seeds[0])) == 8
-    speeds = {case.scenario.model().sliding_speed for case in study.cases}
-    assert {1e3, 1e4, 1e5} <= speeds
-    assert ({100.0, 1e6} <= speeds) == (name != "rise")
-    assert (max(speeds, default=0.0) == 1e7) == (name == "coupling")
-
-
-def test_the_reference_has_a_thousand_seconds_of_figure_5_and_other_seeds_than_the_study() -> None:
-    reference = _study("coupling_reference")
-    models = [case.scenario.model() for case in reference.cases if case.scenario.model().is_two_way]
-    figure_5 = [m for m in models if (m.sliding_speed, m.mean_junction_count) == (1e3, 20.0)]
-    assert [8.0 * m.distance / 1e3 > 1000.0 for m in figure_5] == [True]
-    counts = {2.0, 5.0, 10.0, 20.0, 30.0, 40.0, 50.0}
-    assert {m.mean_junction_count for m in models if m.sliding_speed == 1e3} == counts
-    assert {m.sliding_speed for m in models} == {100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6}
-    seeds = [{p.seed for p in points_of(study.cases, 8)} for study in (reference, _study("coupling"))]
-    assert not seeds[0] & seeds[1]
-
-
-def test_exponents_come_from_points_that_share_speed_over_diameter_and_seeds() -> None:
-    study = _study("exponents")
-    assert study.warnings == ()
-    models = {
-        (model.mean_junction_count, model.sliding_speed, model.is_two_way): model
-        for model in (case.scenario.model() for case in study.cases)
-    }
-    speeds = sorted({speed for _, speed, _ in models})
-    assert [fast / slow for slow, fast in pairwise(speeds)] == [2.0] * 6
-    for few, many in ((5.0, 20.0), (20.0, 80.0)):
-        ratio_of_sizes = (
-            models[few, speeds[0], True].calibrated_diameter / models[many, speeds[0], True].calibrated_diameter
-        )
-        assert ratio_of_sizes == pytest.approx(2.0, rel=1e-12)
-    for slow, fast in pairwise(speeds):
-        small, large = (
-            expected_figure(models[key], "velocity_std") for key in ((20.0, slow, False), (5.0, fast, False))
-        )
-        assert large / small == pytest.approx(2.0, rel=1e-6)
 
 
 def test_vibration_rises_and_falls_with_the_speed() -> None:
@@ -191,33 +100,12 @@ def test_the_reduction_is_found_by_simulation_with_an_interval_that_holds_it() -
     assert all(abs(found.value - wrong) > 4.0 * found.standard_error for wrong in (1.0, 5.0))
 
 
-# The scenarios for teaching show what their comments promise.
-READ = ("read_exponential", "read_lognormal", "read_normal")
-LESSONS = ("few_large", "many_small", "one_at_a_time", "poisson", *READ, "regular")
-WORTH_A_WARNING = 0.1
-
-
 def _load(name: str) -> Scenario:
     return rubnoise.load(shipped(f"lessons/{name}.toml"))
 
 
 def _exact_lesson(name: str) -> Exact:
     return rubnoise.exact(_load(name))
-
-
-def test_these_are_all_lessons() -> None:
-    assert tuple(sorted(path.stem for path in (ROOT / "scenarios" / "lessons").iterdir())) == LESSONS
-
-
-@pytest.mark.parametrize("name", LESSONS)
-def test_each_is_sound_and_lets_the_slider_move_little(name: str) -> None:
-    scenario, motion = _load(name), _exact_lesson(name).slider
-    slider = scenario.model().slider
-    assert scenario.warnings == ()
-    assert motion is not None
-    assert slider is not None
-    assert 0.0 < motion.one_way_validity < WORTH_A_WARNING
-    assert slider.natural_frequency == pytest.approx(39.0, abs=0.05)
 
 
 def test_many_small_junctions_share_the_area_and_a_quarter_of_its_spread() -> None:

@@ -17,16 +17,14 @@ from rubnoise.storage import forecast
 from rubnoise.storage.forecast import (
     Budget,
     check_disk_space,
-    check_memory,
     check_sweep_space,
     counted,
     expected,
-    free_disk_bytes,
     free_memory_bytes,
     memory_in_use,
     together,
 )
-from tests.unit.scenarios import BARE, WHOLE, whole
+from tests.unit.scenarios import BARE, WHOLE
 
 # The forecast of a run: a run that does not fit on this machine is refused with the keys to change.
 DENSE = ("interface.mean_junction_count=300000", "sliding.distance=10 um")
@@ -88,27 +86,6 @@ def test_what_is_expected_is_what_is_counted_but_for_chance(text: str, start: st
     assert before.result_bytes == pytest.approx(after.result_bytes, rel=0.01)
 
 
-def test_a_compressed_result_takes_twice_the_disk() -> None:
-    plain, packed = (counted(_with(WHOLE, f"output.compression={how}")) for how in ("none", "gzip"))
-    assert packed.disk_bytes == pytest.approx(2 * plain.disk_bytes, rel=1e-3)
-
-
-def test_several_runs_take_the_sum_and_the_memory_of_the_largest() -> None:
-    small, large = expected(loads(WHOLE)), expected(_with(BARE, *DENSE))
-    both = together([(small, 1), (large, 1)])
-    assert both.junctions == small.junctions + large.junctions
-    assert both.ticks == small.ticks + large.ticks
-    assert both.disk_bytes == small.disk_bytes + large.disk_bytes
-    assert both.working_bytes == large.working_bytes > small.working_bytes
-    assert both.runs == 2
-    assert together([]).disk_bytes == 0
-
-
-def test_of_many_compressed_results_one_is_copied_at_a_time() -> None:
-    packed = expected(_with(WHOLE, "output.compression=gzip"))
-    assert together([(packed, 10)]).disk_bytes == 11 * packed.result_bytes
-
-
 def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = loads(WHOLE)
     told = counted(scenario)
@@ -120,15 +97,6 @@ def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest
     assert f"{told.disk_bytes - 1:,}" in said
     assert "sliding.distance" in said
     assert "output.tick" in said
-
-
-def test_where_junctions_fill_the_disk_their_number_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    scenario = _with(WHOLE, "output.tick=5 um")
-    _with_room(monkeypatch, disk=1000)
-    said = _refusal(scenario, expected(scenario))
-    assert "sliding.distance" in said
-    assert "interface.mean_junction_count" in said
-    assert "output.tick" not in said
 
 
 TWO_WAY = ("slider.coupling=two-way", "sliding.distance=2 mm")
@@ -152,31 +120,6 @@ def test_a_two_way_run_has_no_more_rows_than_are_told(speed: str, count: float) 
     assert long.slider_rows_at_most < 1.02 * 1e6
 
 
-def test_a_one_way_run_has_as_many_rows_as_ticks() -> None:
-    assert counted(_with(WHOLE)).slider_rows_at_most is None
-
-
-def test_rows_that_grow_need_their_room_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    scenario = _with(WHOLE, *TWO_WAY)
-    told = counted(scenario)
-    assert told.slider_rows_at_most is not None
-    grown = told.disk_bytes - told.result_bytes
-    assert 41 * told.slider_rows_at_most <= grown < told.result_bytes
-    _with_room(monkeypatch, disk=told.disk_bytes)
-    check_disk_space(scenario, told, "run.h5")
-    _with_room(monkeypatch, disk=told.disk_bytes - 1)
-    assert "the rows that grow beside it may take" in _refusal(scenario, told)
-
-
-def test_where_only_the_copy_has_no_room_compression_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    scenario = _with(WHOLE, "output.compression=gzip")
-    told = counted(scenario)
-    _with_room(monkeypatch, disk=told.result_bytes)
-    assert 'output.compression = "none"' in _refusal(scenario, told)
-    _with_room(monkeypatch, disk=told.result_bytes - 1)
-    assert "sliding.distance" in _refusal(scenario, told)
-
-
 def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytest.MonkeyPatch) -> None:
     events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
     more = expected(batch).more_bytes + 10**7
@@ -189,11 +132,6 @@ def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytes
         assert said.endswith("1 MB are left; make interface.mean_junction_count smaller")
 
 
-def test_where_memory_is_not_known_nothing_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(forecast, "free_memory_bytes", lambda: None)
-    check_memory(loads(WHOLE), expected(loads(WHOLE)))
-
-
 def test_a_run_asks_before_it_makes_anything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _with_room(monkeypatch, disk=1000)
     with pytest.raises(OutputRefused, match=r"sliding\.distance"):
@@ -202,15 +140,6 @@ def test_a_run_asks_before_it_makes_anything(tmp_path: Path, monkeypatch: pytest
     with pytest.raises(Refused, match=r"memory"):
         run(loads(WHOLE), tmp_path / "run.h5")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(forecast, "memory_in_use", lambda: 0)  # it may be more than the result takes
-    scenario = loads(whole(distance='"500 mm"'))
-    _with_room(monkeypatch, memory=expected(scenario).peak_bytes)
-    check_memory(scenario, expected(scenario))
-    with pytest.raises(Refused, match=r"sliding\.distance shorter or output\.tick longer"):
-        simulate(scenario)
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of a process is read from /proc")
@@ -296,37 +225,3 @@ def test_the_groups_around_a_process_limit_its_memory(machine: Path, group: str)
     for text, left in (("max", 5000 * 1024), ("3000000", 3_000_000 - 700 * PAGE), ("1000000", 0)):
         _write(machine, f"{folder}memory.max", f"{text}\n")
         assert free_memory_bytes() == left
-
-
-def test_a_system_without_such_files_has_the_memory_that_is_built_in(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _limited(monkeypatch)
-    here = free_memory_bytes()
-    monkeypatch.setattr(forecast, "ROOT", tmp_path)
-    built_in = free_memory_bytes()
-    assert here is not None
-    assert built_in is not None
-    assert built_in >= here
-    assert memory_in_use() == 0
-
-
-def test_a_disk_has_what_is_free_and_what_a_part_gives_back(tmp_path: Path) -> None:
-    free = free_disk_bytes(tmp_path / "run.h5")
-    assert free > 0
-    with (tmp_path / "run.h5.part").open("wb") as part:
-        part.write(bytes(40_000_000))
-    # Whoever else writes to this disk meanwhile may be let off some of it.
-    assert free_disk_bytes(tmp_path / "run.h5") - free_disk_bytes(tmp_path / "other.h5") == pytest.approx(
-        40_000_000, rel=0.5
-    )
-
-
-def test_a_file_may_be_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    _limited(monkeypatch, RLIMIT_FSIZE=5000)
-    assert free_disk_bytes(tmp_path / "run.h5") == 5000
-
-
-def test_a_folder_that_is_not_there_has_no_room_to_tell_of(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        free_disk_bytes(tmp_path / "nowhere" / "run.h5")

@@ -1,78 +1,14 @@
 """Columns read back from the disk, and the schema that names them."""
 
-import numpy as np
-import pytest
-
 from rubnoise.record.rows import JunctionState
-from rubnoise.record.sink import Extent
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.free.motion import CONTACT_LOST, CONTACT_MADE
-from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_groups
-from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.schema import (
     GROUPS,
     JUNCTIONS,
     LANDMARKS,
-    LIFE_CURVE,
-    LIFE_TABLE,
     SLIDER,
-    TRACE,
-    Feature,
-    Group,
 )
-
-# The schema is the contract on names, types and what is present when.
-ALWAYS = {
-    "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
-    "trace": ["distance", "real_contact_area", "junction_count"],
-    "life_curve": ["u", "area_fraction"],
-}
-
-
-def stored_with(*features: Feature) -> dict[str, list[str]]:
-    given = frozenset(features)
-    return {group.name: [column.name for column in group.columns] for group in stored_groups(given)}
-
-
-def test_a_bare_contact_has_no_times_no_force_and_no_slider() -> None:
-    assert stored_with() == ALWAYS
-
-
-def test_a_speed_adds_times() -> None:
-    times = ["birth_time", "death_time"]
-    assert stored_with("speed")["junctions"] == [*ALWAYS["junctions"][:-1], *times, "state"]
-    assert stored_with("speed")["trace"] == ALWAYS["trace"]
-
-
-def test_a_strength_adds_strengths_and_force() -> None:
-    assert stored_with("strength")["junctions"] == [*ALWAYS["junctions"][:-1], "shear_strength", "state"]
-    assert stored_with("strength")["trace"] == [*ALWAYS["trace"], "friction_force"]
-
-
-def test_a_slider_adds_its_motion() -> None:
-    whole = stored_with("speed", "strength", "slider")
-    assert whole["slider"] == ["time", "distance", "friction_force", "displacement", "velocity"]
-    assert "slider" not in stored_with("speed", "strength")
-
-
-def test_offsets_add_themselves_and_a_table_in_place_of_the_curve() -> None:
-    aside = stored_with("offset")
-    assert aside["junctions"] == [*ALWAYS["junctions"][:5], "lateral_offset", *ALWAYS["junctions"][5:]]
-    assert aside["life_table"] == ["u", "offset_fraction", "area_fraction"]
-    assert set(aside) == {*ALWAYS, "life_table"} - {"life_curve"}
-
-
-def test_two_ways_add_phases_landmarks_and_a_balance() -> None:
-    whole, one_way = stored_with("speed", "strength", "slider", "two-way"), stored_with("speed", "strength", "slider")
-    assert whole["slider"] == [*one_way["slider"], "phase"]
-    assert whole["landmarks"] == [
-        "landmark", "time", "distance", "kind", "displacement", "velocity", "force_before", "force_after",
-    ]  # fmt: skip
-    assert whole["balance"] == [
-        "time", "distance", "displacement", "velocity", "time_stuck", "displacement_integral",
-        "displacement_squared_integral", "velocity_squared_integral", "friction_work", "reverse_work",
-    ]  # fmt: skip
-    assert not {"landmarks", "balance"} & set(one_way)
 
 
 def test_names_are_unique_and_texts_are_there() -> None:
@@ -105,11 +41,6 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
     assert found == units
 
 
-def test_types_are_little_endian_numbers() -> None:
-    types = {column.dtype for group in GROUPS for column in group.columns}
-    assert types == {"<f8", "<i8", "<u4", "|u1"}
-
-
 def test_values_are_those_of_the_motion() -> None:
     (phase,) = (column for column in SLIDER.columns if column.name == "phase")
     assert dict(phase.values) == {layout.SLIP: "slip", layout.STUCK: "stick", layout.REVERSED: "reversal"}
@@ -123,21 +54,3 @@ def test_values_are_those_of_the_motion() -> None:
 def test_flags_are_the_states_of_the_record() -> None:
     (state,) = (column for column in JUNCTIONS.columns if column.name == "state")
     assert dict(state.flags) == {member.value: (member.name or "").lower() for member in JunctionState if member.value}
-
-
-@pytest.mark.parametrize(
-    ("group", "rows"),
-    [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 4), (LIFE_CURVE, CURVE_ROWS), (LIFE_TABLE, TABLE_ROWS)],
-)
-def test_rows_follow_the_extent(group: Group, rows: int) -> None:
-    assert row_count(group, Extent(junctions=3, ticks=5, slider=4)) == rows
-
-
-def test_bytes_are_those_of_the_columns() -> None:
-    features: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
-    grown = expected_bytes(Extent(junctions=1001, ticks=501, slider=301), features) - expected_bytes(
-        Extent(junctions=1, ticks=1, slider=1), features
-    )
-    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4) + 300 * (5 * 8)
-    curve = CURVE_ROWS * 2 * np.dtype("<f8").itemsize
-    assert expected_bytes(Extent(junctions=0, ticks=0, slider=None), features) == STRUCTURE_BYTES + curve

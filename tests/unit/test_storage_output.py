@@ -4,11 +4,10 @@ import errno
 import fcntl
 import os
 import shutil
-import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
 
@@ -22,7 +21,6 @@ from rubnoise.storage.output import (
     WrittenWithLess,
     check_output,
     part_file,
-    whole_file,
 )
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
@@ -30,27 +28,23 @@ from tests.format.runs import Compression, attempt, describe, names, random_rows
 
 
 # An output that cannot be written is refused before anything is created, and a lock keeps others away.
-def make_folder(path: Path) -> None:
-    path.mkdir()
-
-
-def make_pipe(path: Path) -> None:
-    os.mkfifo(path)
-
-
 def make_link(path: Path) -> None:
     (path.parent / "elsewhere.h5").write_bytes(b"of another")
     path.symlink_to(path.parent / "elsewhere.h5")
 
 
-def make_dangling_link(path: Path) -> None:
-    path.symlink_to(path.parent / "nowhere.h5")
+IN_ITS_PLACE: dict[str, Callable[[Path], object]] = {
+    "folder": Path.mkdir,
+    "pipe": os.mkfifo,
+    "link": make_link,
+    "dangling link": lambda path: path.symlink_to(path.parent / "nowhere.h5"),
+}
 
 
 @pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
-@pytest.mark.parametrize("make", [make_folder, make_pipe, make_link, make_dangling_link])
-def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path], None], name: str) -> None:
-    make(tmp_path / name)
+@pytest.mark.parametrize("kind", IN_ITS_PLACE)
+def test_what_is_no_regular_file_is_refused(tmp_path: Path, kind: str, name: str) -> None:
+    IN_ITS_PLACE[kind](tmp_path / name)
     before = names(tmp_path)
     for force in (False, True):
         with pytest.raises(OutputRefused, match="not a regular file"):
@@ -59,30 +53,24 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path
     assert not (tmp_path / "elsewhere.h5").exists() or (tmp_path / "elsewhere.h5").read_bytes() == b"of another"
 
 
-def itself(path: Path) -> Path:
-    return path
-
-
-def by_another_path(path: Path) -> Path:
-    return path.parent / ".." / path.parent.name / path.name
-
-
-def by_a_link(path: Path) -> Path:
-    link = path.with_name("link")
-    link.symlink_to(path)
-    return link
-
-
-def by_a_hard_link(path: Path) -> Path:
-    os.link(path, path.with_name("link"))
+def linked(path: Path, link: Callable[[Path, Path], object]) -> Path:
+    link(path, path.with_name("link"))
     return path.with_name("link")
 
 
+NAMED: dict[str, Callable[[Path], Path]] = {
+    "itself": lambda path: path,
+    "by another path": lambda path: path.parent / ".." / path.parent.name / path.name,
+    "by a link": lambda path: linked(path, os.symlink),
+    "by a hard link": lambda path: linked(path, os.link),
+}
+
+
 @pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
-@pytest.mark.parametrize("named", [itself, by_another_path, by_a_link, by_a_hard_link])
-def test_what_is_read_is_no_output_by_any_name(tmp_path: Path, named: Callable[[Path], Path], name: str) -> None:
+@pytest.mark.parametrize("how", NAMED)
+def test_what_is_read_is_no_output_by_any_name(tmp_path: Path, how: str, name: str) -> None:
     (tmp_path / name).write_bytes(b"read")
-    read = named(tmp_path / name)
+    read = NAMED[how](tmp_path / name)
     for force in (False, True):
         with pytest.raises(OutputRefused, match="is read here"):
             check_output(tmp_path / "run.h5", force=force, reads=[tmp_path / "missing", read])
@@ -130,43 +118,6 @@ def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(OutputRefused, match=reason):
         attempt(path)
     assert names(tmp_path) == ["file"]
-
-
-@contextmanager
-def as_nobody() -> Iterator[None]:
-    """Give up the right of root to write everywhere."""
-    if os.getuid() != 0:
-        yield
-        return
-    os.setresuid(65534, 65534, 0)
-    try:
-        yield
-    finally:
-        os.setresuid(0, 0, 0)
-
-
-def test_a_folder_that_is_not_writable_is_refused() -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder).chmod(0o555)
-        try:
-            with as_nobody(), pytest.raises(OutputRefused, match="not writable"):
-                attempt(Path(folder, "run.h5"))
-            assert names(Path(folder)) == []
-        finally:
-            Path(folder).chmod(0o755)
-
-
-def test_a_relative_path_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "later").mkdir()
-    monkeypatch.chdir(tmp_path)
-    description = describe()
-    with RunWriter("run.h5", description) as writer:
-        monkeypatch.chdir(tmp_path / "later")
-        for group, columns in random_rows(description).items():
-            writer.write(group, 0, columns)
-        writer.publish({})
-    assert names(tmp_path) == ["later", "run.h5"]
-    assert names(tmp_path / "later") == []
 
 
 def test_the_space_is_taken_from_the_start_and_the_part_is_no_result(tmp_path: Path) -> None:
@@ -260,11 +211,6 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     assert (tmp_path / "run.h5").read_bytes() == b"whole"
 
 
-def test_checking_creates_nothing(tmp_path: Path) -> None:
-    assert check_output(tmp_path / "run.h5", force=False) == tmp_path / "run.h5"
-    assert names(tmp_path) == []
-
-
 def replaced(path: Path, content: bytes) -> None:
     """Put another file in the place of one."""
     (path.parent / "other").write_bytes(content)
@@ -282,38 +228,6 @@ def test_a_part_that_was_swapped_is_not_published_and_stays(tmp_path: Path, comp
     assert (tmp_path / "run.h5").read_bytes() == b"older"
     assert names(tmp_path) == ["run.h5", "run.h5.part"]
     assert part.read_bytes() == b"of another"
-
-
-def test_a_part_that_was_swapped_stays_where_a_run_fails(tmp_path: Path) -> None:
-    def swap() -> None:
-        replaced(tmp_path / "run.h5.part", b"of another")
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        attempt(tmp_path / "run.h5", meanwhile=swap)
-    assert (tmp_path / "run.h5.part").read_bytes() == b"of another"
-    assert names(tmp_path) == ["run.h5.part"]
-
-
-def test_of_other_files_what_was_swapped_is_not_published_either(tmp_path: Path) -> None:
-    def write() -> None:
-        with whole_file(tmp_path / "a.csv", force=False) as part:
-            part.write_bytes(b"ours")
-            replaced(part, b"theirs")
-
-    with pytest.raises(OutputSwappedError):
-        write()
-    assert (tmp_path / "a.csv.part").read_bytes() == b"theirs"
-    assert names(tmp_path) == ["a.csv.part"]
-
-
-def test_a_second_name_that_cannot_be_removed_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as patch:
-        failing_for(tmp_path / "run.h5.part", patch)
-        attempt(tmp_path / "run.h5")
-    assert names(tmp_path) == ["run.h5", "run.h5.part"]
-    attempt(tmp_path / "run.h5", force=True)
-    assert names(tmp_path) == ["run.h5"]
 
 
 @pytest.mark.parametrize(
@@ -347,18 +261,6 @@ def test_only_a_full_disk_or_quota_means_no_room(
         attempt(tmp_path / "run.h5", force=True, compression=compression)
     assert (tmp_path / "run.h5").read_bytes() == b"older"
     assert names(tmp_path) == ["run.h5"]
-
-
-def failing_for(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the disk fail where one name is to be removed."""
-    unlink = os.unlink
-
-    def failing(name: Path) -> None:
-        if name == path:
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
-        unlink(name)
-
-    monkeypatch.setattr(os, "unlink", failing)
 
 
 def failing(number: int) -> Callable[..., None]:

@@ -8,16 +8,11 @@ import pytest
 
 from rubnoise.analysis.agreement import (
     Agreement,
-    as_json,
     family_wise_bound,
-    from_attributes,
     normal_deviate,
-    outside,
 )
-from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import (
-    LARGEST_TAIL_SKEWNESS,
     NORMAL,
     Tail,
     judged_mean,
@@ -26,7 +21,7 @@ from rubnoise.analysis.findings import (
 )
 from rubnoise.analysis.moments import FEWEST_LIVES
 from rubnoise.analysis.summary import missing_for_motion, summarise
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Spread
+from rubnoise.contact.laws import Exponential, Gamma, Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
@@ -46,7 +41,6 @@ AREA = [
     "junction_count_mean",
     "junction_count_std",
 ]
-FORCE = ["friction_force_mean", "friction_force_std"]
 MOTION = ["displacement_mean", "displacement_std", "velocity_std", "one_way_validity"]
 
 
@@ -58,20 +52,6 @@ def _tally(run: Model, seed: int = 1) -> Tally:
 
 def _figures(run: Model, tally: Tally | None = None) -> dict[str, Agreement]:
     return {figure.name: figure for figure in summarise(run, _tally(run) if tally is None else tally)}
-
-
-@pytest.mark.parametrize(
-    ("run", "names"),
-    [
-        (bare(), AREA),
-        (model(slider=None, speed=None), AREA + FORCE),
-        (model(slider=None), AREA + FORCE),
-        (model(), AREA + FORCE + MOTION),
-    ],
-    ids=["contact", "force", "force in time", "slider"],
-)
-def test_what_a_run_has_is_summarised_in_order(run: Model, names: list[str]) -> None:
-    assert list(_figures(run)) == names
 
 
 def test_exact_values_are_those_of_figure_5() -> None:
@@ -93,23 +73,6 @@ def test_exact_values_are_those_of_figure_5() -> None:
     }
     assert {name: each.expected for name, each in figures.items()} == pytest.approx(expected, rel=1e-6)
     assert figures["one_way_validity"].observed == figures["velocity_std"].observed / 1000.0
-
-
-def test_figures_are_those_of_the_tally() -> None:
-    run = model()
-    tally = _tally(run)
-    figures = _figures(run, tally)
-    area, place = tally.moments["real_contact_area"], tally.moments["displacement"]
-    assert figures["real_contact_area_mean"].observed == area.mean
-    assert figures["real_contact_area_excess_kurtosis"].observed == area.excess_kurtosis
-    assert figures["junction_count_std"].observed == tally.moments["junction_count"].std
-    assert figures["displacement_mean"].observed == place.mean
-
-
-def test_force_and_area_are_off_by_the_same_score() -> None:
-    figures = _figures(model(slider=None, distance=1000.0))
-    for end in ("mean", "std"):
-        assert figures[f"friction_force_{end}"].z == pytest.approx(figures[f"real_contact_area_{end}"].z, rel=1e-9)
 
 
 def _promised(run: Model) -> set[str]:
@@ -173,31 +136,6 @@ def test_a_run_too_short_for_its_motion_says_what_it_needs() -> None:
     assert missing_for_motion(model(distance=missing.needed)) is None
 
 
-def test_ten_decay_times_are_needed_at_least() -> None:
-    """The motion of a stiff slider is known to a tenth before the first-order errors hold."""
-    stiff = replace(FIG5_SLIDER, stiffness=3e5, damping=500.0)
-    missing = missing_for_motion(model(distance=0.5, tick=0.1, slider=stiff, speed=30_000.0))
-    assert missing is not None
-    assert missing.needed >= 10.0 * 0.5 / missing.decays
-    regular = missing_for_motion(model(distance=500.0, births="regular"))
-    assert regular is not None
-    assert regular.needed == pytest.approx(2000.0)  # of the mean alone
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"distance": 2000.0},
-        {"start": "empty"},
-        {"slider": replace(FIG5_SLIDER, damping=0.0)},
-        {"slider": None},
-    ],
-    ids=["long", "empty", "undamped", "no slider"],
-)
-def test_nothing_is_missing_where_there_is_enough_or_no_length_would_do(changes: dict[str, Any]) -> None:
-    assert missing_for_motion(model(**{"distance": 500.0} | changes)) is None
-
-
 def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
     run = bare(distance=40_000.0, tick=0.5)
     tally = _tally(run, seed_of("summary/agreement"))
@@ -210,64 +148,12 @@ def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:
     assert score < -4.0
 
 
-def test_the_force_of_another_strength_is_not_agreed_with() -> None:
-    run = model(slider=None, distance=2000.0)
-    tally = _tally(run, seed_of("summary/force"))
-    assert abs(_figures(run, tally)["friction_force_mean"].z or 0.0) <= 4.0
-    stronger = replace(run, strengths=Fixed(value=330.0))
-    assert (_figures(stronger, tally)["friction_force_mean"].z or 0.0) < -4.0
-
-
 # Measured beside exact: scores, and the way into a file and back.
 FULL = Agreement(name="real_contact_area_mean", observed=206.0, expected=204.0, standard_error=0.5)
-UNSURE = Agreement(name="real_contact_area_std", observed=57.0, expected=56.5, standard_error=None)
-ALONE = Agreement(name="events", observed=73084.0, expected=None, standard_error=None)
 
 
 def test_a_score_counts_standard_errors() -> None:
     assert FULL.z == 4.0
-
-
-@pytest.mark.parametrize("figure", [UNSURE, ALONE, Agreement(name="x", observed=1.0, expected=1.5, standard_error=0.0)])
-def test_there_is_no_score_without_a_standard_error(figure: Agreement) -> None:
-    assert figure.z is None
-
-
-def test_attributes_are_the_figure_and_what_is_known_beside_it() -> None:
-    assert FULL.as_attributes() == {
-        "real_contact_area_mean": 206.0,
-        "real_contact_area_mean_exact": 204.0,
-        "real_contact_area_mean_standard_error": 0.5,
-    }
-    assert UNSURE.as_attributes() == {"real_contact_area_std": 57.0, "real_contact_area_std_exact": 56.5}
-    assert ALONE.as_attributes() == {"events": 73084.0}
-
-
-def test_figures_come_back_from_a_file_in_their_order() -> None:
-    figures = [UNSURE, ALONE, FULL]
-    attributes: dict[str, object] = {"comment": "a text is no figure"}
-    for figure in figures:
-        attributes |= figure.as_attributes()
-    assert from_attributes(attributes) == figures
-
-
-def test_whole_numbers_are_figures_too() -> None:
-    assert from_attributes({"events": 12}) == [
-        Agreement(name="events", observed=12.0, expected=None, standard_error=None)
-    ]
-
-
-def test_json_has_the_score() -> None:
-    assert as_json([FULL, ALONE]) == {
-        "real_contact_area_mean": {"observed": 206.0, "expected": 204.0, "standard_error": 0.5, "z": 4.0},
-        "events": {"observed": 73084.0, "expected": None, "standard_error": None, "z": None},
-    }
-
-
-def test_a_deviate_stands_for_the_score_of_a_law_that_is_not_normal() -> None:
-    figure = Agreement(name="count", observed=0.0, expected=20.0, standard_error=20.0**0.5, deviate=-5.9)
-    assert figure.z == -5.9
-    assert as_json([figure])["count"]["z"] == -5.9
 
 
 @pytest.mark.parametrize(
@@ -287,12 +173,6 @@ def test_the_bound_of_a_family_is_bonferronis() -> None:
     assert family_wise_bound(0) == family_wise_bound(1)
 
 
-def test_what_lies_outside_is_what_exceeds_the_bound() -> None:
-    broken = Agreement(name="broken", observed=float("nan"), expected=1.0, standard_error=0.5)
-    assert outside([FULL, UNSURE, ALONE, broken], 4.0) == [broken]
-    assert outside([FULL, UNSURE, ALONE], 3.9) == [FULL]
-
-
 # Sums that their largest junctions rule: how skewed they are, and right runs that hold such a junction.
 LENGTH = 5000.0
 
@@ -301,28 +181,10 @@ def births(model: Model) -> float:
     return model.birth_rate * LENGTH
 
 
-def test_equal_junctions_are_as_skewed_as_their_number() -> None:
-    model = model_of(Fixed(value=5.0), 5.0)
-    for power in (1, 5, 9):
-        found = tail_of(model, LENGTH, power)
-        assert (found.skewness, found.needed) == (pytest.approx(births(model) ** -0.5), 0.0)
-    few = tail_of(model, 1.0, 3)
-    assert few.skewness > LARGEST_TAIL_SKEWNESS
-    assert few.needed == pytest.approx(8.0 / 2.0, rel=0.3), "eight births, two a um"
-
-
 def test_exponential_sizes_have_the_skewness_of_their_moments() -> None:
     """E[d^n] = n!; what is too rare for the record to hold is 1e-5 of a junction, and takes little from the third."""
     model = model_of(Exponential(mean=5.0), 5.0)
     assert tail_of(model, LENGTH, 1).skewness == pytest.approx(6.0 / 2.0**1.5 / births(model) ** 0.5, rel=0.01)
-
-
-def test_strengths_multiply_what_sizes_bring() -> None:
-    plain = model_of(Fixed(value=5.0), 5.0)
-    unequal = replace(plain, strengths=Lognormal(mean=250.0, std=100.0))
-    factor = 1.16 ** (3 - 1.5)  # E[psi^3] / E[psi^2]^1.5
-    assert tail_of(unequal, LENGTH, 3, 1).skewness == pytest.approx(factor * births(plain) ** -0.5, rel=0.01)
-    assert tail_of(unequal, LENGTH, 3).skewness == pytest.approx(births(plain) ** -0.5)
 
 
 def test_sums_that_are_drawn_are_as_skewed() -> None:
@@ -344,11 +206,6 @@ def test_squares_of_a_wide_law_need_more_draws_than_those_of_a_narrow_one() -> N
     assert narrow.needed == 0.0
     assert wide.needed > 500.0
     assert wide.skewness > narrow.skewness
-
-
-def test_a_tail_that_is_too_heavy_leaves_a_mean_without_a_score() -> None:
-    found = judged_mean("x", 9.0, 1.0, 1.0, length=10.0, tail=Tail(skewness=2.0, needed=300.0))
-    assert found == LeftOut(name="x", reason="the run is too short; it needs about 300 um")
 
 
 def test_a_skewed_mean_is_scored_on_its_own_scale() -> None:

@@ -13,15 +13,13 @@ from typing import Any, Self
 import numpy as np
 import pytest
 
-import rubnoise
-from rubnoise.errors import Refused, RubnoiseError, RunStopped
+from rubnoise.errors import Refused, RunStopped
 from rubnoise.model import Model
-from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
 from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
-from rubnoise.runs.measuring import Measurement, measured, run_points
+from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import expand
 from rubnoise.theory.cumulants import area_cumulants
@@ -52,14 +50,6 @@ def _outcomes(
     return found
 
 
-def test_every_point_is_carried_out_once_in_other_processes(tmp_path: Path) -> None:
-    points = _points(tmp_path, 60)
-    found = [outcome.result for outcome in _outcomes(points, errands.name_and_process, local(2))]
-    assert {name for name, _ in found} == {point.run_id for point in points}
-    assert os.getpid() not in {process for _, process in found}
-    assert len({process for _, process in found}) <= 2
-
-
 def test_two_workers_that_are_killed_cost_no_run(tmp_path: Path) -> None:
     points = _points(tmp_path, 40)
     outcomes = _outcomes(points, partial(errands.die_once, folder=tmp_path), local(2))
@@ -84,12 +74,6 @@ def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(poin
             assert str(outcome.problem) == f"replicate {outcome.point.replicate} is odd"
         else:
             assert (outcome.problem, outcome.result) == (None, outcome.point.run_id)
-
-
-def test_a_problem_that_cannot_travel_is_told_in_words(points: tuple[Point, ...]) -> None:
-    told = {outcome.point.replicate: outcome.problem for outcome in _outcomes(points, errands.be_awkward)}
-    assert {type(problem) for problem in told.values()} == {RubnoiseError}
-    assert str(told[2]) == "Awkward: replicate 2"
 
 
 def test_workers_are_told_to_use_one_thread(points: tuple[Point, ...]) -> None:
@@ -138,31 +122,6 @@ def test_an_executor_that_breaks_is_opened_again(points: tuple[Point, ...], *, r
     outcomes = _outcomes(points, errands.name_and_process, Workers(lambda: executor, lambda: 2))
     assert [outcome.problem for outcome in outcomes] == [None] * 8
     assert executor.opened == 3
-
-
-OTHER = {"rubnoise": "0.0.1", "stream": 99}
-
-
-class Elsewhere(Here):
-    """A worker with another version, which does as it says."""
-
-    def __init__(self) -> None:
-        self.worked: list[str] = []
-
-    def submit(self, function: Any, /, work: Any, point: Any, asked: Any) -> "Future[Any]":
-        done: Future[Any] = Future()
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("rubnoise.runs.attempts.versions", lambda: OTHER)
-            done.set_result(function(lambda point: self.worked.append(point.run_id), point, asked))
-        return done
-
-
-def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(points: tuple[Point, ...]) -> None:
-    worker = Elsewhere()
-    said = "a worker has rubnoise 0.0.1, stream 99, and this process rubnoise .*, stream 1, format 2"
-    with pytest.raises(WorkLost, match=said):
-        _outcomes(points, errands.fail_some, Workers(lambda: worker, lambda: 1))
-    assert worker.worked == []
 
 
 class Client:
@@ -238,39 +197,11 @@ def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...])
 TABLE = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 40]\n"
 
 
-def _area(model: Model, record: MemoryRecord) -> np.ndarray:
-    return record["trace"]["real_contact_area"]
-
-
 def _std(model: Model, tally: Tally) -> float:
     return tally.moments["real_contact_area"].std
 
 
-TRACES = Measurement(sink=MemoryRecord, read=_area)
 STDS = Measurement(sink=lambda extent: Tally(), read=_std)
-
-
-def test_a_point_is_the_run_of_its_scenario(tmp_path: Path) -> None:
-    points = expand(sweep_of(tmp_path, TABLE, "sliding.distance=500 um"))
-    told = list(run_points(points, TRACES))
-    assert [point for point, _ in told] == list(points)
-    for point, area in told:
-        alone = rubnoise.simulate(point.scenario)["trace"]["real_contact_area"]
-        assert np.array_equal(area, alone)
-    assert not np.array_equal(told[0][1], told[1][1])
-
-
-def test_the_order_of_points_changes_no_result(tmp_path: Path) -> None:
-    points = expand(sweep_of(tmp_path, TABLE, "sliding.distance=500 um"))
-    forwards = [std for _, std in run_points(points, STDS)]
-    assert [std for _, std in run_points(points[::-1], STDS)][::-1] == forwards
-    assert [measured(point, STDS) for point in points] == forwards
-
-
-def test_a_point_runs_only_when_its_result_is_wanted(tmp_path: Path) -> None:
-    points = iter(expand(sweep_of(tmp_path, TABLE, "sliding.distance=100 um")))
-    next(run_points(points, STDS))
-    assert len(list(points)) == 3
 
 
 def test_replicates_are_independent_runs_of_one_theory(tmp_path: Path) -> None:

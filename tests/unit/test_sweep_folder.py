@@ -5,15 +5,12 @@ from collections.abc import Callable
 from errno import EIO
 from pathlib import Path
 from shutil import copytree, rmtree
-from types import SimpleNamespace
-from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.errors import OutputRefused, Refused, RunFileRefused
+from rubnoise.errors import OutputRefused, RunFileRefused
 from rubnoise.runs import point_file, sweep
 from rubnoise.runs.folder import Shard, check_folder
 from rubnoise.runs.making import describe
@@ -62,11 +59,6 @@ def folder(original: Path, tmp_path: Path) -> Path:
 
 def times(folder: Path) -> dict[str, int]:
     return {path.name: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
-
-
-def columns_of(path: Path) -> dict[str, bytes]:
-    with rubnoise.open(path) as run:
-        return {name: column[:].tobytes() for name, column in run.trace.items()}
 
 
 def being_made(path: Path, folder: Path) -> RunWriter:
@@ -149,23 +141,6 @@ def test_a_folder_of_other_things_is_refused_and_one_that_was_only_begun_is_not(
     check_folder(root)
 
 
-def test_a_sweep_without_room_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("shutil.disk_usage", lambda _path: SimpleNamespace(free=1000))
-    with pytest.raises(OutputRefused, match="there is room for 1,000"):
-        rubnoise.sweep("paper/fig9", tmp_path / "deep" / "fig9", jobs=1)
-    assert not list(tmp_path.iterdir())
-
-
-# A run is done if its file is there.
-def test_only_what_is_missing_is_made(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first, *others = sorted((folder / "runs").iterdir())
-    whole, before = columns_of(first), times(folder)
-    first.unlink()
-    assert made(lambda: rubnoise.sweep(small(tmp_path), folder, jobs=1).close(), monkeypatch) == 1
-    assert columns_of(first) == whole
-    assert {path.name: before[path.name] for path in others}.items() <= times(folder).items()
-
-
 @pytest.mark.parametrize("spoilt", ["gone", "cut short", "a bit turned", "older"])
 def test_an_index_that_is_lost_or_stale_is_made_again_from_the_files(
     folder: Path, tmp_path: Path, spoilt: str, monkeypatch: pytest.MonkeyPatch
@@ -227,27 +202,6 @@ def test_a_run_that_another_process_is_making_is_left_to_it(folder: Path, tmp_pa
     path.unlink()
     with being_made(path, tmp_path), rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
         assert (swept.count("done"), swept.count("planned"), swept.failures) == (3, 1, [])
-    with rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
-        assert swept.count("done") == 4
-
-
-def test_what_another_process_has_made_meanwhile_is_in_the_index(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = min((folder / "runs").iterdir())
-    kept = path.read_bytes()
-    path.unlink()
-    enter = RunWriter.__enter__
-
-    def held(writer: RunWriter) -> Any:
-        monkeypatch.setattr(RunWriter, "__enter__", enter)
-        with being_made(path, tmp_path):
-            try:
-                return enter(writer)
-            finally:
-                path.write_bytes(kept)
-
-    monkeypatch.setattr(RunWriter, "__enter__", held)
     with rubnoise.sweep(small(tmp_path), folder, jobs=1) as swept:
         assert swept.count("done") == 4
 
@@ -329,35 +283,3 @@ def test_shards_are_parts_of_the_whole_whatever_the_order(tmp_path: Path) -> Non
     assert sorted(run_id(case.scenario) for part in cases for case in part) == sorted(
         run_id(case.scenario) for case in whole.cases
     )
-
-
-def test_shards_make_their_own_runs_and_the_last_index_has_all(tmp_path: Path, original: Path) -> None:
-    for number, done in ((2, 2), (1, 4)):
-        with rubnoise.sweep(small(tmp_path), tmp_path / "d", jobs=1, shard=f"{number}/2") as swept:
-            assert (swept.count("done"), len(swept.runs)) == (done, 4)
-    with h5py.File(tmp_path / "d" / "index.h5") as one, h5py.File(original / "index.h5") as other:
-        assert {name: one["runs"][name][:].tobytes() for name in one["runs"]} == {
-            name: other["runs"][name][:].tobytes() for name in other["runs"]
-        }
-
-
-@pytest.mark.parametrize("text", ["", "1", "0/4", "5/4", "1/0", "a/b", "1/4/2", "-1/4", "1/99999999"])
-def test_what_is_no_shard_is_refused(text: str) -> None:
-    with pytest.raises(Refused, match='right form: shard="2/8"'):
-        Shard.of(text)
-
-
-# The door of Python.
-def test_keys_are_changed_for_all_points(tmp_path: Path) -> None:
-    scenario = small(tmp_path).cases[0].scenario
-    with rubnoise.sweep(scenario, grid={"mean_junction_count": [10, 20]}, jobs=1, distance="50 um") as swept:
-        assert swept.scenario(1).sliding.distance == 50.0
-    with pytest.raises(Refused, match="a Sweep has its own grid"):
-        rubnoise.sweep(small(tmp_path), distance="50 um")
-
-
-def test_the_old_name_does_the_same(tmp_path: Path) -> None:
-    with rubnoise.run_sweep(small(tmp_path), tmp_path / "d", jobs=1) as swept:
-        assert swept.count("done") == 4
-    with pytest.raises(Refused, match="jobs=: the workers of a cluster are its own"):
-        rubnoise.run_sweep(small(tmp_path), tmp_path / "d", jobs=1, cluster="127.0.0.1:9")

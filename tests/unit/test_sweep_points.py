@@ -3,12 +3,11 @@
 from math import sqrt
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from rubnoise.scenario import build, load
-from rubnoise.scenario.points import Point, canonical, run_id
-from rubnoise.scenario.sweep import Sweep, expand, load_either, load_sweep
+from rubnoise.scenario import build
+from rubnoise.scenario.points import canonical
+from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.scenario.sweep_table import SWEEP_POINTS
 from rubnoise.streams import SEED_LIMIT
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
@@ -18,21 +17,11 @@ COUNT = "interface.mean_junction_count"
 AREA = "interface.mean_real_contact_area"
 
 
-def _by_values(sweep: Sweep) -> dict[tuple[object, ...], Point]:
-    return {(*point.values.values(), point.replicate): point for point in expand(sweep)}
-
-
 def test_a_grid_is_the_product_in_the_order_written(tmp_path: Path) -> None:
     sweep = sweep_of(tmp_path, GRID)
     assert sweep.keys == (AREA, COUNT)
     told = [(*point.values.values(), point.replicate) for point in expand(sweep)]
     assert told == [(area, count, n) for area in ("100 um^2", "200 um^2") for count in (10, 20, 30) for n in (0, 1)]
-
-
-def test_the_order_is_that_of_the_lines_also_when_a_table_comes_back(tmp_path: Path) -> None:
-    lines = ["interface.mean_junction_count = [10]", 'sliding.distance = ["1 mm"]', 'interface.calibration = ["exact"]']
-    table = "\n".join(["[sweep.grid]", *lines, ""])
-    assert sweep_of(tmp_path, table).keys == (COUNT, "sliding.distance", "interface.calibration")
 
 
 def test_a_zip_goes_side_by_side_within_the_grid(tmp_path: Path) -> None:
@@ -61,29 +50,11 @@ def test_a_point_is_the_scenario_that_a_file_of_its_own_would_be(tmp_path: Path)
         )
 
 
-def test_a_swept_key_need_not_be_given_in_the_file(tmp_path: Path) -> None:
-    head = HEAD.replace("mean_junction_count = 20\n", "")
-    assert [p.seed for p in expand(sweep_of(tmp_path, GRID, head=head))] == [
-        p.seed for p in expand(sweep_of(tmp_path, GRID))
-    ]
-
-
-def test_replicates_alone_are_a_sweep(tmp_path: Path) -> None:
-    points = expand(sweep_of(tmp_path, "[sweep]\nreplicates = 3\n"))
-    assert [(dict(point.values), point.replicate) for point in points] == [({}, 0), ({}, 1), ({}, 2)]
-
-
 def test_seeds_and_names_are_all_different_and_in_range(tmp_path: Path) -> None:
     points = expand(sweep_of(tmp_path, GRID.replace("replicates = 2", "replicates = 50")))
     assert len({point.seed for point in points}) == len({point.run_id for point in points}) == len(points) == 300
     assert all(0 <= point.seed < SEED_LIMIT and point.scenario.run.seed == point.seed for point in points)
     assert all(len(point.run_id) == 16 and int(point.run_id, 16) >= 0 for point in points)
-
-
-def test_seeds_are_spread_over_their_whole_range(tmp_path: Path) -> None:
-    points = expand(sweep_of(tmp_path, GRID.replace("replicates = 2", "replicates = 500")))
-    seeds = np.array([point.seed for point in points]) / SEED_LIMIT
-    assert abs(seeds.mean() - 0.5) * sqrt(12.0 * seeds.size) <= 4.0
 
 
 @pytest.mark.parametrize(
@@ -111,12 +82,6 @@ def test_a_seed_follows_from_its_point_alone(tmp_path: Path, table: str) -> None
     assert named(sweep_of(tmp_path, GRID)).items() <= named(sweep_of(tmp_path, table)).items()
 
 
-def test_a_seed_follows_from_the_seed_of_the_file_too(tmp_path: Path) -> None:
-    first, second = (_by_values(sweep_of(tmp_path, GRID, f"run.seed={seed}")) for seed in (1, 2))
-    assert first.keys() == second.keys()
-    assert all(first[key].seed != second[key].seed for key in first)
-
-
 def test_the_seeds_of_a_point_do_not_change_with_versions(tmp_path: Path) -> None:
     points = expand(sweep_of(tmp_path, GRID))
     assert [(point.seed, point.run_id) for point in points[:2]] == KEPT
@@ -129,15 +94,6 @@ def test_how_a_run_is_written_changes_its_name_and_not_its_seed(tmp_path: Path) 
     assert fine.run_id != coarse.run_id
     retitled = expand(sweep_of(tmp_path, table, "title=another"))
     assert [(p.seed, p.run_id) for p in retitled] == [(p.seed, p.run_id) for p in (fine, coarse)]
-
-
-def test_the_engine_of_a_sweep_is_batch_unless_the_file_names_one_and_changes_no_name(tmp_path: Path) -> None:
-    told = {
-        engine: [(p.scenario.run.engine, p.seed, p.run_id) for p in expand(sweep_of(tmp_path, GRID, *changes))]
-        for engine, changes in (("batch", ()), ("events", ("run.engine=events",)))
-    }
-    assert {engine for engine, _, _ in told["batch"]} == {"batch"}
-    assert told["events"] == [("events", seed, name) for _, seed, name in told["batch"]]
 
 
 def test_both_couplings_meet_the_same_junctions(tmp_path: Path) -> None:
@@ -154,15 +110,6 @@ def test_both_couplings_meet_the_same_junctions(tmp_path: Path) -> None:
     assert [point.seed for point in alone] == [point.seed for point in one_way]
 
 
-def test_a_run_that_is_no_table_is_refused(tmp_path: Path) -> None:
-    assert "run: needs a table" in sweep_refusal(tmp_path, GRID, head="run = 3\n" + HEAD)
-
-
-def test_the_name_of_a_run_is_that_of_its_scenario(tmp_path: Path) -> None:
-    for point in expand(sweep_of(tmp_path, GRID)):
-        assert point.run_id == run_id(point.scenario) == run_id(build(point.scenario.resolved()))
-
-
 def test_defaults_have_no_part_in_names_and_seeds(tmp_path: Path) -> None:
     told, untold = (expand(sweep_of(tmp_path, GRID, *changes))[3] for changes in ((), ("pulse.shape=lens",)))
     assert (told.seed, told.run_id) == (untold.seed, untold.run_id)
@@ -172,25 +119,6 @@ def test_defaults_have_no_part_in_names_and_seeds(tmp_path: Path) -> None:
     )
     other = expand(sweep_of(tmp_path, GRID, "pulse.shape=triangle"))[3]
     assert other.seed != told.seed
-
-
-def test_a_sweep_may_be_extended_and_changed_on_the_command_line(tmp_path: Path) -> None:
-    (tmp_path / "base.toml").write_text(HEAD + GRID, encoding="utf-8")
-    (path := tmp_path / "top.toml").write_text(
-        'format = 1\nextends = "base.toml"\n[sweep]\nreplicates = 1\n', encoding="utf-8"
-    )
-    assert len(expand(load_sweep(path))) == 6
-    changed = load_sweep(path, ['sweep.grid.interface.mean_real_contact_area=["300 um^2", "400 um^2"]'])
-    assert changed.keys == (AREA, COUNT)
-    told = [tuple(point.values.values()) for point in expand(changed)]
-    assert told == [(area, count) for area in ("300 um^2", "400 um^2") for count in (10, 20, 30)]
-
-
-def test_either_is_what_the_file_is(tmp_path: Path) -> None:
-    sweep_of(tmp_path, GRID)
-    (tmp_path / "one.toml").write_text(HEAD, encoding="utf-8")
-    assert isinstance(load_either(tmp_path / "s.toml"), Sweep)
-    assert load_either(tmp_path / "one.toml").resolved() == load(tmp_path / "one.toml").resolved()
 
 
 KEPT = [(765688994715997, "22bead39afcfb42b"), (3070721805695893, "2b2f8947c938dbec")]
@@ -263,31 +191,6 @@ def test_values_are_judged_as_the_key_judges_them_each_once(tmp_path: Path) -> N
     assert f"{shown}{' ' * shown.index('[')}{'^' * 19}\n" in report
 
 
-def test_everything_is_told_at_once(tmp_path: Path) -> None:
-    table = (
-        GRID.replace("[10, 20, 30]", "[10, -3]").replace("replicates = 2", "replicates = 0") + "sliding.sped = [1]\n"
-    )
-    report = sweep_refusal(tmp_path, table, "sliding.distance=1 um^2", "output.tik=3")
-    for said in (
-        "sweep.replicates",
-        "junction_count: must be above 0",
-        "grid.sliding.sped",
-        "sliding.distance",
-        "output.tik",
-    ):
-        assert report.count(f"{said}: " if "above" not in said else said) == 1 + (
-            said in {"sliding.distance", "output.tik"}
-        ), said
-
-
-def test_a_problem_of_the_file_is_told_as_in_a_file_of_its_own(tmp_path: Path) -> None:
-    head = HEAD.replace('"2 mm"', '"2 mm^2"')
-    report = sweep_refusal(tmp_path, GRID, head=head)
-    assert report.count("error:") == 1
-    assert report.startswith(f"s.toml:{START}: error: sliding.distance: ")
-    assert " point" not in report
-
-
 def test_a_problem_of_some_points_names_the_first(tmp_path: Path) -> None:
     report = sweep_refusal(tmp_path, GRID, head=HEAD + '[output]\ntick = "7 um"\n')
     assert report.count("error:") == 1
@@ -297,12 +200,6 @@ def test_a_problem_of_some_points_names_the_first(tmp_path: Path) -> None:
     )
     report = sweep_refusal(tmp_path, GRID, head=HEAD + '[output]\ntick = "9 um"\n')
     assert report.splitlines()[0].endswith("interface.mean_junction_count = 20, and at 2 more points")
-
-
-def test_a_doubt_is_told_once_and_allowed(tmp_path: Path) -> None:
-    sweep = sweep_of(tmp_path, GRID, head=HEAD + '[strength]\nmean = "250 mPa"\n')
-    assert len(sweep.warnings) == 1
-    assert 'did you mean "250 MPa"?' in sweep.warnings[0]
 
 
 def test_zipped_lists_are_of_one_length(tmp_path: Path) -> None:
@@ -339,17 +236,6 @@ def test_too_many_are_refused_before_any_is_looked_at(tmp_path: Path) -> None:
     assert report.splitlines()[0].startswith(head)
     assert "too many: 6 points, 120,000 runs" in sweep_refusal(tmp_path, GRID, "sweep.replicates=20000")
     assert SWEEP_POINTS < 20_000
-
-
-def test_what_is_no_sweep_is_told_so(tmp_path: Path) -> None:
-    assert sweep_refusal(tmp_path, "").startswith("s.toml: no sweep: it has no table [sweep]; rubnoise run makes this")
-
-
-def test_a_broken_line_is_told_beside_the_rest(tmp_path: Path) -> None:
-    report = sweep_refusal(tmp_path, GRID + "sliding.speed = 1 mm/s\ndiameter.sprea = [1]\n")
-    assert report.count("error:") == 2
-    assert "a value with a unit needs quotation marks" in report
-    assert "sweep.grid.diameter.sprea: unknown key" in report
 
 
 def test_what_said_the_first_calibration_keeps_its_name_and_seed(tmp_path: Path) -> None:

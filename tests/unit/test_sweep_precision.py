@@ -8,17 +8,13 @@ from random import Random
 import numpy as np
 import pytest
 
-from rubnoise.analysis.run_summary import SummarySink
-from rubnoise.figure_names import QUANTITIES
 from rubnoise.record.tally import Tally
 from rubnoise.runs.measuring import Measurement, measured
 from rubnoise.runs.stopping_rule import AdaptiveReplicates
 from rubnoise.scenario.points import Point, points_of
-from rubnoise.scenario.sweep import Sweep, expand
+from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS
 from rubnoise.scenario.sweep_table import Precision
-from rubnoise.simulation.run import simulate
-from tests.models import model
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
 from tests.verification.scores import seed_of
 
@@ -29,19 +25,6 @@ POINTS = GRID.replace("replicates = 2\n", "")
 
 def _line(*lines: str) -> str:
     return POINTS.replace("[sweep]\n", "\n".join(["[sweep]", *lines, ""]))
-
-
-def test_a_sweep_keeps_runs_without_end_of_replicates_unless_told(tmp_path: Path) -> None:
-    sweep = sweep_of(tmp_path, POINTS)
-    assert (sweep.replicates, sweep.keep, sweep.precision) == (1, "runs", None)
-
-
-def test_what_is_told_is_kept(tmp_path: Path) -> None:
-    sweep = sweep_of(tmp_path, _line('keep = "summary"', "precision = 0.005", "most_replicates = 40"))
-    assert sweep.keep == "summary"
-    assert sweep.replicates == FEWEST
-    assert sweep.precision == Precision(relative=0.005, quantity="real_contact_area_std", most_replicates=40)
-    assert sweep_of(tmp_path, _line("replicates = 20", "precision = 0.1")).replicates == 20
 
 
 @pytest.mark.parametrize(
@@ -81,15 +64,6 @@ def test_runs_that_a_precision_may_come_to_are_counted(tmp_path: Path) -> None:
     sweep_of(tmp_path, _line("precision = 0.1", f"most_replicates = {most - 1}"))
 
 
-def test_quantities_are_the_figures_of_a_run() -> None:
-    run = model(distance=50.0)
-    sink = SummarySink(run)
-    simulate(run, 1, sink, engine="batch")
-    assert [figure.name for figure in sink.finish().figures] == [
-        name for name, known in QUANTITIES.items() if known.needs != "load"
-    ]
-
-
 def test_what_is_reached_is_the_relative_standard_error_of_the_mean() -> None:
     values = np.random.Generator(np.random.PCG64(seed_of("precision/reached"))).normal(50.0, 5.0, 40)
     error = values.std(ddof=1) / sqrt(40) / values.mean()
@@ -99,18 +73,6 @@ def test_what_is_reached_is_the_relative_standard_error_of_the_mean() -> None:
     assert PRECISE.reached([3.0]) == PRECISE.reached([]) == PRECISE.reached([nan, 3.0]) == inf
     assert PRECISE.reached([7.0] * 8) == 0.0
     assert PRECISE.reached([-1.0, 1.0]) == inf
-
-
-def test_as_many_are_wanted_as_the_scatter_asks_for() -> None:
-    values = [100.0 + (-1) ** n * 4.0 for n in range(16)]
-    reached = PRECISE.reached(values)
-    assert reached == pytest.approx(4.0 / sqrt(15.0) / 100.0)
-    assert PRECISE.wanted(values) == int(np.ceil(16 * 1.1 * (reached / 0.01) ** 2))
-    assert PRECISE.wanted(values * 2) == 32
-    assert PRECISE.wanted([100.0 + (-1) ** n * 40.0 for n in range(16)]) == 32
-    assert PRECISE.wanted([100.0 + (-1) ** n * 400.0 for n in range(990)]) == 1000
-    assert PRECISE.wanted([100.0 + (-1) ** n * 400.0 for n in range(1000)]) == 1000
-    assert PRECISE.wanted([nan] * 8) == 16
 
 
 def _carried_out(values: np.ndarray, precision: Precision) -> int:
@@ -177,21 +139,6 @@ def _rounds(sweep: Sweep, run: Callable[[Point], dict[str, float]] = _figures, s
     return ended
 
 
-def test_the_first_round_is_the_sweep(tmp_path: Path) -> None:
-    sweep = _sweep(tmp_path)
-    assert AdaptiveReplicates(sweep)({}) == expand(sweep)
-    assert len(expand(sweep)) == 16
-    assert AdaptiveReplicates(sweep).points == expand(sweep)
-
-
-def test_without_a_precision_there_is_one_round(tmp_path: Path) -> None:
-    sweep = sweep_of(tmp_path, "[sweep]\nreplicates = 3\n")
-    ended: Figures = {point.run_id: {} for point in expand(sweep)}
-    assert AdaptiveReplicates(sweep)({}) == expand(sweep)
-    assert AdaptiveReplicates(sweep)(ended) == ()
-    assert AdaptiveReplicates(sweep).unmet(ended) == []
-
-
 def test_every_point_gets_to_its_precision(tmp_path: Path) -> None:
     sweep = _sweep(tmp_path)
     ended = _rounds(sweep)
@@ -219,15 +166,6 @@ def test_neither_order_nor_restarts_change_what_is_run(tmp_path: Path) -> None:
     assert again(ended) == ()
     assert {point.run_id for point in again.points} == set(straight)
     assert [point.replicate for point in again.points].count(0) == len(sweep.cases)
-
-
-def test_another_point_changes_nothing_of_one(tmp_path: Path) -> None:
-    more = sweep_of(
-        tmp_path,
-        TABLE.format(precision=0.02, most=200).replace("[10, 40]", "[10, 20, 40]"),
-        "sliding.distance=500 um",
-    )
-    assert _rounds(_sweep(tmp_path)).items() <= _rounds(more).items()
 
 
 def test_a_point_that_never_gets_there_ends_at_the_most_and_is_told(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """Exact moments of area and count."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from math import factorial, pi, sqrt
@@ -11,23 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed, Normal, Weibull
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.exact import exact
 from rubnoise.theory.live_count import (
     count_covariance,
-    expected_junction_rows,
-    length_biased_mean_diameter,
-    mean_count,
     mean_count_error,
     zero_share,
 )
-from rubnoise.theory.second_order import autocovariance, count_noise, spectral_density
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 from tests.verification.scores import seed_of
 
@@ -63,76 +53,12 @@ def test_triangles_have_the_cumulants_of_a_uniform_area() -> None:
     assert area_cumulants(model).std / area_cumulants(model).mean == pytest.approx(2.0 / sqrt(60.0), rel=1e-13)
 
 
-def test_twice_the_births_double_every_cumulant() -> None:
-    rare, often = one_size(), one_size()
-    often = replace(often, births=replace(often.births, mean_spacing=0.5 * rare.births.mean_spacing))
-    np.testing.assert_allclose(area_cumulants(often).values, 2.0 * np.array(area_cumulants(rare).values), rtol=1e-15)
-
-
-def test_force_is_strength_times_area() -> None:
-    model = replace(paper_model(), strengths=Fixed(value=3.0))
-    area, force = area_cumulants(model), force_cumulants(model)
-    np.testing.assert_allclose(force.values, [k * 3.0**n for n, k in enumerate(area.values, start=1)], rtol=1e-15)
-    assert force.skewness == pytest.approx(area.skewness, rel=1e-14)
-    assert force.variance == pytest.approx(9.0 * area.std**2, rel=1e-14)
-
-
 def test_unequal_strengths_bring_their_own_moments() -> None:
     """A Weibull law as wide as its mean is exponential, and has n! times the mean to the power n for moments."""
     model = replace(paper_model(), strengths=Weibull(mean=3.0, std=3.0))
     area, force = area_cumulants(model), force_cumulants(model)
     expected = [k * factorial(n) * 3.0**n for n, k in enumerate(area.values, start=1)]
     np.testing.assert_allclose(force.values, expected, rtol=1e-14)
-
-
-def test_force_without_a_strength_is_refused() -> None:
-    with pytest.raises(Refused, match="strength"):
-        force_cumulants(replace(paper_model(), strengths=None))
-
-
-def test_everything_at_once() -> None:
-    found = exact(paper_model())
-    assert found.area.mean == pytest.approx(204.6736, abs=5e-5)
-    assert found.area.std == pytest.approx(56.42936, abs=5e-6)
-    assert found.count_std**2 == pytest.approx(20.0, rel=1e-12)
-    assert found.count_variance == found.count_mean
-    assert found.mean_diameter == pytest.approx(5.53, abs=5e-4)
-    assert found.length_biased_mean_diameter > 5.53
-    assert found.expected_junction_rows > found.expected_births
-    assert found.force is not None
-    assert found.force.mean == pytest.approx(51_168.4, abs=0.05)
-    assert found.slider is not None
-    assert found.slider.one_way_validity == pytest.approx(47.24, abs=5e-3)
-
-
-def test_what_is_asked_at_points_is_that_of_the_theory() -> None:
-    model = paper_model()
-    found = exact(model)
-    points = np.array([[0.0, 0.1], [1.0, 30.0]])
-    np.testing.assert_array_equal(found.spectral_density(points), spectral_density(model, points))
-    np.testing.assert_array_equal(found.autocovariance(points), autocovariance(model, points))
-    assert found.autocovariance(0.0) == pytest.approx(found.area.variance, rel=1e-8)
-    law = found.distribution()
-    assert law.cdf(found.area.mean) == pytest.approx(0.52, abs=0.02)
-    assert law.atom_at_zero == pytest.approx(np.exp(-found.count_mean), rel=1e-9)
-
-
-def test_regular_births_have_another_count() -> None:
-    found = exact(replace(paper_model(slider=None), births=RegularBirths(mean_spacing=0.5530012551)))
-    assert found.count_mean == pytest.approx(20.0, rel=1e-7)
-    assert found.count_variance < 1.0
-
-
-def test_no_force_without_a_strength_and_no_motion_without_a_slider() -> None:
-    found = exact(replace(paper_model(), strengths=None, slider=None))
-    assert found.force is None
-    assert found.slider is None
-
-
-@pytest.mark.parametrize("slow", ["scipy.signal", "scipy.stats", "simpy", "h5py"])
-def test_the_theory_imports_nothing_slow_or_foreign(slow: str) -> None:
-    code = f"import sys, rubnoise.theory.exact, rubnoise.theory.sampling; sys.exit({slow!r} in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 Doubles = NDArray[np.float64]
@@ -151,38 +77,6 @@ def test_covariance_is_the_life_that_is_left(lag: float) -> None:
     expected = WIDE.birth_rate * dense(WIDE, lambda d: np.maximum(2.0 * d - lag, 0.0))
     assert count_covariance(WIDE, lag) == pytest.approx(expected, rel=1e-8, abs=1e-9)
     assert count_covariance(WIDE, -lag) == count_covariance(WIDE, lag)
-
-
-def test_covariance_of_one_size_falls_in_a_straight_line_to_zero() -> None:
-    np.testing.assert_allclose(
-        count_covariance(one_size(), [0.0, 5.53, 11.06, 50.0]), [20.0, 10.0, 0.0, 0.0], atol=1e-12
-    )
-
-
-def test_spread_makes_more_junctions_alive_than_asked_for() -> None:
-    at_turning = model_of(Normal(centre=1.0, std=1.0), 1.0)
-    assert mean_count(at_turning) / 20.0 == pytest.approx(1.288, abs=5e-4)
-    assert mean_count(one_size()) == pytest.approx(20.0, rel=1e-15)
-
-
-def test_length_bias_is_the_law_weighted_by_life() -> None:
-    expected = dense(WIDE, np.square) / dense(WIDE, lambda d: d)
-    assert length_biased_mean_diameter(WIDE) == pytest.approx(expected, rel=1e-9)
-
-
-def test_an_empty_start_fills_in_one_longest_life() -> None:
-    distances = np.array([0.0, 0.5, 3.0, 20.0, 2.0 * WIDE.sizes.support[1], 1e6])
-    expected = [WIDE.birth_rate * dense(WIDE, lambda d, s=s: np.minimum(s, 2.0 * d)) for s in distances]
-    found = count_noise(WIDE).from_empty(distances)
-    np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-12)
-    assert found[-1] == pytest.approx(mean_count(WIDE), rel=1e-12)
-
-
-def test_expected_rows_count_those_alive_at_a_stationary_start() -> None:
-    model = paper_model()
-    assert model.birth_rate * model.distance == pytest.approx(40_000.0 / 0.55300126, rel=1e-7)
-    assert expected_junction_rows(model) - model.birth_rate * model.distance == pytest.approx(20.0, rel=1e-9)
-    assert expected_junction_rows(replace(model, start="empty")) == model.birth_rate * model.distance
 
 
 @pytest.mark.parametrize("distance", [3.0, 11.06, 200.0, 40_000.0])
@@ -223,17 +117,6 @@ def test_the_share_without_contact_has_the_law_that_is_said(count: float, tick: 
     assert excess(shares, independent) > 5.0
 
 
-def test_the_share_without_contact_is_the_atom_of_the_area() -> None:
-    assert zero_share(WIDE).expected == distribution(WIDE).atom_at_zero
-
-
-def test_ticks_beyond_a_life_are_empty_one_by_one() -> None:
-    p, ticks = np.exp(-0.5), 1000
-    law = zero_share(of_one_size(0.5, 11.0, ticks))
-    assert law.standard_error == pytest.approx((p * (1.0 - p) / ticks) ** 0.5, rel=1e-12)
-    assert law.skewness == pytest.approx((1.0 - 2.0 * p) / (p * (1.0 - p) * ticks) ** 0.5, rel=1e-12)
-
-
 @pytest.mark.parametrize("count", [0.05, 1.0, 4.0])
 def test_the_skewness_of_the_share_without_contact_is_that_of_all_triples_of_ticks(count: float) -> None:
     """The third cumulant of the sum grows by as much from tick to tick, once the first ticks are forgotten."""
@@ -251,30 +134,3 @@ def third_cumulant(count: float, ticks: int) -> float:
     one, two = ticks * p, p * again[np.abs(np.subtract.outer(np.arange(ticks), np.arange(ticks)))].sum()
     three = p * float(again[j - i] @ again[k - j])
     return three - 3.0 * two * one + 2.0 * one**3
-
-
-def test_fine_ticks_have_the_skewness_of_coarser_ones() -> None:
-    fine, coarse = zero_share(of_one_size(2.0, 0.01, 10**6)), zero_share(of_one_size(2.0, 0.2, 50_000))
-    assert fine.standard_error == pytest.approx(coarse.standard_error, rel=0.01)
-    assert fine.skewness == pytest.approx(coarse.skewness, rel=0.02)
-    assert fine.skewness > 0.0 > zero_share(of_one_size(0.05, 0.01, 10**6)).skewness
-
-
-def test_a_dense_contact_is_never_without_contact() -> None:
-    crowded = zero_share(of_one_size(2000.0, 0.5, 1000))
-    assert (crowded.expected, crowded.standard_error, crowded.skewness) == (0.0, 0.0, 0.0)
-    dense = zero_share(of_one_size(40.0, 0.01, 1000))
-    assert np.isfinite([dense.standard_error, dense.skewness]).all()
-
-
-def test_the_share_without_contact_needs_births_at_random() -> None:
-    with pytest.raises(Refused, match="share of ticks without a junction is known for Poisson births alone"):
-        zero_share(replace(one_size(), births=RegularBirths(mean_spacing=0.5)))
-
-
-def test_a_dense_contact_is_never_empty_and_has_a_share_all_the_same() -> None:
-    """p = exp(-500), which to the power of 1.5 is below the smallest number."""
-    law = zero_share(of_one_size(500.0, 0.1, 1000))
-    assert law.expected == pytest.approx(np.exp(-500.0))
-    assert 0.0 < law.standard_error < 1e-100
-    assert np.isfinite(law.skewness)

@@ -1,14 +1,12 @@
 """The strength of coupling, and upward passages."""
 
 from dataclasses import replace
-from math import inf, isnan, sqrt
+from math import isnan, sqrt
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.laws import Normal
-from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.coupling import coupling, weak_coupling_change
 from rubnoise.theory.motion import response
@@ -43,15 +41,6 @@ def test_the_strength_is_that_of_the_sixth_moment() -> None:
     assert coupling(model).strength == pytest.approx(expected, rel=1e-12)
 
 
-def test_unequal_strengths_count_by_their_mean_square() -> None:
-    spread = replace(paper_model(), strengths=Normal(centre=250.0, std=100.0))
-    psi = spread.strengths
-    ratio = psi.moment(2) / 250.0**2
-    assert ratio > 1.1
-    assert coupling(spread).strength == pytest.approx(ratio * coupling(paper_model()).strength, rel=1e-12)
-    assert coupling(spread).stick_number == pytest.approx(sqrt(ratio) * coupling(paper_model()).stick_number, rel=1e-12)
-
-
 @pytest.mark.parametrize("damping", [0.005, 0.05, 5.0], ids=["light", "figure 5", "over-damped"])
 def test_the_strength_is_the_square_of_validity_for_a_force_white_to_the_slider(damping: float) -> None:
     """From below: no wavenumber has more than S(0)."""
@@ -71,17 +60,6 @@ def test_the_printed_figures_of_weak_coupling() -> None:
     assert weak_coupling_change(strength, 0.0) == pytest.approx(1.042, abs=5e-4)
     u = strength * weak_coupling_change(strength, 0.0) ** 2
     assert u == pytest.approx(strength * (1.0 + 3.0 * u + 15.0 * u**2), rel=1e-14)
-
-
-def test_the_first_order_is_three_halves_of_the_strength_and_half_the_kick() -> None:
-    assert (weak_coupling_change(1e-6, 0.0) - 1.0) / 1e-6 == pytest.approx(1.5, rel=1e-4)
-    assert (weak_coupling_change(1e-12, 1e-6) - 1.0) / 1e-6 == pytest.approx(0.5, rel=1e-4)
-
-
-def test_there_is_no_balance_where_damping_is_used_up() -> None:
-    assert weak_coupling_change(0.09, 0.0) > 1.3
-    assert isnan(weak_coupling_change(0.1, 0.0))
-    assert isnan(weak_coupling_change(1.0, 0.0))
 
 
 def test_measured_changes_are_those_of_the_law() -> None:
@@ -133,11 +111,6 @@ def test_the_law_is_that_of_oscillators_hit_by_junctions_without_width() -> None
     assert abs(ratio - 1.0) > 4.0 * error
 
 
-def test_oscillators_that_do_not_act_back_have_the_variance_of_one_way_coupling() -> None:
-    ratio, error = _variance_of_velocity(0.008, 0.03, acts_back=False)
-    assert abs(ratio - 1.0) < 4.0 * error
-
-
 @pytest.mark.parametrize(
     ("model", "why"),
     [
@@ -153,22 +126,6 @@ def test_a_change_that_is_not_known_says_why(model: Model, why: str) -> None:
     assert isnan(found.expected_change)
     assert why in found.unknown
     assert found.stick_number > 0.0
-
-
-def test_no_damping_is_no_end_of_coupling() -> None:
-    assert coupling(paper_model(slider=replace(FIG5_SLIDER, damping=0.0))).strength == inf
-
-
-@pytest.mark.parametrize("missing", ["slider", "strengths", "sliding_speed"])
-def test_what_is_missing_is_refused(missing: str) -> None:
-    with pytest.raises(Refused, match="needs"):
-        coupling(replace(paper_model(), **{missing: None}))
-
-
-def test_a_change_that_is_known_has_no_reason_not_to_be() -> None:
-    found = coupling(paper_model(speed=1e6))
-    assert found.unknown is None
-    assert found.expected_change == pytest.approx(1.0, abs=3e-4)
 
 
 # Passages of the mean against counts of a simulated slider.

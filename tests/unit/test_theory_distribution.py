@@ -4,10 +4,7 @@ Cumulants by Campbell's theorem, closed forms for triangles, the slow routes of 
 junctions.
 """
 
-import subprocess
-import sys
-from dataclasses import replace
-from math import exp, factorial, floor, inf, nan, pi, sqrt
+from math import exp, factorial, floor, inf, pi, sqrt
 
 import mpmath
 import numpy as np
@@ -15,15 +12,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Spread, law_for
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.live_count import mean_count
-from rubnoise.theory.sizes import panels
 from tests.oracle.slow_contact import brackets, davies
 from tests.unit.theory_models import model_of
 
@@ -210,54 +204,6 @@ def test_a_million_junctions_are_all_but_normal(count: float) -> None:
 # Singular places, and everywhere else that may be asked for.
 
 
-def test_few_lenses_of_one_size_at_birth_and_at_their_peak() -> None:
-    """Near 0 a lens of diameter d is as u = (3 a / (2 sqrt(2) d^2))^(2/3); at pi d^2/4 its density 1/d^2 ends."""
-    law = distribution(contact(0.5))
-    area = PEAK * np.array([2e-3, 4e-3])
-    one = exp(-0.5) * 0.5 * (3.0 * area / (2.0 * sqrt(2.0) * MEAN**2)) ** (2.0 / 3.0)
-    np.testing.assert_allclose(law.cdf(area) - exp(-0.5), one, rtol=0.03)
-    np.testing.assert_allclose(law.density(area) * area, 2.0 / 3.0 * one, rtol=0.03)
-    below, above = law.density(PEAK * np.array([1.0 - 5e-3, 1.0 + 5e-3]))
-    assert below - above == pytest.approx(exp(-0.5) * 0.5 / MEAN**2, rel=0.02)
-    assert np.diff(law.cdf(PEAK * np.array([1.0 - 1e-9, 1.0 + 1e-9])))[0] < 1e-8
-
-
-@pytest.mark.parametrize(("count", "spread"), [(0.01, "none"), (0.5, "none"), (5.0, "150 %"), (5000.0, "20 %")])
-def test_any_area_may_be_asked_for(count: float, spread: str) -> None:
-    law = distribution(contact(count, spread))
-    out = [-inf, -1e300, -1.0, -5e-324, 0.0, 1e12, 1e300, inf, nan]
-    atom = law.atom_at_zero
-    np.testing.assert_allclose(law.cdf(out), [0.0, 0.0, 0.0, 0.0, atom, 1.0, 1.0, 1.0, nan], atol=1e-12)
-    np.testing.assert_array_equal(law.density(out), [0.0] * 8 + [nan])
-    assert law.cdf(PEAK).shape == ()
-    assert law.density(np.full((2, 3), PEAK)).shape == (2, 3)
-    assert law.cdf([]).shape == (0,)
-
-
-@pytest.mark.parametrize("spread", SPREADS)
-@pytest.mark.parametrize("count", [0.01, 3.0, 20.0, 80.0, 5000.0])
-def test_the_distribution_function_rises_by_the_density(count: float, spread: str) -> None:
-    law = distribution(contact(count, spread))
-    assert law.area[0] >= 0.0
-    np.testing.assert_allclose(np.diff(law.area), law.area[1] - law.area[0], rtol=1e-9)
-    cdf = law.cdf(law.area)
-    assert np.all(np.diff(cdf) > -1e-12)
-    assert cdf[-1] == pytest.approx(1.0, abs=2e-9)
-    assert cdf[0] == pytest.approx(law.atom_at_zero, abs=2e-10)
-    middle = law.area[200:1800:100]
-    edges = np.stack([middle, middle + 0.37 * (law.area[1] - law.area[0])], axis=-1)
-    area, weights = panels(edges, 24)
-    rise = np.diff(law.cdf(edges))[:, 0]
-    np.testing.assert_allclose(np.sum(weights * law.density(area), axis=-1), rise, atol=1e-6)
-
-
-def test_more_areas_than_are_taken_at_once() -> None:
-    law = distribution(contact(3.0))
-    area = np.linspace(-1.0, 300.0, 150_001)
-    some = area[[0, 1, 70_000, 99_999, 150_000]]
-    np.testing.assert_array_equal(law.cdf(area)[[0, 1, 70_000, 99_999, 150_000]], law.cdf(some))
-
-
 @pytest.mark.parametrize(("count", "spread"), [(0.5, "none"), (20.0, "0.2 um"), (5000.0, "20 %")])
 def test_quantiles_are_where_the_distribution_function_gets_there(count: float, spread: str) -> None:
     law = distribution(contact(count, spread))
@@ -267,30 +213,4 @@ def test_quantiles_are_where_the_distribution_function_gets_there(count: float, 
     assert float(law.quantile(0.6)) == 0.0 if count == 0.5 else float(law.quantile(0.6)) > 0.0
 
 
-@pytest.mark.parametrize("p", [-0.1, 1.1, nan, [0.5, 2.0]])
-def test_no_quantile_at_what_is_no_probability(p: float) -> None:
-    with pytest.raises(Refused, match="from 0 to 1"):
-        distribution(contact(20.0)).quantile(p)
-
-
 # What is refused.
-
-
-def test_regular_births_are_refused() -> None:
-    with pytest.raises(Refused, match="Poisson births"):
-        distribution(replace(contact(20.0), births=RegularBirths(mean_spacing=0.5)))
-
-
-def test_strengths_and_ticks_play_no_role_and_equal_models_share_one_answer() -> None:
-    model = contact(20.0, "0.2 um")
-    plain, areas = distribution(replace(model, strengths=None, tick=0.1)), np.linspace(0.0, 500.0, 40)
-    assert np.array_equal(plain.cdf(areas), distribution(model).cdf(areas))
-    assert distribution(replace(model)) is distribution(model)
-    other = model_of(Normal(centre=MEAN, std=0.21), MEAN, 20.0)
-    assert distribution(other) is not distribution(model)
-
-
-@pytest.mark.parametrize("slow", ["scipy.signal", "scipy.stats", "h5py"])
-def test_the_distribution_imports_nothing_slow_or_foreign(slow: str) -> None:
-    code = f"import sys, rubnoise.theory.distribution; sys.exit({slow!r} in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

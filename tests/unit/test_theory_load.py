@@ -9,7 +9,6 @@ import pytest
 from scipy.integrate import quad
 
 from rubnoise.contact.laws import Lognormal
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import force_cumulants
 from rubnoise.theory.exact import exact
@@ -184,15 +183,6 @@ def test_exponents_of_height_and_speed_belong_together(v: float, ratio: float) -
         assert n == pytest.approx(-0.5, abs=0.05)
 
 
-def test_without_a_slider_suppression_is_that_of_the_force_and_without_strengths_of_the_load() -> None:
-    unequal = replace(loaded(slider=None), strengths=Lognormal(mean=250.0, std=50.0))
-    motion = load_motion(unequal)
-    still = force_cumulants(replace(unequal, separation=None)).std
-    assert motion.suppression == pytest.approx(still / motion.covariances.of("friction_force") ** 0.5)
-    bare = load_motion(loaded(slider=None, strength=None, weight=2e5))
-    assert bare.suppression == pytest.approx(2e5 * sqrt(2.0 / 20.0) / bare.load_std)
-
-
 @pytest.mark.parametrize(("count", "apart"), [(2000.0, 4e-4), (20.0, 4e-2)])
 def test_the_error_of_the_loads_spread_is_that_of_a_gaussian_process_and_of_lives(count: float, apart: float) -> None:
     """Var of a mean square over T is 2/(pi T) int S^2 domega; what lives add to it goes as 1/N_jm."""
@@ -202,13 +192,6 @@ def test_the_error_of_the_loads_spread_is_that_of_a_gaussian_process_and_of_live
     gaussian = sqrt(square) / (2.0 * load_motion(model).load_std)
     found = load_errors(model, distance, from_start=False).load_std
     assert found / gaussian - 1.0 == pytest.approx(apart, rel=0.1)
-
-
-def test_what_is_not_known_is_refused() -> None:
-    with pytest.raises(Refused, match=r"\[load\]"):
-        load_motion(replace(loaded(), separation=None))
-    with pytest.raises(Refused, match="Poisson"):
-        load_motion(loaded(births="regular"))
 
 
 def test_the_mean_square_diameter_sets_the_scale() -> None:

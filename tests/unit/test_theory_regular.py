@@ -1,7 +1,7 @@
 """Regular births: exact moments and covariances."""
 
 from dataclasses import replace
-from math import isnan, pi, sqrt
+from math import isnan, pi
 
 import numpy as np
 import pytest
@@ -10,22 +10,17 @@ from numpy.typing import NDArray
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Lognormal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
-from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.exact import exact
 from rubnoise.theory.live_count import count_covariance, count_variance, mean_count, mean_count_error
 from rubnoise.theory.motion import force_spectral_density, response
 from rubnoise.theory.sampling import (
     mean_area_error,
-    mean_displacement_error,
-    mean_force_error,
-    standard_errors,
     variance_of_time_mean,
 )
 from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, spectral_density
 from rubnoise.theory.sizes import longest_life, panels
-from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, drawn, regular
+from tests.unit.theory_models import FIG5_SLIDER, drawn, regular
 from tests.verification.scores import seed_of
 
 Doubles = NDArray[np.float64]
@@ -41,13 +36,6 @@ def test_rabinowicz_has_a_constant_area(count: int) -> None:
     assert area.mean == pytest.approx(count * pi / 8.0 * 5.53**2, rel=1e-14)
     assert isnan(area.skewness)
     assert isnan(area.excess_kurtosis)
-
-
-@pytest.mark.parametrize("count", [1, 3, 5, 21, 501])
-def test_an_odd_number_of_triangles_leaves_a_ripple(count: int) -> None:
-    """A triangle wave of period one spacing: std/mean = 1/(sqrt(3) N^2), as its values are uniform."""
-    area = area_cumulants(regular(count, pulse=TRIANGLE))
-    assert area.std / area.mean == pytest.approx(1.0 / (sqrt(3.0) * count**2), rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -105,26 +93,6 @@ def test_cumulants_of_unequal_strengths(spread: float) -> None:
     assert abs(scores(sample, scaled)[1]) > 20.0
 
 
-def test_equal_strengths_scale_the_area() -> None:
-    model = regular(3.0, 0.2)
-    expected = [250.0**n * k for n, k in enumerate(area_cumulants(model).values, start=1)]
-    np.testing.assert_allclose(force_cumulants(model).values, expected, rtol=1e-12)
-
-
-@SHAPES
-def test_a_hairline_of_spread_is_one_size(pulse: Pulse) -> None:
-    equal, hairline = (area_cumulants(regular(2.5, spread, pulse)) for spread in (0.0, 5e-9))
-    np.testing.assert_allclose(hairline.values[:2], equal.values[:2], rtol=1e-7)
-
-
-@pytest.mark.parametrize("count", [1_000, 1_000_000])
-@pytest.mark.parametrize("law", [LogNormal(5.53, 0.036), LogNormal(5.53, 1.0), Gamma(5.53, 1.0)], ids=repr)
-def test_cumulants_grow_with_the_number_of_lives(law: LogNormal, count: int) -> None:
-    """Lives that outlast many spacings leave no ripple, and given the phase they are independent."""
-    few, many = (area_cumulants(regular(n, sizes=law)) for n in (count, 4 * count))
-    np.testing.assert_allclose(many.values[:2], 4.0 * np.array(few.values[:2]), rtol=1e-6)
-
-
 def spread_out(model: Model) -> tuple[Doubles, Doubles]:
     """Return diameters and probabilities by the rule of many small steps."""
     low, high = model.sizes.support
@@ -147,17 +115,6 @@ def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pul
     )
     told, nothing = float(np.var(found)), 1e-14 * area_cumulants(model).mean ** 2
     assert 2.0 * area_noise(model).lines[1].sum() == pytest.approx(told, rel=1e-4, abs=nothing)
-
-
-def test_moments_have_no_errors_here() -> None:
-    with pytest.raises(Refused, match="Poisson births"):
-        standard_errors(regular(2.5))
-
-
-def test_poisson_births_have_no_lines() -> None:
-    model = regular(2.5)
-    wavenumbers, power = area_noise(replace(model, births=PoissonBirths(mean_spacing=model.births.mean))).lines
-    assert wavenumbers.size == power.size == 0
 
 
 LAGS = [0.0, 0.3, 4.4, 7.0]
@@ -183,15 +140,6 @@ def test_covariances_of_area_and_count(count: float, spread: float, pulse: Pulse
         assert abs(score(alive[0], alive[row], mean_count(model), found[1])) <= 4.0
 
 
-@SHAPES
-@CASES
-def test_variance_is_the_covariance_at_no_lag(count: float, spread: float, pulse: Pulse) -> None:
-    model = regular(count, spread, pulse)
-    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-10)
-    assert count_variance(model) == float(count_covariance(model, 0.0))
-    assert exact(model).count_std == pytest.approx(np.sqrt(count_variance(model)), rel=1e-15)
-
-
 def test_a_count_of_equal_lives_takes_two_values() -> None:
     assert count_variance(regular(2.5)) == pytest.approx(0.25, rel=1e-12)
     assert count_variance(regular(0.2)) == pytest.approx(0.16, rel=1e-12)
@@ -214,16 +162,6 @@ def test_continuous_spectrum_is_the_transform_of_what_the_phase_does_not_tell(
     m = model.sizes.moment
     expected = model.birth_rate * pulse.life_integral(1) ** 2 * (m(6) - m(3) ** 2)
     assert density_at_zero(model) == pytest.approx(expected, rel=1e-9)
-
-
-def test_one_size_has_lines_alone() -> None:
-    model = regular(2.5)
-    np.testing.assert_array_equal(spectral_density(model, [0.0, 1.0, 300.0]), 0.0)
-    lags = np.array([0.2, 3.0, 900.0])
-    k, power = area_noise(model).lines
-    summed = 2.0 * np.cos(np.multiply.outer(lags, k)) @ power
-    np.testing.assert_allclose(autocovariance(model, lags), summed, atol=1e-8 * area_cumulants(model).variance)
-    np.testing.assert_allclose(autocovariance(model, lags + model.births.mean), autocovariance(model, lags), rtol=1e-9)
 
 
 def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines() -> None:
@@ -267,13 +205,6 @@ def test_a_long_record_averages_lines_out_as_one_over_its_length() -> None:
     assert mean_area_error(regular(2.5, 0.2), 1e5) == pytest.approx(
         np.sqrt(density_at_zero(regular(2.5, 0.2)) / 1e5), rel=1e-3
     )
-
-
-def test_a_constant_has_no_error() -> None:
-    model = regular(4.0, pulse=TRIANGLE, slider=FIG5_SLIDER)
-    assert mean_area_error(model) == mean_force_error(model) == 0.0
-    assert mean_count_error(model) == pytest.approx(0.0, abs=1e-3)
-    assert mean_displacement_error(model, 4e4) == pytest.approx(0.0, abs=1e-12)
 
 
 def ridden(slider: Slider, force: Doubles, step: float) -> Doubles:

@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact import laws
-from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.laws import Fixed, Law, Lognormal, Power, Weibull
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.live_count import count_covariance, mean_count, mean_count_error
+from rubnoise.theory.live_count import count_covariance, mean_count_error
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
-from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, density_at_zero, spectral_density
-from rubnoise.theory.sizes import cut_sizes, longest_life, panels, size_range, sizes_of
+from rubnoise.theory.second_order import autocovariance, spectral_density
+from rubnoise.theory.sizes import longest_life, panels
 from rubnoise.theory.unit_pulse import energy
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model
 
@@ -102,32 +101,6 @@ def test_shot_noise_is_not_gaussian_noise() -> None:
     assert standard_errors(model, 40_000.0).std > 1.5 * np.sqrt(gaussian)
 
 
-def test_long_records_have_the_density_at_zero() -> None:
-    """Var T = S(0) - (2/T) int |tau| R dtau, so twice the distance halves what is missing."""
-    model = paper_model()
-    missing = [density_at_zero(model) - t * variance_of_time_mean(model, t) for t in (1e4, 2e4)]
-    assert missing[0] / density_at_zero(model) < 1e-3
-    assert missing[0] / missing[1] == pytest.approx(2.0, rel=1e-6)
-
-
-def test_a_record_of_no_length_has_the_variance_itself() -> None:
-    model = paper_model()
-    variance = area_cumulants(model).variance
-    assert variance_of_time_mean(model, 1e-6) == pytest.approx(variance, rel=1e-8)
-    assert variance_of_time_mean(replace(model, tick_count=0)) == pytest.approx(variance, rel=1e-8)
-
-
-def test_many_ticks_are_as_good_as_a_continuous_record() -> None:
-    model = replace(paper_model(), tick=0.12, tick_count=9_999)  # 93 ticks a life, beyond the switch to an integral
-    lags = model.tick * np.arange(120)
-    weights = 2.0 * (1.0 - np.arange(120) / 10_000) / 10_000
-    weights[0] *= 0.5
-    summed = weights @ autocovariance(model, lags)
-    # The weight's corner at no lag makes the two differ by h^2 R(0) / (6 T S(0)) = 2.7e-7.
-    assert variance_of_time_mean(model) == pytest.approx(summed, rel=4e-7)
-    assert variance_of_time_mean(model, 1200.0) == pytest.approx(summed, rel=4e-7)
-
-
 # The theory where sizes spread over decades, against dense sums and against itself.
 MODELS = {
     "lognormal": model_of(LogNormal(5.0, 0.7), 5.0, slider=FIG5_SLIDER),
@@ -167,18 +140,6 @@ def spaced(model: Model) -> Doubles:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_covariances_at_no_lag_and_over_all_lags(name: str) -> None:
-    model = MODELS[name]
-    lags, weights = panels(spaced(model), 16)
-    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-8)
-    assert 2.0 * weights @ autocovariance(model, lags) == pytest.approx(density_at_zero(model), rel=1e-7)
-    assert count_covariance(model, 0.0) == pytest.approx(mean_count(model), rel=1e-8)
-    # int (2d - tau)+ over both signs of tau is 4 d^2
-    expected = model.birth_rate * 4.0 * model.sizes.moment(2)
-    assert 2.0 * weights @ count_covariance(model, lags) == pytest.approx(expected, rel=1e-7)
-
-
-@pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("tick", [0.5, 2.0, 30.0])
 def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, tick: float) -> None:
     model = replace(MODELS[name], tick=tick, tick_count=4_999)
@@ -190,22 +151,6 @@ def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, ti
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_a_long_record_spreads_by_the_density_at_zero(name: str) -> None:
-    model, far = MODELS[name], 1e9
-    assert far * variance_of_time_mean(model, far) == pytest.approx(density_at_zero(model), rel=1e-5)
-    errors = standard_errors(model, far)
-    assert 0.0 < errors.mean < 2.0 * errors.std
-    assert errors.skewness < errors.excess_kurtosis
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_an_empty_start_ends_in_the_mean(name: str) -> None:
-    model = MODELS[name]
-    settled = area_noise(model).from_empty([longest_life(model), 1e9])
-    np.testing.assert_allclose(settled, area_cumulants(model).mean, rtol=1e-8)
-
-
-@pytest.mark.parametrize("name", MODELS)
 def test_variance_of_a_slow_slider_from_the_covariance(name: str) -> None:
     """Over-damped and slow, x follows a first-order law: Var x = int R(tau) exp(-k|tau|/cV) dtau / (2 c k V) psi^2."""
     slider = replace(FIG5_SLIDER, mass=1e-9, damping=3.0)
@@ -214,93 +159,3 @@ def test_variance_of_a_slow_slider_from_the_covariance(name: str) -> None:
     decay = np.exp(-slider.stiffness / (slider.damping * 1000.0) * lags)
     expected = 250.0**2 * weights @ (autocovariance(model, lags) * decay) / (3.0 * 300.0 * 1000.0)
     assert response(model).displacement_std ** 2 == pytest.approx(expected, rel=1e-7)
-
-
-def test_sizes_that_are_alike_reach_as_far_as_their_lives() -> None:
-    model = paper_model(spread=0.0)
-    assert covariance_reach(model, 1e-9) == pytest.approx(2.0 * model.calibrated_diameter, rel=1e-9)
-
-
-@pytest.mark.parametrize("part", [0.1, 0.01, 1e-9])
-def test_less_than_the_part_is_left_beyond_it(part: float) -> None:
-    model = replace(paper_model(), sizes=Normal(centre=1.0, std=8.0))
-    reach = covariance_reach(model, part)
-    level = part * autocovariance(model, 0.0)
-    assert np.all(autocovariance(model, np.linspace(reach, 100.0, 50)) < level)
-    assert np.any(autocovariance(model, np.linspace(0.5 * reach, reach, 50)) >= level)
-
-
-def test_a_larger_part_is_reached_sooner() -> None:
-    model = replace(paper_model(), sizes=Normal(centre=1.0, std=8.0))
-    assert covariance_reach(model, 0.5) < covariance_reach(model, 1e-9)
-
-
-LAWS: dict[str, Law] = {
-    "normal 1e-8": Normal(centre=2.0, std=2e-8),
-    "normal 4 %": Normal(centre=2.0, std=0.08),
-    "normal 15 %": Normal(centre=2.0, std=0.3),
-    "normal 300 %": Normal(centre=2.0, std=6.0),
-    "lognormal 5 %": LogNormal(2.0, 0.05),
-    "lognormal 40 %": LogNormal(2.0, 0.4),
-    "lognormal 300 %": LogNormal(2.0, 3.0),
-    "gamma 20 %": Gamma(2.0, 0.2),
-    "exponential": Gamma(2.0, 1.0),
-    "gamma 300 %, singular at 0": Gamma(2.0, 3.0),
-    "lognormal as drawn": Lognormal(mean=2.0, std=3.0),
-    "gamma as drawn": laws.Gamma(mean=2.0, std=0.5),
-    "gamma as drawn, singular at 0": laws.Gamma(mean=2.0, std=5.0),
-    "exponential as drawn": Exponential(mean=2.0),
-    "weibull as drawn, singular at 0": Weibull(mean=2.0, std=4.0),
-    "power over a decade": Power(exponent=2.5, smallest=1.0, largest=10.0),
-    "power, narrow": Power(exponent=1.0, smallest=1.9, largest=2.1),
-    "power over six decades": Power(exponent=3.5, smallest=1e-4, largest=1e2),
-    "power, rising": Power(exponent=-8.0, smallest=0.01, largest=4.0),
-}
-
-
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("power", [1, 2, 3, 5, 9])
-def test_moments_of_any_law(name: str, power: int) -> None:
-    sizes = sizes_of(LAWS[name])
-    assert sizes.probability @ sizes.diameter**power == pytest.approx(LAWS[name].moment(power), rel=1e-9)
-
-
-def test_a_support_alone_would_lose_the_high_moments_of_a_heavy_tail() -> None:
-    law = LAWS["lognormal 300 %"]
-    assert size_range(law)[1] > 1e6 * law.support[1]
-
-
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("kink", [1e-6, 1.9, 2.3, 40.0])
-def test_averages_of_what_has_a_kink(name: str, kink: float) -> None:
-    """E[(d - a)+] + E[min(d, a)] is E[d], wherever the cut lies, and each part against finer panels."""
-    law = LAWS[name]
-
-    d, p = cut_sizes(law, np.array([kink]))
-    above, below = float(p @ np.maximum(d - kink, 0.0)), float(p @ np.minimum(d, kink))
-    assert above + below == pytest.approx(law.moment(1), rel=1e-14)
-    low, high = size_range(law)
-    place = np.geomspace(low, high, 20_001)[:, None] if low < high else np.array([[low]])
-    at = np.clip(kink, low, high)
-    edges = np.union1d(place, at)
-    dense, weight = panels(np.log(edges), 8)
-    dense = np.exp(dense)
-    share = weight * dense * law.density(dense)
-    if low == high:  # a law this narrow counts as one size
-        dense, share = np.array([low]), np.ones(1)
-    assert above == pytest.approx(float(share @ np.maximum(dense - kink, 0.0)), rel=1e-7, abs=1e-9 * law.moment(1))
-
-
-def test_a_rule_without_the_cut_would_show() -> None:
-    law = LAWS["normal 15 %"]
-    sizes = sizes_of(law, 20.0)
-    d, p = sizes.diameter, sizes.probability
-    cut, probabilities = cut_sizes(law, np.array([2.1]))
-    assert abs(p @ np.maximum(d - 2.1, 0.0) / (probabilities @ np.maximum(cut - 2.1, 0.0)) - 1.0) > 1e-4
-
-
-def test_one_size_has_one_diameter_in_every_rule() -> None:
-    d, p = cut_sizes(Fixed(value=3.0), np.array([[1.0], [5.0]]))
-    np.testing.assert_allclose(d, [[3.0], [3.0]], rtol=1e-15)
-    assert p.tolist() == [[1.0], [1.0]]
-    assert size_range(Normal(centre=3.0, std=1e-12)) == (3.0, 3.0)

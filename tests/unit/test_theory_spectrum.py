@@ -9,11 +9,10 @@ from scipy.special import struve
 
 from rubnoise.contact.laws import Exponential, Normal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.coupling import force_slope_std
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, joint_cumulant, spectral_density
+from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 from rubnoise.theory.sizes import SETTLED
 from rubnoise.theory.unit_pulse import amplitude, energy, from_birth, overlaps
 from tests.unit.theory_models import model_of, one_size, paper_model, regular
@@ -32,10 +31,6 @@ def test_transform_of_a_life_over_fourteen_decades() -> None:
     found = amplitude(LENS, PHASES)
     np.testing.assert_allclose(found, expected, rtol=1e-10)
     np.testing.assert_allclose(energy(LENS, PHASES), np.square(expected), rtol=1e-6)
-
-
-def test_transform_at_zero_is_the_life_integral() -> None:
-    assert energy(LENS, np.zeros(1)) == pytest.approx(4.0 / 9.0, rel=1e-10)
 
 
 @pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
@@ -72,15 +67,6 @@ def test_density_of_spread_sizes(spread: str, wavenumber: float) -> None:
     )
 
 
-@pytest.mark.parametrize("std", [1e-7, 1e-9, 1e-14])
-@pytest.mark.parametrize("wavenumber", [0.0, 0.7, 40.0])
-def test_a_hairline_spread_is_one_size(std: float, wavenumber: float) -> None:
-    model = model_of(Normal(centre=5.53, std=std), 5.53)
-    assert spectral_density(model, wavenumber) == pytest.approx(
-        float(spectral_density(one_size(), wavenumber)), rel=1e-5
-    )
-
-
 def test_density_where_spread_exceeds_the_mean_by_thirty_digit_quadrature() -> None:
     """The law written again from its definition: Normal(2, 3) given d > 0."""
     model = model_of(Normal(centre=2.0, std=3.0), 2.0)
@@ -103,21 +89,6 @@ def test_tail_falls_with_the_fourth_power(spread: str) -> None:
     k = 1e5
     tail = 4.0 * model.birth_rate * m(2) / k**4 * (1.0 + np.pi * m(1) / (4.0 * k * m(2)))
     assert spectral_density(model, k) == pytest.approx(tail, rel=1e-5)
-
-
-def test_density_at_zero_is_finite_and_even_around() -> None:
-    model = paper_model()
-    k = np.array([[0.0, 1e-9], [0.3, -0.3]])
-    found = spectral_density(model, k)
-    assert found.shape == (2, 2)
-    np.testing.assert_allclose(found[0], float(spectral_density(model, 0.0)), rtol=1e-12)
-    assert found[1, 0] == found[1, 1]
-
-
-def test_many_wavenumbers_at_once_are_as_each_alone() -> None:
-    model = paper_model()
-    k = np.random.default_rng(7).permutation(np.geomspace(1e-4, 1e3, 5000))
-    np.testing.assert_allclose(spectral_density(model, k)[::500], [spectral_density(model, x) for x in k[::500]], 1e-12)
 
 
 @pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
@@ -171,14 +142,6 @@ def test_overlap_of_two_lives(lag: float, powers: tuple[int, int], pulse: Pulse)
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_variance_at_no_lag_and_nothing_beyond_the_longest_life(name: str) -> None:
-    model = MODELS[name]
-    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-8)
-    assert autocovariance(model, 2.0 * model.sizes.support[1]) == pytest.approx(0.0, abs=1e-9)
-    assert autocovariance(model, [-3.0, 3.0])[0] == pytest.approx(float(autocovariance(model, 3.0)), rel=1e-14)
-
-
-@pytest.mark.parametrize("name", MODELS)
 def test_autocovariance_and_density_are_a_fourier_pair(name: str) -> None:
     model = MODELS[name]
     reach = 2.0 * model.sizes.support[1]
@@ -190,14 +153,6 @@ def test_autocovariance_and_density_are_a_fourier_pair(name: str) -> None:
     assert np.sum(weighted) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-8)
     for k in (0.1, 0.7, 2.0):
         assert np.sum(weighted * np.cos(k * lags)) == pytest.approx(float(spectral_density(model, k)), rel=1e-6)
-
-
-def test_joint_cumulants_at_no_lag_are_the_cumulants() -> None:
-    model = MODELS["fig5"]
-    values = area_cumulants(model).values
-    for i, j in ((1, 1), (1, 2), (2, 2), (3, 3)):
-        found = joint_cumulant(model, np.zeros(1), i, j)
-        assert found[0] == pytest.approx(values[i + j - 1], rel=1e-6)
 
 
 WIDE = Normal(centre=2.0, std=3.0)
@@ -229,14 +184,6 @@ def test_area_grows_from_empty_as_the_lives_do(name: str, distance: float) -> No
 
 
 @pytest.mark.parametrize("name", STARTS)
-def test_area_is_settled_from_the_longest_life_on(name: str) -> None:
-    model = STARTS[name]
-    longest = 2.0 * model.sizes.support[1]
-    found = area_noise(model).from_empty([0.0, longest, 3.0 * longest])
-    np.testing.assert_allclose(found, area_cumulants(model).mean * np.array([0.0, 1.0, 1.0]), rtol=1e-8, atol=1e-6)
-
-
-@pytest.mark.parametrize("name", STARTS)
 def test_an_empty_start_lowers_the_means_by_a_lifes_worth(name: str) -> None:
     """A junction waits d on average for its area and its count: lam c_1 m_4 / T and lam 2 m_2 / T are missing."""
     model = replace(STARTS[name], start="empty")
@@ -245,12 +192,6 @@ def test_an_empty_start_lowers_the_means_by_a_lifes_worth(name: str) -> None:
     count = count_noise(model).mean - model.birth_rate * 2.0 * m(2) / 500.0
     assert area_noise(model).expected_mean(500.0) == pytest.approx(area, rel=1e-8)
     assert count_noise(model).expected_mean(500.0) == pytest.approx(count, rel=1e-6)
-
-
-def test_a_stationary_start_has_nothing_to_wait_for() -> None:
-    model = STARTS["fig5"]
-    assert area_noise(model).expected_mean(3.0) == area_cumulants(model).mean
-    assert count_noise(model).expected_mean(3.0) == count_noise(model).mean
 
 
 # The slope of the friction force against differences of its autocovariance, which knows nothing of slopes.
@@ -283,19 +224,3 @@ def _curvature(model: Model) -> float:
 @pytest.mark.parametrize("name", SLOPES)
 def test_the_variance_of_the_slope_is_the_curvature_of_the_autocovariance(name: str) -> None:
     assert force_slope_std(SLOPES[name]) ** 2 == pytest.approx(_curvature(SLOPES[name]), rel=5e-4)
-
-
-def test_where_junctions_are_born_counts() -> None:
-    """Regular births bring half-lives together that random ones do not."""
-    at_random = force_slope_std(one_size())
-    assert abs(force_slope_std(SLOPES["regular"]) / at_random - 1.0) > 0.5
-
-
-def test_regular_triangles_of_an_even_count_are_constant() -> None:
-    assert force_slope_std(regular(4.0, pulse=TRIANGLE)) == 0.0
-    assert force_slope_std(regular(3.0, pulse=TRIANGLE)) > 100.0
-
-
-def test_a_strength_is_needed() -> None:
-    with pytest.raises(Refused, match="shear strength"):
-        force_slope_std(replace(paper_model(), strengths=None))

@@ -1,6 +1,5 @@
 """Quantities: the number is read exactly and strictly, the unit from a table that is equal to pint's."""
 
-import pickle
 import re
 from fractions import Fraction
 
@@ -22,7 +21,6 @@ from rubnoise.units import (
     UNITS,
     USUAL_UNITS,
     Kind,
-    Quantity,
     QuantityError,
     Unit,
     parse_unit,
@@ -84,11 +82,6 @@ def test_a_quantity_is_converted_exactly_and_rounded_once(text: str, kind: Kind,
     assert quantity.written == text
 
 
-def test_a_conversion_is_better_than_one_in_floats() -> None:
-    assert float(read_quantity("0.0041 mm", LENGTH)) == 4.1
-    assert 0.0041 * 1000.0 != 4.1  # what rounding twice gives
-
-
 KNOWN = "a length, time, mass, force or pressure, such as um, s, kg, N, MPa"
 
 
@@ -138,12 +131,6 @@ def test_what_is_no_length_is_refused_with_advice(text: str, message: str, hint:
     with pytest.raises(QuantityError) as refused:
         read_quantity(text, LENGTH)
     assert (str(refused.value), refused.value.hint) == (message, hint)
-
-
-@pytest.mark.parametrize("text", ["20 dB", "20 count", "3 um/mm", "20 radian", "20 %*%", "20 1/%"])
-def test_a_ratio_is_written_in_percent(text: str) -> None:
-    with pytest.raises(QuantityError, match=r"no unit of a ratio|unknown unit|part of no other"):
-        read_quantity(text, RATIO)
 
 
 TENS = {
@@ -213,45 +200,13 @@ def test_every_name_of_a_unit_means_what_it_says() -> None:
         assert read_quantity(f"1 um*{name}/{name}", LENGTH) == 1.0
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *(
-            "bit",
-            "byte",
-            "count",
-            "radian",
-            "rad",
-            "degree",
-            "turn",
-            "steradian",
-            "dB",
-            "Np",
-            "pi",
-            "dimensionless",
-            "mol",
-        ),
-        *(
-            "permille",
-            "pixel",
-            "dot",
-            "V",
-            "K",
-            "degC",
-            "delta",
-            "baud",
-            "Hz",
-            "J",
-            "W",
-            "l",
-            "c",
-            "e",
-            "strain",
-            "mil",
-        ),
-        *("kt", "kn", "pa", "Mpa", "Kim", "kibim", "kinch", "kmin", "Mft", "kkg", "mmm", "ym", "qm", "as", "bohr", "u"),
-    ],
-)
+UNKNOWN = """
+    bit byte count radian rad degree turn steradian dB Np pi dimensionless mol permille pixel dot V K degC delta baud Hz
+    J W l c e strain mil kt kn pa Mpa Kim kibim kinch kmin Mft kkg mmm ym qm as bohr u
+"""
+
+
+@pytest.mark.parametrize("name", UNKNOWN.split())
 def test_a_unit_that_pint_knows_is_not_for_that_one_of_a_scenario(name: str) -> None:
     with pytest.raises(QuantityError, match=f'unknown unit "{name}"'):
         read_quantity(f"200 um^2*{name}", AREA)
@@ -271,23 +226,6 @@ def test_a_quantity_reads_back_to_the_same_exact_value() -> None:
         kind = RATIO if "%" in text else LENGTH
         quantity = read_quantity(text, kind)
         assert read_quantity(quantity.as_text(), kind).exact == quantity.exact
-
-
-def test_a_quantity_whose_decimals_do_not_end_stays_as_written() -> None:
-    assert read_quantity("1 lbf/inch", STIFFNESS).as_text() == "1 lbf/inch"
-    assert Quantity(Fraction(1, 3), LENGTH).written == "0.3333333333333333 um"
-
-
-def test_a_quantity_is_a_float_that_survives_pickling() -> None:
-    quantity = read_quantity("0.1 mm", LENGTH)
-    copy = pickle.loads(pickle.dumps(quantity))  # noqa: S301  (made here)
-    assert (copy, copy.exact, copy.kind, copy.written) == (100.0, Fraction(100), LENGTH, "0.1 mm")
-    assert Quantity(Fraction(1, 4), LENGTH).written == "0.25 um"
-
-
-def test_a_unit_has_size_and_dimension() -> None:
-    assert parse_unit("GPa").size == 1000
-    assert parse_unit("mile").dimension == (1, 0, 0)
 
 
 def test_the_page_on_scenarios_names_every_unit() -> None:

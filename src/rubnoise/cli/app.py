@@ -78,7 +78,6 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
         cls=Commands,
         help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
         "Begin with: rubnoise demo, or with rubnoise run first/rubbing and what it prints.",
-        no_args_is_help=True,
         rich_markup_mode=None,  # help in plain text
         pretty_exceptions_enable=False,
     )
@@ -200,7 +199,7 @@ def _lossless(stream: TextIO) -> TextIO:
 def _call(flags: Flags) -> None:
     out = sys.stdout  # for which typer puts another in a closed pipe, whose flush says nothing
     try:
-        arguments = _debug_first(sys.argv[1:])
+        arguments = _debug_first(sys.argv[1:]) or ["--help"]
         command = next((word for word in arguments if not word.startswith("-")), None)
         if command in EARLIER:
             place = arguments.index(command)
