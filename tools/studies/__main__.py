@@ -5,18 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-NAMES = (
-    "detection",
-    "family",
-    "free_cost",
-    "free_motion",
-    "inference",
-    "load",
-    "run_cost",
-    "surface_levels",
-    "surfaces",
-    "two_way",
-)
+NAMES = ("detection", "free_motion", "inference", "two_way")
 
 
 def main() -> int:
