@@ -73,7 +73,7 @@ def test_the_other_locks_only_add(lock: str) -> None:
 
 
 def test_what_the_benchmark_compares_with_is_in_no_other_lock() -> None:
-    peers = {"ciw", "salabim", "superposed-pulses"}
+    peers = {"superposed-pulses"}
     assert peers <= {name for name, _, _ in _pins("bench")}
     assert not peers & {name for lock in ("run", "sync", "test", "all") for name, _, _ in _pins(lock)}
 
