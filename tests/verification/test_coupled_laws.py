@@ -1,10 +1,8 @@
 """Exact laws of the two-way slider, and closed forms for contacts that do not change or rise steadily."""
 
-import json
 import math
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,14 +11,11 @@ from scipy.optimize import brentq
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.coupled import steps
-from rubnoise.simulation.coupled.field import LENS_SHAPE, gather
-from rubnoise.simulation.coupled.layout import SlipStart, Workspace
-from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, NODES, PLAIN, RIGHT, TABLE
+from rubnoise.simulation.coupled.layout import SlipStart
 from rubnoise.simulation.state import LiveRows
-from tests.models import FIG5_SLIDER, CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
+from tests.models import CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
 from tests.oracle.coupled_slider import BREAKAWAY, FORWARD, REVERSAL, STICK, frozen
 from tests.oracle.slow_contact import Rows
-from tests.verification.scores import seed_of
 
 # Exact laws of the two-way slider: energy, the mean force, and the order in which its cells converge.
 DAMPED = Slider(mass=0.005, stiffness=300.0, damping=1.0)
@@ -147,70 +142,6 @@ def test_uniform_cells_converge_by_the_sixth_power() -> None:
     assert errors[0] < 2e-10 * passed(0.4, 64)
 
 
-@pytest.mark.parametrize(("damping", "error"), [(20.0, 1e-9), (200.0, 1e-12), (2000.0, 1e-12)])
-def test_uniform_cells_keep_up_with_drag_however_fast_it_fades(damping: float, error: float) -> None:
-    """A cell that is up to forty times as long as drag takes to bring u to rest, against the same in many parts."""
-    constants = np.array([0.005, 0.0, damping, 1000.0])
-    work = np.zeros(steps.WORK)
-
-    def passed(width: float, parts: int, u: float, force: float) -> tuple[float, float]:
-        time, part, rise = 0.0, width / parts, 3000.0 * width / parts
-        for _ in range(parts):
-            u, took = steps.uniform_cell(constants, starting(0.0, u), part, (force + 0.5 * rise, rise / 6.0, 0.0), work)
-            time, force = time + took, force + rise
-        return u, time
-
-    u, _ = passed(0.4, 4096, 1000.0, 0.0)
-    one, many = passed(0.1, 1, u, 1200.0), passed(0.1, 4096, u, 1200.0)
-    assert abs(one[1] - many[1]) < error * many[1]
-    assert abs(one[0] - many[0]) < error * many[0]
-    # It is the drag that keeps u where it is: without, the same force would make more of it.
-    assert abs(passed(0.1, 4096, u, 1201.0)[1] - many[1]) > 1e-8 * many[1]
-
-
-def event_cell_errors(width: float) -> dict[int, tuple[float, float]]:
-    """Return by clock the relative errors of speed and time after one cell from a birth to a death."""
-    birth, diameter = np.array([0.0, -2.0 * 5.0 + width, np.inf]), np.array([5.0, 5.0, 1.0])
-    lives = (birth, diameter, 1.0 / diameter, 250.0 * diameter**2, np.maximum.accumulate(birth + 2.0 * diameter))
-    constants = np.array([0.005, 300.0, 0.05, 1000.0])
-    near, far, work = np.zeros(16), np.zeros(NODES), np.zeros(steps.WORK)
-    count = gather(lives, LENS_SHAPE, 0.0, width, TABLE, near, far, work)
-    assert count == 2
-    part = (2.0 / width, far, near, count, LENS_SHAPE)
-    workspace = Workspace(table=TABLE, work=work, powers=np.zeros(10), near=near, far=far)
-
-    def step(clock: int, x: float, u: float, offset: float, length: float) -> tuple[float, float]:
-        after, took, _ = steps.event_cell(constants, starting(x, u, offset), length, clock, part, workspace)
-        return after, took
-
-    x, u, offset, time, parts = 20.0, 3000.0, 0.0, 0.0, 64
-    for n in range(parts):
-        # Parts that grow from both ends do what the clock does; the roots are in the first and the last.
-        begin, end = (width * (3.0 - 2.0 * q) * q * q for q in (n / parts, (n + 1) / parts))
-        u, took = step(LEFT if n == 0 else RIGHT if n == parts - 1 else PLAIN, x, u, offset, end - begin)
-        x, offset, time = x + 1000.0 * took - (end - begin), end, time + took
-    found = {clock: step(clock, 20.0, 3000.0, 0.0, width) for clock in (BOTH, PLAIN)}
-    return {clock: (abs(speed / u - 1.0), abs(took / time - 1.0)) for clock, (speed, took) in found.items()}
-
-
-def test_event_cells_take_away_the_roots_of_a_birth_and_a_death() -> None:
-    """G begins and ends as s^1.5, its work as s^2.5: that is the order on a plain clock.
-
-    On the clock of both ends time has twice that order, and what is left of the root in the speed is 2e-4 of it.
-    """
-    widths = (3.2, 1.6, 0.8)
-    errors = [event_cell_errors(width) for width in widths]
-    for clock, kind, least, most in ((PLAIN, 0, 2.2, 2.6), (PLAIN, 1, 2.2, 2.6), (BOTH, 1, 4.5, 7.5)):
-        found = np.array([each[clock][kind] for each in errors])
-        orders = np.log2(found[:-1] / found[1:])
-        assert np.all((least < orders) & (orders < most)), (clock, kind, orders)
-    assert all(each[BOTH][0] < 2e-4 * each[PLAIN][0] for each in errors)
-    # A cell of Figure 5 is 0.05 um wide.
-    narrow = event_cell_errors(0.1)
-    assert max(narrow[BOTH]) < 1e-14
-    assert min(narrow[PLAIN]) > 1e-11
-
-
 @pytest.mark.parametrize("run", [model(distance=40.0), model(distance=60.0, count=5.0)])
 def test_the_tolerance_is_kept(run: Model) -> None:
     """The motion at a tolerance differs from that at 1e-13 by no more than some times as much."""
@@ -222,31 +153,6 @@ def test_the_tolerance_is_kept(run: Model) -> None:
         errors.append(float(np.abs(found[:count] - exact[:count]).max() / np.abs(exact).max()))
         assert errors[-1] < 3.0 * tolerance
     assert errors[0] > 1e3 * errors[-1]
-
-
-def test_statistics_are_those_of_the_reference() -> None:
-    """Sixteen independent 12 s of Fig. 5 by 4 standard errors of both; the slider forgets its start in some 0.1 s."""
-    path = Path(__file__).parents[1] / "reference" / "two_way.json"
-    expected = json.loads(path.read_text(encoding="utf-8"))["fig5_V1"]
-    found = []
-    for n in range(16):
-        run = coupled(model(distance=12000.0, tick=1.0), seed_of(f"statistics/{n}"))
-        time = run.duration
-        mean = run.state.integrals["displacement_integral"] / time
-        found.append(
-            {
-                "stick_fraction": run.state.integrals["time_stuck"] / time,
-                "mean_x": mean,
-                "sticks_per_s": float((run.landmarks["kind"] == 0).sum()) / time,
-                "std_v": math.sqrt(run.state.integrals["velocity_squared_integral"] / time),
-            }
-        )
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        error = math.hypot(values.std(ddof=1) / math.sqrt(len(values)), expected[f"{name}_se"])
-        assert abs(values.mean() - expected[name]) < 4.0 * error, name
-    # One-way the same slider moves eleven times as fast.
-    assert expected["oneway_std_v"] > 10.0 * expected["std_v"]
 
 
 def test_fast_sliding_is_one_way() -> None:
@@ -308,17 +214,6 @@ def test_a_constant_force(damping: float, speed: float, start: float, landmarks:
     if damping > 0.0:
         # Static and kinetic force are the same: after one stick it never sticks again.
         assert (found["kind"] == STICK).sum() <= 1
-
-
-def test_the_force_before_and_after_a_landmark() -> None:
-    run = model(pulse=TRIANGLE, distance=4000.0)
-    found = among(run, constant(), displacement=-6800.0).landmarks
-    before, after, kind = found["force_before"] / BEARS, found["force_after"] / BEARS, found["kind"]
-    f = (FIG5_SLIDER.stiffness * found["displacement"] + FIG5_SLIDER.damping * 1000.0) / BEARS
-    assert before == pytest.approx(np.choose(kind, [before, 1.0, 1.0, -1.0]))
-    assert after == pytest.approx(np.choose(kind, [f, 1.0, -1.0, 1.0]))
-    assert np.all(np.abs(f[kind == STICK]) <= 1.0)
-    assert np.all(np.abs(f[kind > BREAKAWAY]) > 1.0)
 
 
 @pytest.mark.parametrize("slope", [0.0, 400.0, 5000.0])

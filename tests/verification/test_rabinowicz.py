@@ -15,7 +15,7 @@ from rubnoise.contact.overlap import life_integral
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
-from rubnoise.simulation.draws import birth_distances, births_per_block, first_birth, start
+from rubnoise.simulation.draws import births_per_block, first_birth, start
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.live_count import length_biased_mean_diameter, mean_count
 from rubnoise.theory.motion import response
@@ -78,34 +78,12 @@ def test_the_scenario_is_constant_over_its_whole_run() -> None:
     assert np.abs(slider["velocity"]).max() < 1e-5
 
 
-def test_the_scenario_with_lenses_is_left_with_its_ripple() -> None:
-    area = rubnoise.simulate(rubnoise.load(ANCESTORS / "rabinowicz_lens.toml"))["trace"]["real_contact_area"]
-    assert area.std() / area.mean() == pytest.approx(ripple(20.0, LENS), rel=1e-3)
-    assert area.std() / area.mean() == pytest.approx(0.000996, rel=1e-3)
-
-
 @pytest.mark.parametrize("count", [1.0, 3.0, 7.0, 21.0])
 def test_an_odd_number_leaves_a_triangular_wave(count: float) -> None:
     # The mean square of such a wave, of height a and period D, over points h apart is off by (h^2/8) 32 a^2/D at most,
     # that is 12 (h/D)^2 of itself.
     assert ripple(count, TRIANGLE) == pytest.approx(1.0 / (sqrt(3.0) * count**2), rel=1e-9)
     assert sampled_ripple(count, TRIANGLE) == pytest.approx(1.0 / (sqrt(3.0) * count**2), rel=1e-5)
-
-
-@pytest.mark.parametrize("count", [0.5, 2.5, 6.3])
-def test_a_number_between_leaves_more(count: float) -> None:
-    assert sampled_ripple(count, TRIANGLE) == pytest.approx(ripple(count, TRIANGLE), rel=1e-5)
-
-
-@pytest.mark.parametrize("count", [1.0, 2.0, 2.5, 10.0, 20.0])
-def test_lenses_leave_a_ripple_for_every_number(count: float) -> None:
-    assert sampled_ripple(count, LENS) == pytest.approx(ripple(count, LENS), rel=1e-4)
-
-
-def test_the_ripples_that_are_told_of() -> None:
-    told = {(2.5, TRIANGLE): 0.052, (2.0, LENS): 0.074, (10.0, LENS): 0.0038, (20.0, LENS): 0.000996}
-    for (count, pulse), share in told.items():
-        assert ripple(count, pulse) == pytest.approx(share, rel=0.02)
 
 
 def test_poisson_births_of_triangles_are_far_from_constant() -> None:
@@ -123,12 +101,6 @@ def test_so_many_are_alive_at_every_tick(count: float) -> None:
     assert np.all(alive == count)
 
 
-def test_a_number_between_is_its_two_neighbours_by_turns() -> None:
-    alive = recorded(regular(2.5, tick=0.01, distance=300.0), 3)["trace"]["junction_count"]
-    assert set(alive.tolist()) == {2, 3}
-    assert alive.mean() == pytest.approx(2.5, abs=0.01)
-
-
 def test_births_lie_at_whole_multiples_of_their_spacing() -> None:
     run, seed = regular(20.0, distance=20_000.0), seed_of("multiples")
     record = recorded(run, seed)["junctions"]
@@ -139,20 +111,6 @@ def test_births_lie_at_whole_multiples_of_their_spacing() -> None:
     # Added up one by one, as random gaps are, they would have drifted by then.
     added = np.add.accumulate(np.concatenate([[first_birth(run, seed)], np.full(number[-1], run.births.mean)]))
     assert abs(added[-1] - expected[-1]) > 10 * np.spacing(expected[-1])
-
-
-def test_a_block_begins_where_the_one_before_ended() -> None:
-    run, seed = regular(20.0), seed_of("blocks")
-    before, _ = birth_distances(run, seed, 4, 0.0)
-    after, gaps = birth_distances(run, seed, 5, 0.0)
-    assert before[-1] == after[0]
-    assert np.array_equal(after[:-1] + gaps, after[1:])
-
-
-def test_an_empty_start_has_nobody_born_before() -> None:
-    rows = recorded(bare(births="regular", start="empty", distance=100.0), 5)["junctions"]
-    assert rows["birth_distance"][0] >= 0.0
-    assert not np.any(rows["state"] & JunctionState.ALIVE_AT_START)
 
 
 def starts(run: Model, seeds: int) -> tuple[list[int], list[float], list[float]]:
@@ -180,14 +138,6 @@ def test_the_start_of_regular_births_is_stationary() -> None:
     assert abs(np.mean(ages) - 0.5) <= 4.0 * sqrt(1.0 / 12.0 / len(ages))
     # Counted as Poisson births are, they would scatter more.
     assert np.var(counts, ddof=1) < 0.7 * expected
-
-
-def test_rows_alive_at_the_start_are_in_order_and_reach_it() -> None:
-    live = start(regular(20.0, spread=Spread(relative=2.0)), 9).live
-    assert len(live) > 20
-    assert np.all(np.diff(live.birth) > 0.0)
-    assert np.all(live.birth < 0.0)
-    assert np.all(live.death > 0.0)
 
 
 def autocorrelation(lag: float) -> float:
