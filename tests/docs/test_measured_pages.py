@@ -11,7 +11,6 @@ import h5py
 import pytest
 
 import rubnoise
-from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.storage.reader import open_run
@@ -20,7 +19,7 @@ from rubnoise.streams import STREAM_VERSION, Stream
 from rubnoise.theory.coupling import coupling
 from rubnoise.theory.motion import response
 from tests.architecture.sources import ROOT
-from tools.parts import filled, parts_of
+from tools.parts import parts_of
 from tools.studies import detection, free_motion, two_way_reference
 from tools.studies import two_way as tool
 
@@ -45,14 +44,6 @@ def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
     assert set(LINKED) == there
     assert len(there) == 6
     assert all((ROOT / "docs" / path).read_bytes().startswith(b"\x89PNG") for path in there)
-
-
-def test_the_tool_finds_its_parts_on_the_page() -> None:
-    assert parts_of(TEXT).keys() == {"figures", "chaos", "reference"}
-    assert filled(TEXT, {"reference": tool.reference()}) == TEXT
-    assert filled(TEXT, {"reference": "changed"}) != TEXT
-    with pytest.raises(ValueError, match="no part called refrence"):
-        filled(TEXT, {"refrence": "changed"})
 
 
 def model_at(speed: float, junctions: float) -> Model:
@@ -84,17 +75,6 @@ def test_the_law_of_weak_coupling_is_what_runs_have_where_coupling_is_weak_alone
         assert (abs(value - expected) < 4.0 * error) == (law.unknown is None)
 
 
-def test_the_vibration_first_rises_and_then_is_clipped() -> None:
-    """The page says so in words: it must show in the intervals."""
-    changes = {point["speed"]: point["over_one_way"] for point in two_way_reference.kept() if point["junctions"] == 20}
-    low, high = ({speed: value + side * error for speed, (value, error) in changes.items()} for side in (-4.0, 4.0))
-    assert high[1e3] < 1.0 / 3.0
-    assert high[1e4] < 1.0
-    assert 1.3 < low[3e4] < high[3e4] < 1.8
-    assert low[1e5] < 1.01
-    assert high[1e5] > 1.0
-
-
 @pytest.fixture(scope="module")
 def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "two_way.h5"
@@ -121,7 +101,6 @@ def test_runs_part_when_the_page_says() -> None:
 
 # The table of what sliding distance shows what follows from the theory, and is written if wrong runs bear it out.
 BY_NAME = {fault.name: fault for fault in detection.FAULTS}
-TRIED = re.compile(r"(\d+)|-")
 
 
 def cells(page: str) -> dict[str, list[str]]:
@@ -137,29 +116,6 @@ ROWS = cells(detection.PAGE.read_text(encoding="utf-8"))
 @pytest.mark.parametrize("name", BY_NAME)
 def test_a_row_is_what_theory_says(name: str) -> None:
     assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/studies detection"
-
-
-@pytest.mark.parametrize("name", BY_NAME)
-def test_a_row_says_how_it_was_tried(name: str) -> None:
-    _, length = detection.first_shown(BY_NAME[name])
-    whole, quarter = (TRIED.fullmatch(cell) for cell in ROWS[name][2:])
-    assert whole is not None
-    assert quarter is not None
-    assert bool(whole[1]) == (length <= 700_000.0)
-    assert int(whole[1] or 20) >= detection.FEWEST_FOUND
-    assert int(quarter[1] or 0) <= detection.MOST_FOUND_EARLY
-
-
-def test_the_shortest_run_is_named_on_the_page() -> None:
-    page = " ".join(detection.PAGE.read_text(encoding="utf-8").split())
-    assert f"{detection.distance(detection.shortest())} is the shortest run that is compared" in page
-    assert detection.shortest() >= needed_for_mean(detection.figure_5(1000.0))
-
-
-def test_a_fault_half_as_large_needs_four_times_the_distance() -> None:
-    _, one = detection.first_shown(detection.Fault(name="x", wrong=detection.more_births(1.01)))
-    _, half = detection.first_shown(detection.Fault(name="x", wrong=detection.more_births(1.005)))
-    assert half == pytest.approx(4.0 * one, rel=0.05)
 
 
 def test_wrong_runs_are_outside_and_right_ones_are_not() -> None:

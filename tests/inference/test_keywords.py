@@ -11,7 +11,7 @@ import pytest
 
 import rubnoise
 from rubnoise.api.keywords import scale_of
-from rubnoise.errors import LONGEST, Refused, ScenarioRefused, in_shell
+from rubnoise.errors import Refused, in_shell
 from tests.cli.terminal import call
 from tests.inference.traces import contact, signal
 from tools.parts import parts_of
@@ -25,24 +25,6 @@ GIVEN = {"rate": f"{1000.0 / MADE.tick} Hz", "speed": "1 mm/s", "unit": "uN", "z
 
 def inferred(**changed: Any) -> rubnoise.Inference:
     return rubnoise.infer(MADE.values, **(GIVEN | changed))
-
-
-@pytest.mark.parametrize(
-    "unit", ["0 mN", "1e999 mN", "nan mN", "-0 mN", "inf N", "1.2.3 mN", "1e300 mN", "1_0 mN", ".5 mN"]
-)
-def test_a_factor_that_is_no_positive_finite_number_is_refused(unit: str) -> None:
-    for given in (unit, unit.replace("mN", "V")):
-        with pytest.raises(Refused, match=r"unit=: .*right form: unit="):
-            inferred(unit=given)
-
-
-@pytest.mark.parametrize(
-    "unit", ["parsec", "m", "Mpa", "counts", "5", "", "mN mN", 5.0, True, None, UNITS("3 m"), b"N"]
-)
-def test_a_unit_that_is_no_force_and_no_voltage_is_refused_by_name(unit: Any) -> None:
-    with pytest.raises(Refused, match="unit") as refused:
-        inferred(unit=unit)
-    assert "right form: unit=" in str(refused.value) or 'unit="mN" names it' in str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -127,45 +109,6 @@ def test_what_is_refused_is_called_by_its_keyword(keyword: str, value: Any, prob
     assert len(text) <= 400
 
 
-def test_numbers_are_for_what_has_no_unit() -> None:
-    trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(400) / 100.0, "force (mN)": np.sin(np.arange(400.0))})
-    for asked in (lambda: trace.psd(segment=0.5), lambda: trace.acf(longest=0.2)):
-        with pytest.raises(Refused, match=r"(segment|longest)=: 0\.[25]: a number without a unit; right form"):
-            asked()
-    plain = rubnoise.Trace.from_arrays({"row": np.arange(400.0), "force (mN)": np.sin(np.arange(400.0))})
-    assert plain.acf(longest=20).lag[-1] == 20.0
-    with pytest.raises(Refused, match="longest=: 1 s: a number is needed"):
-        plain.acf(longest="1 s")
-
-
-def test_what_would_identify_a_number_speaks_python_and_the_shell(tmp_path: Path) -> None:
-    reasons = inferred(zero="unknown").not_identified
-    assert 'zero="known"' in reasons["junction_count"]
-    path = tmp_path / "a.csv"
-    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
-    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
-    answer = call("infer", str(path), "--law", "fixed", "--json")
-    assert (
-        '--zero known) or the strength (--strength "250 MPa")'
-        in json.loads(answer.out)["not_identified"]["junction_count"]
-    )
-    for words in (["--zero", "known", "--mask", "50 Hz"], ["--bootstrap", "999999999999"], ["--unit", "parsec"]):
-        answer = call("infer", str(path), *words)
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err.startswith(words[-2] + ": ")
-    noise = MADE.values + 0.5 * MADE.values.std() * np.sin(2.0 * np.arange(MADE.values.size))
-    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(noise.tolist()))
-    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
-    flagged = call("infer", str(path), "--law", "fixed", "--zero", "known", "--json")
-    assert flagged.code == 3
-    assert json.loads(flagged.out)["flags"]
-    for each in json.loads(flagged.out)["estimates"].values():
-        assert each["interval"][0] < each["value"] < each["interval"][1]
-    page = tmp_path / "page.html"
-    assert call("infer", str(path), "--law", "fixed", "--report", str(page)).code in {0, 3}
-    assert "default-src 'none'" in page.read_text(encoding="utf-8")
-
-
 def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.csv"
     rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
@@ -185,22 +128,6 @@ def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.Monke
     assert (answer.code, answer.out) == (1, "")
     assert "a.html: writing failed" in answer.err
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
-
-
-def test_a_refusal_is_no_longer_than_a_screen() -> None:
-    for text in ("x" * 9000, "a.csv: " + "column " * 900 + "; the remedy"):
-        assert len(str(Refused(text))) <= LONGEST
-        assert str(Refused(text))[-12:] == text[-12:]
-    listed = ScenarioRefused("x" * 9000)
-    assert len(str(listed)) == 9000
-
-
-def test_names_of_files_are_no_keywords() -> None:
-    for text in ("speed=1.csv: no such file", "x/speed=2.csv", "a b=c.csv: line 3", "speed=/x.csv"):
-        assert in_shell(text) == text
-    assert in_shell('column=2, rate="10 kHz" and unit="N"; strength_spread=') == (
-        '--column 2, --rate "10 kHz" and --unit N; --strength-spread'
-    )
 
 
 # The study of inference: the page shows its data, and each kind of cell is made and fitted.

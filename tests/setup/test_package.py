@@ -15,7 +15,6 @@ from typing import Any
 
 import pytest
 
-from rubnoise.cli.app import COMMANDS
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 from tools.package_page import repository, with_links
@@ -88,14 +87,6 @@ def test_lesson_viewer_sound_and_outputs_live_in_it(site: Path) -> None:
     assert "landmarks" in (site / "searchindex.js").read_text(encoding="utf-8")
 
 
-def test_the_gallery_is_in_it_with_its_pictures(site: Path) -> None:
-    page = (site / "docs" / "gallery.html").read_text(encoding="utf-8")
-    pictures = re.findall(r'<img[^>]* src="([^"]+\.png)"', page)
-    assert len(pictures) > 30
-    assert all((site / "docs" / name).resolve().is_file() for name in pictures)
-    assert "rubnoise plot fig5.h5 lifelines" in page
-
-
 @pytest.mark.parametrize("javascript", [True, False])
 def test_no_page_of_the_first_scrolls_sideways_on_a_phone(site: Path, browser: Any, javascript: bool) -> None:  # noqa: FBT001
     """Without the script, tables do scroll: those of symbols and of keys are wider than a phone."""
@@ -108,15 +99,6 @@ def test_no_page_of_the_first_scrolls_sideways_on_a_phone(site: Path, browser: A
     phone.close()
     assert bool(wide["model"] and wide["scenarios"]) is not javascript
     assert not javascript or sum(wide.values()) == 0
-
-
-def test_nothing_but_a_site_is_replaced(tmp_path: Path) -> None:
-    (tmp_path / "mine.txt").write_text("mine", encoding="utf-8")
-    command = [sys.executable, str(ROOT / "tools" / "build_site.py"), str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "is not a site" in done.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
 # The package that others install: the wheel, the source distribution that it is built from, the page on an index.
@@ -280,30 +262,6 @@ def test_the_recipe_asks_for_what_the_package_needs() -> None:
     assert f'version: "{project()["version"]}"' in recipe
 
 
-def test_the_recipe_builds_and_tests_what_pip_would() -> None:
-    """By the schema of rattler-build, version 1; no builder is needed to see it."""
-    yaml = pytest.importorskip("yaml")
-    recipe = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
-    assert set(recipe) == {"schema_version", "package", "source", "build", "requirements", "tests", "about"}
-    assert (recipe["schema_version"], recipe["package"]["name"]) == (1, project()["name"])
-    assert (ROOT / "packaging" / "conda" / recipe["source"]["path"] / "pyproject.toml").is_file()
-    build = recipe["build"]
-    assert (build["noarch"], build["number"]) == ("python", 0)
-    assert "--no-deps" in build["script"]
-    assert "--no-build-isolation" in build["script"]
-    commands = dict(each.split(" = ") for each in build["python"]["entry_points"])
-    assert commands == project()["scripts"]
-    system = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]
-    host = {each.replace(" ", "") for each in recipe["requirements"]["host"]}
-    assert host == {f"python{project()['requires-python']}", "pip", *system["requires"]}
-    words = [line.split() for each in recipe["tests"] for line in each.get("script", ())]
-    assert {word[0] for word in words} == set(project()["scripts"])
-    assert {word[1] for word in words} <= {"--version", *COMMANDS}
-    assert recipe["about"]["license"] == project()["license"]
-    assert recipe["about"]["summary"] == project()["description"]
-    assert (ROOT / recipe["about"]["license_file"]).is_file()
-
-
 def test_references_are_the_bibliography() -> None:
     """Each entry of the bibliography stands on the page with its DOI, and nothing else does."""
     listed = entries((ROOT / "docs" / "references.bib").read_text(encoding="utf-8"))
@@ -312,11 +270,3 @@ def test_references_are_the_bibliography() -> None:
     without = page.count("; no DOI found\n")
     assert sorted([*linked, *[""] * without]) == sorted(doi or "" for doi in listed.values())
     assert len(listed) == page.count("\n- ") > 15
-
-
-def test_what_the_paper_cites_is_in_its_bibliography() -> None:
-    own = entries((ROOT / "paper" / "paper.bib").read_text(encoding="utf-8"))
-    all_of_them = entries((ROOT / "docs" / "references.bib").read_text(encoding="utf-8"))
-    assert own.items() <= all_of_them.items()
-    cited = set(re.findall(r"(?<![\w.])@(\w+)", (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")))
-    assert cited == set(own)
