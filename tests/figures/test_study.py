@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.errors import Refused
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
 from rubnoise.figures.study import PointRuns, Study, StudyLine, exact_of, study_of_points
 from rubnoise.figures.study_picture import study_picture
@@ -115,46 +113,6 @@ def test_the_curve_of_another_contact_is_rejected() -> None:
     assert not _rejected(study_of_points(points, STD, title="", units={COUNT: "1"}).lines[0])
 
 
-def test_keys_side_by_side_go_along_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rubnoise.figures.study.CURVE", 9)
-    grid = {SPEED: ["1 mm/s", "4 mm/s", "16 mm/s"]}
-    points = _points(grid, "displacement_std")
-    distances = {1000.0: "5 mm", 4000.0: "20 mm", 16000.0: "80 mm"}
-    both = [
-        PointRuns(
-            values=dict(point.values) | {DISTANCE: distances[point.numbers[SPEED]]},
-            numbers=dict(point.numbers) | {DISTANCE: 5.0 * point.numbers[SPEED]},
-            scenario=point.scenario,
-            figures=point.figures,
-            standard_error=nan,
-        )
-        for point in points
-    ]
-    units = {SPEED: "um/s", DISTANCE: "um"}
-    study = study_of_points(both, "displacement_std", title="", units=units, side_by_side=tuple(units))
-    assert (study.key, study.others, len(study.lines)) == (SPEED, (), 1)
-    assert study.lines[0].curve is not None
-    across, exact = study.lines[0].curve
-    middle = int(np.argmin(np.abs(across - 2000.0)))
-    assert exact[middle] == pytest.approx(
-        exact_of(_scenario({SPEED: float(across[middle])}), "displacement_std"), rel=1e-9
-    )
-    assert study.logarithmic
-    apart = study_of_points(both, "displacement_std", title="", units=units)
-    assert len(apart.lines) == 3
-
-
-def test_what_makes_no_picture_is_refused() -> None:
-    with pytest.raises(Refused, match="nothing is swept"):
-        _study({COUNT: [20]})
-    points = [
-        PointRuns(values=p.values, numbers=p.numbers, scenario=p.scenario, figures=[nan], standard_error=nan)
-        for p in _points({COUNT: [10, 20]})
-    ]
-    with pytest.raises(Refused, match="real_contact_area_std: no run has it"):
-        study_of_points(points, STD, title="", units={COUNT: "1"})
-
-
 @pytest.mark.parametrize("runs", [1, 2])
 def test_the_same_study_is_the_same_picture(runs: int) -> None:
     first, again = (study_picture(_study({COUNT: [10, 20, 40]}, runs=runs), "svg") for _ in range(2))
@@ -184,21 +142,6 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def file(path: Path) -> Iterator[RunFile]:
     with open_run(path) as opened:
         yield opened
-
-
-@pytest.mark.parametrize(
-    ("start", "stop", "said"),
-    [
-        (5.0, 5.0, "nothing lies in 5 to 5 um; the run goes from 0 to 3000 um"),
-        (6.0, 5.0, "nothing lies in 6 to 5 um"),
-        (-1.0, 5.0, "nothing lies in -1 to 5 um"),
-        (4000.0, None, "nothing lies in 4000 to 3000 um"),
-        (1.0, 1.05, "1 to 1.05 um is too short to draw; the run has a tick every 0.1 um"),
-    ],
-)
-def test_a_stretch_of_nothing_is_refused(file: RunFile, start: float, stop: float | None, said: str) -> None:
-    with pytest.raises(Refused, match=said):
-        Stretch.of(file, start, stop)
 
 
 def test_of_many_rows_the_extremes_are_kept(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:

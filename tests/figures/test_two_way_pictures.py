@@ -10,10 +10,10 @@ from scipy.signal import welch
 
 import rubnoise
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
-from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
+from rubnoise.figures.slider import phase_figure, slider_figure
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import house_style
-from rubnoise.record.rows import LandmarkKind, Phase
+from rubnoise.record.rows import Phase
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.motion import response
 from tests.architecture.sources import ROOT
@@ -125,32 +125,6 @@ def test_one_way_motion_has_its_exact_band_and_no_sticks(one_way: Stretch) -> No
     assert np.ptp(v) == pytest.approx(2e-3 * exact.velocity_std, rel=1e-3)
 
 
-def test_slips_and_sticks_are_counted_by_length(two_way: Stretch) -> None:
-    kind, time, distance = (two_way.file.column("landmarks", name) for name in ("kind", "time", "distance"))
-    lengths, times = [], []
-    for one in range(kind.size - 1):
-        if kind[one] == LandmarkKind.STICK:
-            times.append(time[one + 1] - time[one])
-        elif kind[one] == LandmarkKind.SLIP:
-            lengths.append(distance[one + 1] - distance[one])
-    with house_style():
-        slips, sticks = landmarks_figure(two_way).axes
-    for axes, values, scale, unit in ((slips, lengths, 1.0, "µm"), (sticks, times, 1e3, "ms")):
-        bars = {(bar.get_x(), bar.get_x() + bar.get_width()): bar.get_height() for bar in axes.patches}
-        scaled = scale * np.array(values)
-        assert sum(bars.values()) == len(values) > 20
-        for (low, high), height in bars.items():
-            assert height == np.sum((scaled >= low * (1 + 1e-12)) & (scaled < high * (1 + 1e-12)))
-        assert _line(axes, "median")[0][0] == pytest.approx(np.median(scaled))
-        assert axes.get_xlabel().endswith(f"({unit})")
-        assert axes.get_legend_handles_labels()[1][0] == f"{len(values)} {'slips' if unit == 'µm' else 'sticks'}"
-    mean = two_way.model.calibrated_diameter
-    longer = sum(length > mean for length in lengths)
-    assert _line(slips, f"mean diameter; {longer} slips are longer")[0][0] == mean
-    duration = float(two_way.file.column("balance", "time")[0])
-    assert longer == round(float(two_way.file.summary["slips_longer_than_d_per_s"]) * duration) > 5
-
-
 @pytest.mark.parametrize(
     ("heard", "column", "scale"),
     [("velocity", "velocity", 1e-3), ("displacement", "displacement", 1.0), ("force", "friction_force", 1e-3)],
@@ -187,14 +161,6 @@ def test_a_one_way_spectrum_is_what_is_expected_of_it(run: str, heard: Any, requ
     known, of_mean = float(np.sum(weight * ratio)), float(np.sqrt(np.sum((weight * error) ** 2)))
     assert known == pytest.approx(1.0, abs=4.0 * of_mean)
     assert 0.8 * known != pytest.approx(1.0, abs=4.0 * of_mean), "a spectrum a fifth too low is noticed"
-
-
-def test_the_exact_spectrum_of_the_velocity_adds_up_to_its_variance(one_way: Stretch) -> None:
-    with house_style():
-        axes = motion_spectrum_figure(one_way, "velocity").axes[0]
-    frequency, exact = _line(axes, "exact")
-    variance = (1e-3 * response(one_way.model).velocity_std) ** 2
-    assert np.trapezoid(exact, frequency) == pytest.approx(variance, rel=0.02)
 
 
 def test_one_run_is_laid_over_another_at_the_same_times(one_way: Stretch, two_way: Stretch) -> None:

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
+from rubnoise.contact.pulses import LENS, PARABOLA
 from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.fitting import FitPoint, FitProblem, whittle
-from rubnoise.inference.honesty import third_cumulant, third_test
 from rubnoise.inference.inference import InferenceResult, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table
@@ -18,11 +17,9 @@ from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 from rubnoise.scenario.scenario import RAYLEIGH
 from rubnoise.theory.periodogram import expected_periodogram
-from rubnoise.theory.second_order import area_noise
 from tests.inference.traces import contact, signal
 
 SHAPES = {"fixed": 0.0, "normal": 0.2, "lognormal": 0.5, "exponential": 1.0, "gamma": 0.4}
-WIDE = {"normal": 0.9, "lognormal": 0.9, "gamma": 1.2}
 BOUND = 4.0
 
 
@@ -40,30 +37,6 @@ def normal() -> Signal:
 @pytest.fixture(scope="module")
 def found(normal: Signal) -> InferenceResult:
     return infer_signal(normal, zero="known", law="normal")
-
-
-@pytest.mark.parametrize(("name", "shape"), [*SHAPES.items(), *WIDE.items()])
-def test_moments_are_those_of_the_laws(name: str, shape: float) -> None:
-    population = POPULATIONS[name]
-    law = population.law(3.0, shape)
-    for power in (1, 2, 3, 5, 6, 7):
-        assert population.moment(power, shape) == pytest.approx(law.moment(power) / 3.0**power, rel=1e-12)
-    assert population.relative_spread(shape) == pytest.approx(
-        np.sqrt(max(law.moment(2) / law.moment(1) ** 2 - 1.0, 0.0)), abs=1e-12
-    )
-
-
-@pytest.mark.parametrize("pulse", [LENS, OFF_CENTRE_LENS, PARABOLA])
-@pytest.mark.parametrize(("name", "shape"), [*SHAPES.items(), *WIDE.items()])
-def test_energies_are_those_of_theory(name: str, shape: float, pulse: Pulse) -> None:
-    z = np.geomspace(2e-3, 200.0, 60)
-    model = replace(contact("fixed", 0.0, 20.0, 1500), sizes=POPULATIONS[name].law(1.0, shape), pulse=pulse)
-    exact = area_noise(model).alone(z) / model.birth_rate
-    energy = energy_table(name, shape, pulse).at(z)[0]
-    rel = 4e-4 if pulse is OFF_CENTRE_LENS else 1e-5  # far out its level is known to first order
-    assert energy == pytest.approx(exact, rel=rel, abs=2e-12 if pulse is PARABOLA else 0.0), "parabolas reach 0"
-    other = {"fixed": "normal", "exponential": "gamma"}.get(name, name)
-    assert energy_table(other, 1.05 * shape or 0.05, pulse).at(z)[0] != pytest.approx(exact, rel=1e-3)
 
 
 def test_parabolas_are_read_and_told_from_lenses() -> None:
@@ -188,19 +161,6 @@ def test_scaling_the_trace_scales_strengths_and_scaling_ticks_scales_sizes(
     assert ratios["shear_strength"] == pytest.approx((2.0, 1.0 / 9.0))
     assert ratios["mean_real_contact_area"] == pytest.approx((1.0, 9.0))
     assert ratios["noise"] == pytest.approx((2.0, 1.0))
-
-
-def test_a_third_cumulant_is_wrong_below_zero_and_right_above_it(normal: Signal) -> None:
-    """A long record puts it many errors above zero, where junctions have it, or as far below for a mirrored force."""
-    fit = infer_signal(normal, law="normal", tests=False).fit
-    assert fit is not None
-    values = normal.values / normal.values.std()
-    third = third_cumulant(values, float(values.mean()))
-    assert third > 0.0
-    for sign in (1.0, -1.0):
-        test = third_test(sign * third, 100 * values.size, fit, zero_known=False)
-        assert sign * test.statistic > BOUND
-        assert test.flagged == (sign < 0.0)
 
 
 def test_without_a_zero_and_a_strength_number_and_strength_are_not_told(normal: Signal) -> None:

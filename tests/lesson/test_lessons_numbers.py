@@ -93,24 +93,6 @@ def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
     assert abs(np.log(few / many) - np.log(16)) > 4 * error
 
 
-@pytest.mark.parametrize(("option", "outcome"), [("four", "You win 7 chips!"), ("sixteen", "Your 7 chips are lost.")])
-def test_chips_are_won_and_lost(walk, option, outcome):
-    walk.open("8. Many small")
-    walk.article.locator(f"#prediction-{option}").check()
-    walk.article.locator("#lesson-stake").fill("11")
-    walk.article.locator("#lesson-predict [type=submit]").click()
-    assert "from 1 to 10 chips" in walk.article.inner_text()
-    walk.article.locator("#lesson-stake").fill("7")
-    walk.article.locator("#lesson-predict [type=submit]").click()
-    walk.run(0)
-    walk.slide_on()
-    walk.run(1)
-    assert "chips!" not in walk.article.inner_text()
-    assert "chips are" not in walk.article.inner_text()
-    walk.look()
-    assert outcome in walk.article.locator("#lesson-said").inner_text()
-
-
 SPELLINGS = {
     "": {
         "0.33": 0.33, "0,33": 0.33, ".5": 0.5, "1/3": 1 / 3, "⅓": 1 / 3, "33 %": 0.33, "3.3e-1": 0.33,

@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.contact.pulses import PULSES
 from rubnoise.lesson.page import record_of
-from tests.lesson.node import FIGURE_5, WORLDS, answer, scenario_of, world_with
+from tests.lesson.node import WORLDS, answer, scenario_of, world_with
 
 # What the page predicts is what the package predicts, to six digits, wherever a knob may stand.
 TOLERANCE = 1e-6
@@ -216,34 +215,3 @@ def test_another_junction_would_be_noticed(tmp_path: Path) -> None:
 
 
 # A slider that rests on its load.
-RISING = FIGURE_5 | {"spread": 0.0, "pulse": "parabola", "sizes": "rayleigh", "calibration": "matched"}
-UNDER_LOAD = """
-  rub.lesson = { sliderStart: 'equilibrium', distance: 100 };
-  const tick = 0.11;
-  const trace = new rub.Trace(world, new rub.model.Births(world), tick, 400, 0);
-  trace.until(400);
-  const take = (name) => Array.from(trace[name].subarray(0, 401));
-  return { tick, shear: take('shear'), impulse: take('impulse'), force: take('force'), rise: take('separation') };
-"""
-
-
-def test_a_slider_under_a_load_moves_as_its_equation_says() -> None:
-    """Hold separation and force against a tight integration of the same broken parabola of the area."""
-    found = answer(UNDER_LOAD, world=RISING | {"support": "load"})
-    shear, impulse = np.array(found["shear"]), np.array(found["impulse"])
-    weight, mass, scale, mean, time = 2e5, 0.005, 0.5, 250.0 * 200.0, found["tick"] / 1000.0
-    damping = 2.0 * 0.05 * np.sqrt(weight / scale * mass)
-    state, separation = np.array([scale * (shear[0] / mean - 1.0), 0.0]), []
-    for before, after, over in zip(shear, shear[1:], impulse[1:] / found["tick"], strict=False):
-
-        def slope(t: float, z: Any, ends: Any = (before, after, over)) -> list[float]:
-            y = t / time
-            area = ends[0] + (ends[1] - ends[0]) * y + (ends[2] - 0.5 * (ends[0] + ends[1])) * 6.0 * y * (1.0 - y)
-            return [z[1], (weight * (area / mean - 1.0 - z[0] / scale) - damping * z[1]) / mass]
-
-        state = solve_ivp(slope, (0.0, time), state, method="DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
-        separation.append(state[0])
-    assert found["rise"][1:] == pytest.approx(separation, abs=1e-8)
-    force = mean * (shear[1:] / mean - np.array(separation) / scale)
-    assert found["force"][1:] == pytest.approx(force.tolist(), rel=1e-7)
-    assert answer(UNDER_LOAD, world=RISING)["force"] == found["shear"]  # at constant gap

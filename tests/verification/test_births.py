@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact.births import GammaBirths, JitteredBirths
 from rubnoise.contact.laws import Fixed, Spread
 from rubnoise.model import Model
 from rubnoise.scenario import build, loads
@@ -60,20 +59,6 @@ def test_the_spectrum_is_the_transform_of_the_covariance(births: str) -> None:
         covariance = covariance - 2.0 * np.cos(np.multiply.outer(lags, k)) @ power
     turned = 2.0 * np.cos(np.multiply.outer(WAVENUMBERS, lags)) @ (weights * covariance)
     assert turned == pytest.approx(spectral_density(run, WAVENUMBERS), rel=1e-5, abs=1e-5 * turned[0])
-
-
-def test_limits_of_the_laws() -> None:
-    k = np.geomspace(1e-7, 1e3, 50)
-    assert GammaBirths(mean_spacing=0.5, shape=1.0).excess(k) == pytest.approx(np.zeros(50), abs=1e-9)
-    far = GammaBirths(mean_spacing=0.5, shape=4.0)
-    assert far.excess(np.array([0.0, 2.1e-5])) == pytest.approx([-0.75, -0.75], abs=1e-9)
-    still = exact(contact("regular", calibration="exact", spread=Spread()))
-    moved = replace(still.model, births=JitteredBirths(mean_spacing=still.model.births.mean, jitter=1e-4))
-    assert area_cumulants(moved).std == pytest.approx(still.area.std, rel=1e-3)
-    wide = replace(still.model, births=JitteredBirths(mean_spacing=still.model.births.mean, jitter=50.0))
-    assert area_cumulants(wide).std == pytest.approx(
-        area_cumulants(contact("poisson", spread=Spread(), calibration="exact")).std, rel=0.05
-    )
 
 
 @lru_cache(maxsize=8)

@@ -1,8 +1,7 @@
 """Runs of a slider that may leave its contact: motion in SI units, rows, bits, and faults that show."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,6 @@ from scipy.stats import t as student
 import rubnoise
 from rubnoise.analysis.comparison import compare
 from rubnoise.contact.laws import Lognormal
-from rubnoise.model import Model
 from rubnoise.record.rows import ContactKind, JunctionState
 from rubnoise.simulation.free.scales import Scales
 from rubnoise.theory.load import free_motion, load_motion
@@ -204,61 +202,6 @@ def test_without_any_loss_levels_grow(ratio: float, *, grows: bool) -> None:
 def _eighths(runs: list[Any]) -> Iterator[list[Any]]:
     """Return the same eighth of all runs, of one length."""
     return (list(parts) for parts in zip(*(each[: each.size // 8 * 8].reshape(8, -1) for each in runs), strict=True))
-
-
-# m = (1 + n)/2 is exact between the same two v = V/(c omega_c), which goes as V sqrt(s_0); no seed serves twice.
-def _level(model: Model, seeds: Sequence[int]) -> tuple[float, float]:
-    """Return ln of the normal velocity (root mean square over all runs) after a fifth, and its standard error."""
-    first = model.tick_count // 5
-    squares = [float(np.mean(recorded(model, seed, engine="batch")["load"]["velocity"][first:] ** 2)) for seed in seeds]
-    return 0.5 * np.log(np.mean(squares)), 0.5 * np.std(squares, ddof=1) / np.mean(squares) / np.sqrt(len(squares))
-
-
-def _exponents(runs: Iterator[int], live: float, restitution: float | None) -> tuple[float, float, float, float]:
-    """Return n and m between v of 1 and 3 with their errors; without a restitution the loss has a scale of its own."""
-    speeds, levels = (1.0, 3.0), []
-    for heights in ((5.0, 5.0), (5.0 / 3.0, 15.0)):
-        for v, height in zip(speeds, heights, strict=True):
-            loss = {"restitution": restitution} if restitution else {"growth": 0.3 * np.sqrt(height / 5.0)}
-            way = {"distance": 30_000.0 * v, "tick": 1.25, "slider": None}
-            model = bouncing(count=live, relative_speed=v, height=height, **loss, **way)
-            levels.append(_level(model, [next(runs) for _ in range(16)]))
-    (a, a_error), (b, b_error), (low, low_error), (high, high_error) = levels
-    step = np.log(3.0)
-    n, n_error = (b - a) / step, np.hypot(a_error, b_error) / step
-    return n, n_error, (high - low) / (2.0 * step), np.hypot(low_error, high_error) / (2.0 * step)
-
-
-def height_exponent(speed_exponent: float) -> float:
-    """Return m = (1 + n)/2, the exponent of height (at constant c and N) that goes with an exponent n of speed."""
-    return 0.5 * (1.0 + speed_exponent)
-
-
-def test_exponents_of_speed_and_height_belong_together() -> None:
-    """Each contact misses m = (1 + n)/2 within its error, and so do all together, whose error is half as large."""
-    runs, off = count(1), []
-    for live, restitution in ((0.05, 0.7), (0.1, 0.7), (0.1, 0.3), (0.2, 0.7), (0.1, None)):
-        n, n_error, m, m_error = _exponents(runs, live, restitution)
-        error = np.hypot(m_error, 0.5 * n_error)
-        off.append((m - height_exponent(n)) / error)
-        assert error < 0.03
-        assert m + n - 1.0 > 4.0 * np.hypot(m_error, n_error)  # what a constant separation would have
-    *exact, other = off
-    assert np.abs(exact).max() < 4.0
-    assert abs(np.sum(exact)) / 2.0 < 4.0
-    assert other < -4.0, "beta has a scale of its own"
-
-
-def test_at_the_same_v_height_is_but_a_scale() -> None:
-    """So runs of other seeds differ by chance alone; rounding takes some 2000 ticks to part these."""
-    moved = []
-    for v, height in ((1.0, 5.0), (1.0, 12.0), (1.001, 5.0)):
-        model = bouncing(count=2.0, relative_speed=v, height=height, distance=2500.0, tick=2.5)
-        assert model.free is not None
-        scales = Scales.of(model, model.free)
-        moved.append(recorded(model, seed=5)["load"]["velocity"] / (scales.height * scales.rate))
-    assert np.abs(moved[1] - moved[0]).max() < 1e-10
-    assert np.abs(moved[2] - moved[0]).max() > 1e-4
 
 
 # The file.

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from math import log, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +19,6 @@ from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import load as engine
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import load_motion
-from rubnoise.theory.sampling import load_errors
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of
 from tests.verification.scores import BOUND, REJECTED, seed_of
@@ -156,18 +153,6 @@ def test_faults_of_the_motion_are_rejected(monkeypatch: pytest.MonkeyPatch) -> N
         assert max(abs(found[name]) for name in ("separation_std", "load_std", "normal_velocity_std")) > REJECTED
 
 
-def test_the_mean_strength_does_not_stand_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = loaded(**LONG, strength=UNEQUAL)
-    right = engine.MovingSeparation._columns
-
-    def averaged(self: Any, sample: Any, states: Any) -> Any:
-        sample.columns["friction_force"] = model.strengths.mean * sample.columns["real_contact_area"]
-        return right(self, sample, states)
-
-    monkeypatch.setattr(engine.MovingSeparation, "_columns", averaged)
-    assert abs(scores(model, "load, mean strength")["friction_force_std"]) > REJECTED
-
-
 # The file.
 @pytest.fixture
 def result(tmp_path: Path) -> Path:
@@ -199,29 +184,3 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     with rubnoise.open(result) as file:
         assert seen in file.compare().outside
         assert column.split("/")[0] in {check.name for check in file.verify().different}
-
-
-def test_exponents_of_runs_belong_together() -> None:
-    """Slopes in speed at one height and in height at one speed, from runs of different seeds: m = (1 + n)/2."""
-    step, base = log(2.0), {"distance": 30_000.0, "tick": 0.1, "ratio": 0.3}
-    speed = loaded(relative_speed=1.0).sliding_speed or 0.0
-
-    def logarithm(name: str, **changes: float) -> tuple[float, float]:
-        model = loaded(**base | {"speed": speed} | changes)
-        tally = Tally.of(model)
-        simulate(model, seed_of(name), tally, engine="batch")
-        std = tally.moments["normal_velocity"].std
-        return log(std), load_errors(model, model.distance).velocity_std / std
-
-    (slow, a), (fast, b) = logarithm("slow", speed=speed / 2.0), logarithm("fast", speed=2.0 * speed)
-    (low, c), (high, d) = logarithm("low", height=0.25), logarithm("high", height=1.0)
-    n, m = (fast - slow) / (2.0 * step), (high - low) / (2.0 * step)
-    error = sqrt((a * a + b * b) / 4.0 + c * c + d * d) / (2.0 * step)
-    assert error < 0.02
-    # Over a finite step the identity holds for the secants at one product of V^2 and s_0: 2 in V is 4 in s_0.
-    exact = [
-        load_motion(loaded(**base, speed=v, height=h)).velocity_std
-        for v, h in ((speed / 2, 0.5), (2 * speed, 0.5), (speed, 0.25), (speed, 1.0))
-    ]
-    expected = log(exact[3] / exact[2]) / (2 * step) - (1.0 + log(exact[1] / exact[0]) / (2 * step)) / 2.0
-    assert abs(m - (1.0 + n) / 2.0 - expected) < BOUND * error
