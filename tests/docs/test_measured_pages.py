@@ -188,13 +188,13 @@ def test_what_is_promised_is_the_same_and_the_file_is_not(
 
 
 # Free motion: docs/load.md shows what docs/free_motion.json holds, once it has been held against what is exact.
-FREE = free_motion.STUDY.kept()
+FREE = free_motion.kept()
 SCALE = free_motion.HEIGHT * sqrt(free_motion.GRAVITY / free_motion.HEIGHT)
 """s_0 omega_c in um/s."""
 
 
 def test_tables_of_free_motion_are_those_of_its_data() -> None:
-    page = (free_motion.STUDY.docs / free_motion.STUDY.page).read_text("utf-8")
+    page = free_motion.PAGE.read_text("utf-8")
     assert free_motion.faults(FREE) == []
     assert free_motion.tables(FREE).items() <= parts_of(page).items()
 
