@@ -8,7 +8,9 @@ but Python 3.11 or newer and its pip is needed; set-up writes nothing outside th
 from __future__ import annotations
 
 import hashlib
+import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -29,10 +31,9 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 
 """
 GROUPS = {
-    "run": ("build", "sync"),
+    **dict.fromkeys(("run", "sync"), ("build", "sync")),
     **dict.fromkeys(("test", "lint", "check"), ("build", "sync", "test")),
     "generate": ("build", "sync", "test", "all"),
-    "sync": ("build", "sync"),
     "bench": ("build", "bench"),
     "docs": ("build", "docs"),
 }
@@ -81,8 +82,8 @@ def main(arguments: list[str]) -> int:
         "docs": [python, str(tools / "build_site.py")],
         "generate": [python, str(tools / "generate.py")],
     }
-    if words := programs.get(command):  # become it, so that signals and the exit code are its own
-        os.execv(words[0], [*words, *rest])
+    if command in programs:  # become it, so that signals and the exit code are its own
+        os.execv(programs[command][0], [*programs[command], *rest])
     return 0
 
 
@@ -94,21 +95,21 @@ def set_up(folder: Path, groups: set[str]) -> None:
         raise SystemExit("dev.py: Linux and macOS are supported; on Windows, please use WSL.")
     import fcntl
 
-    lock, stamp = os.open(ROOT, os.O_RDONLY), folder / "rubnoise-setup.txt"
+    lock, stamp = os.open(ROOT, os.O_RDONLY), folder / "rubnoise-setup.json"
     os.set_inheritable(lock, True)  # noqa: FBT003  (pip holds it, too: one that outlives a kill is waited for)
     fcntl.flock(lock, fcntl.LOCK_EX)
     files = [(ROOT / name).read_text(encoding="utf-8") for name in ("pyproject.toml", "tools/constraints.txt")]
     wanted = [hashlib.sha256("".join(each).encode()).hexdigest() for each in ([sys.version, str(ROOT)], files)]
-    known = stamp.read_text(encoding="utf-8").split() if stamp.exists() else []
+    known = re.findall(r"\w+", stamp.read_text(encoding="utf-8")) if stamp.exists() else []
     there = known[:1] == wanted[:1] and (folder / "bin" / "python").exists()
     if not (there and known[:2] == wanted and groups <= set(known[2:])):
         if folder.exists() and not stamp.exists():
             raise SystemExit(f"dev.py: {folder} was made by something else. Move it away, then call this again.")
         if not there:
             make(folder, stamp)
-        stamp.write_text(wanted[0], encoding="utf-8")
+        stamp.write_text(json.dumps(wanted[:1]), encoding="utf-8")
         install(folder, groups)
-        stamp.write_text(" ".join([*wanted, *sorted(groups.union(known[2:] if there else ()))]), encoding="utf-8")
+        stamp.write_text(json.dumps([*wanted, *groups.union(known[2:] if there else ())]), encoding="utf-8")
     os.close(lock)
 
 
