@@ -1,8 +1,7 @@
 """Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `check`, `bench`, `docs`.
 
-The first call makes `.venv` (`.venv-bench` for the benchmark and `.venv-docs` for the site, whose packages stay out of
-it) and installs what the command needs, in the versions of tools/constraints.txt; later calls find it there. Nothing
-but Python 3.11 or newer and its pip is needed; set-up writes nothing outside these folders.
+The first call makes `.venv` (`.venv-bench`, `.venv-docs`) and installs what the command needs, in the versions of
+tools/constraints.txt. Nothing but Python 3.11 and pip is needed, and nothing is written outside these folders.
 """
 
 from __future__ import annotations
