@@ -22,8 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from bootstrap import ROOT
-from mutants import PYTHON, copy_into
+from mutants import PYTHON, ROOT, copy_into
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -1,33 +1,18 @@
-"""Make plain notebooks and static pages from the marimo sources: `python tools/export_notebooks.py [--html FOLDER]`.
+"""Make plain notebooks from the marimo sources: `python3 tools/dev.py generate notebooks`.
 
 notebooks/NAME.ipynb has the cells of notebooks/NAME.py for Jupyter, Colab and the like: texts become Markdown cells,
-and a control becomes its value. A test finds one that is outdated. With --html every notebook is run, and
-FOLDER/NAME.html has its texts, code and results in one file that loads nothing: formulas and pictures are in it.
+and a control becomes its value. A test finds one that is outdated.
 """
 
-import argparse
 import ast
-import base64
-import contextlib
-import html
-import io
 import json
-import re
 import sys
-import types
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from markdown_it import MarkdownIt
-
-from rubnoise.web_page import part, web_page
-
 ROOT: Final = Path(__file__).resolve().parent.parent
 NOTEBOOKS: Final = ROOT / "notebooks"
-FORMULA: Final = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
-STYLE: Final = "pre.code { border-left: 3px solid #0072b2; }"
 INSTALL: Final = '# Where rubnoise is missing, as in Colab: %pip install "rubnoise[analysis,plot]"\n'
 
 
@@ -127,117 +112,13 @@ def plain_notebook(cells: list[Cell]) -> str:
     return json.dumps(content, ensure_ascii=False, indent=1) + "\n"
 
 
-@contextlib.contextmanager
-def _sound() -> Iterator[None]:
-    """Offer what notebooks take from IPython, where it is not installed."""
-    display: Any = types.ModuleType("IPython.display")
-    display.Audio = Sound
-    package: Any = types.ModuleType("IPython")
-    package.display = display
-    package.get_ipython, package.version_info = lambda: None, (99, 0)  # matplotlib asks
-    before = {name: sys.modules.get(name) for name in ("IPython", "IPython.display")}
-    sys.modules.update({"IPython": package, "IPython.display": display})
-    try:
-        yield
-    finally:
-        for name, module in before.items():
-            if module is None:
-                del sys.modules[name]
-            else:
-                sys.modules[name] = module
-
-
-class Sound:
-    """A sound that a page plays, as IPython has one."""
-
-    def __init__(self, data: bytes) -> None:
-        """Take the bytes of a WAV file."""
-        self._data = data
-
-    def _repr_html_(self) -> str:
-        return f'<audio controls src="{_inline("audio/wav", self._data)}"></audio>'
-
-
-def results(cells: list[Cell]) -> Iterator[tuple[str, Any]]:
-    """Run the cells in one namespace; yield what each code cell prints, and the value of its last line."""
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    names: dict[str, Any] = {"__name__": "__main__"}
-    with _sound():
-        for cell in cells:
-            printed, value = io.StringIO(), None
-            if cell.kind == "code":
-                tree = ast.parse(cell.text)
-                last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
-                with contextlib.redirect_stdout(printed):
-                    exec(compile(tree, "notebook", "exec"), names)  # noqa: S102  (our own notebooks)
-                    if isinstance(last, ast.Expr):
-                        value = eval(compile(ast.Expression(last.value), "notebook", "eval"), names)  # noqa: S307
-            yield printed.getvalue(), value
-
-
-def static_page(title: str, cells: list[Cell]) -> str:
-    """Return a page with texts, code and results in it; the notebook is run for it."""
-    parts = []
-    for cell, (printed, value) in zip(cells, results(cells), strict=True):
-        if cell.kind == "markdown":
-            parts.append(_text(cell.text))
-            continue
-        parts.append(f"<pre class=code><code>{html.escape(cell.text.strip())}</code></pre>")
-        if printed:
-            parts.append(f"<pre>{html.escape(printed)}</pre>")
-        if value is not None:
-            parts.append(f"<div>{_shown(value)}</div>")
-    return web_page(f"<main>{''.join(parts)}</main>", title=title, styles=[part("rubnoise.pages", "report.css"), STYLE])
-
-
-def _shown(value: Any) -> str:
-    """Return a value as a page shows it: a picture, its own HTML, or its text."""
-    if hasattr(value, "savefig"):
-        import matplotlib.pyplot as plt
-
-        picture = io.BytesIO()
-        value.savefig(picture, format="png", dpi=120)
-        plt.close(value)
-        return f'<img alt="the picture that this cell draws" src="{_inline("image/png", picture.getvalue())}">'
-    if hasattr(value, "_repr_html_"):
-        return str(value._repr_html_())
-    return f"<pre>{html.escape(repr(value))}</pre>"
-
-
-def _text(text: str) -> str:
-    """Return Markdown as HTML, its formulas as MathML, which Markdown shall not touch."""
-    from docutils.utils.math.latex2mathml import tex2mathml  # type: ignore[import-untyped]
-
-    formulas: list[str] = []
-
-    def kept(found: re.Match[str]) -> str:
-        formulas.append(tex2mathml(found[1] or found[2], as_block=found[1] is not None))
-        return f"FORMULA{len(formulas) - 1}END"
-
-    page = MarkdownIt("commonmark").enable("table").render(FORMULA.sub(kept, text))
-    return re.sub(r"FORMULA(\d+)END", lambda found: formulas[int(found[1])], page)
-
-
-def _inline(kind: str, data: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(data).decode()}"
-
-
-def main(arguments: list[str]) -> int:
-    """Write every plain notebook and, where they are asked for, the pages."""
-    parser = argparse.ArgumentParser(prog="export_notebooks.py", description="Make plain notebooks and static pages.")
-    parser.add_argument("--html", type=Path, metavar="FOLDER", help="run every notebook, and write a page of each here")
-    folder = parser.parse_args(arguments).html
+def main() -> int:
+    """Write every plain notebook."""
     for path in sorted(NOTEBOOKS.glob("*.py")):
         cells = cells_of(path.read_text(encoding="utf-8"))
         path.with_suffix(".ipynb").write_text(plain_notebook(cells), encoding="utf-8")
-        if folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
-            title = next(cell.text for cell in cells if cell.kind == "markdown").partition("\n")[0].removeprefix("# ")
-            (folder / f"{path.stem}.html").write_text(static_page(title, cells), encoding="utf-8")
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -30,13 +30,10 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from bootstrap import ROOT, WORK
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+ROOT = Path(__file__).resolve().parent.parent
 SEEN = 8.0
 TENTHS = 10
 KINDS = (".py", ".js")
@@ -48,9 +45,8 @@ ASSERTED = (" - assert", " - AssertionError", " - Failed: ", " - rubnoise.")
 COPIED = ("src", "tests", "pyproject.toml")
 LEFT = shutil.ignore_patterns("*.nbi", "*.nbc")
 """Compiled kernels: each copy has its own. Compiled modules may come, since Python tells a changed one by its time."""
-PYTHON = WORK.python if WORK.python.exists() else Path(sys.executable)
-
-
+WORK = ROOT / ".venv" / "bin" / "python"
+PYTHON = WORK if WORK.exists() else Path(sys.executable)
 FAULTS = ROOT / "tools" / "faults"
 
 

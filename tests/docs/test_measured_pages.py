@@ -2,29 +2,25 @@
 
 import json
 import re
-import sys
 import tomllib
-from dataclasses import asdict, replace
-from importlib import import_module
-from math import hypot, log, sqrt
+from dataclasses import replace
+from math import hypot, sqrt
 from pathlib import Path
 
 import h5py
 import pytest
 
 import rubnoise
-from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import GROUPS
 from rubnoise.streams import STREAM_VERSION, Stream
 from rubnoise.theory.coupling import coupling
-from rubnoise.theory.load import load_motion
 from rubnoise.theory.motion import response
 from tests.architecture.sources import ROOT
-from tools.parts import filled, parts_of
-from tools.studies import detection, free_motion, load, surface_levels, two_way_reference
+from tools.parts import parts_of
+from tools.studies import detection, free_motion, two_way_reference
 from tools.studies import two_way as tool
 
 # What docs/two-way.md shows as measured is what the tool measures, and its pictures are there.
@@ -48,14 +44,6 @@ def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
     assert set(LINKED) == there
     assert len(there) == 6
     assert all((ROOT / "docs" / path).read_bytes().startswith(b"\x89PNG") for path in there)
-
-
-def test_the_tool_finds_its_parts_on_the_page() -> None:
-    assert parts_of(TEXT).keys() == {"figures", "chaos", "reference"}
-    assert filled(TEXT, {"reference": tool.reference()}) == TEXT
-    assert filled(TEXT, {"reference": "changed"}) != TEXT
-    with pytest.raises(ValueError, match="no part called refrence"):
-        filled(TEXT, {"refrence": "changed"})
 
 
 def model_at(speed: float, junctions: float) -> Model:
@@ -87,17 +75,6 @@ def test_the_law_of_weak_coupling_is_what_runs_have_where_coupling_is_weak_alone
         assert (abs(value - expected) < 4.0 * error) == (law.unknown is None)
 
 
-def test_the_vibration_first_rises_and_then_is_clipped() -> None:
-    """The page says so in words: it must show in the intervals."""
-    changes = {point["speed"]: point["over_one_way"] for point in two_way_reference.kept() if point["junctions"] == 20}
-    low, high = ({speed: value + side * error for speed, (value, error) in changes.items()} for side in (-4.0, 4.0))
-    assert high[1e3] < 1.0 / 3.0
-    assert high[1e4] < 1.0
-    assert 1.3 < low[3e4] < high[3e4] < 1.8
-    assert low[1e5] < 1.01
-    assert high[1e5] > 1.0
-
-
 @pytest.fixture(scope="module")
 def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "two_way.h5"
@@ -123,9 +100,7 @@ def test_runs_part_when_the_page_says() -> None:
 
 
 # The table of what sliding distance shows what follows from the theory, and is written if wrong runs bear it out.
-COMPARING = ROOT / "docs" / "comparing.md"
 BY_NAME = {fault.name: fault for fault in detection.FAULTS}
-TRIED = re.compile(r"(\d+)|-")
 
 
 def cells(page: str) -> dict[str, list[str]]:
@@ -143,61 +118,11 @@ def test_a_row_is_what_theory_says(name: str) -> None:
     assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/studies detection"
 
 
-@pytest.mark.parametrize("name", BY_NAME)
-def test_a_row_says_how_it_was_tried(name: str) -> None:
-    _, length = detection.first_shown(BY_NAME[name])
-    whole, quarter = (TRIED.fullmatch(cell) for cell in ROWS[name][2:])
-    assert whole is not None
-    assert quarter is not None
-    assert bool(whole[1]) == (length <= 700_000.0)
-    assert int(whole[1] or 20) >= detection.FEWEST_FOUND
-    assert int(quarter[1] or 0) <= detection.MOST_FOUND_EARLY
-
-
-def test_the_shortest_run_is_named_on_the_page() -> None:
-    page = " ".join(detection.PAGE.read_text(encoding="utf-8").split())
-    assert f"{detection.distance(detection.shortest())} is the shortest run that is compared" in page
-    assert detection.shortest() >= needed_for_mean(detection.figure_5(1000.0))
-
-
-def test_a_fault_half_as_large_needs_four_times_the_distance() -> None:
-    _, one = detection.first_shown(detection.Fault(name="x", wrong=detection.more_births(1.01)))
-    _, half = detection.first_shown(detection.Fault(name="x", wrong=detection.more_births(1.005)))
-    assert half == pytest.approx(4.0 * one, rel=0.05)
-
-
 def test_wrong_runs_are_outside_and_right_ones_are_not() -> None:
     name = "diameters 1 % larger"
     assert "diameter_mean" in detection.outside(BY_NAME[name], 3000.0, 1)
     assert detection.outside(detection.Fault(name="none"), 3000.0, 1) == []
     assert "area_from_rows" in detection.outside(detection.Fault(name="small", area=0.981), 3000.0, 1)
-
-
-@pytest.mark.parametrize(
-    ("fault", "found", "said"),
-    [
-        ("stiffness 2 % larger", (["x"] * 12, []), "stiffness 2 % larger: 12 of 20 runs of 49 mm are outside, too few"),
-        ("stiffness 2 % larger", (["x"] * 20, ["x"] * 13), "13 of 20 runs of 12 mm are outside, too many"),
-        ("an empty start", (["x"] * 20, []), "an empty start: start_count does not show it"),
-    ],
-)
-def test_a_table_that_runs_do_not_bear_out_is_not_written(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    fault: str,
-    found: tuple[list[str], list[str]],
-    said: str,
-) -> None:
-    page = tmp_path / "comparing.md"
-    page.write_bytes(COMPARING.read_bytes())
-    answers = iter([[name] for name in found[0]] + [[]] * (20 - len(found[0])) + [[name] for name in found[1]])
-    monkeypatch.setattr(detection, "PAGE", page)
-    monkeypatch.setattr(detection, "FAULTS", (BY_NAME[fault],))
-    monkeypatch.setattr(detection, "outside", lambda *_: next(answers, []))
-    monkeypatch.setattr(sys, "argv", ["detection"])
-    with pytest.raises(SystemExit, match=re.escape(said)):
-        detection.main()
-    assert page.read_bytes() == COMPARING.read_bytes()
 
 
 # docs/reproducibility.md promises what the program does, and lists all of it.
@@ -262,42 +187,16 @@ def test_what_is_promised_is_the_same_and_the_file_is_not(
     assert again.read_bytes() != kept.read_bytes()
 
 
-# Tables of studies are those of their data, and the data is what theory says.
-def test_tables_of_studies_are_those_of_their_data() -> None:
-    for name in ("family", "free_motion", "load", "surface_levels", "surfaces"):
-        study = import_module(f"tools.studies.{name}").STUDY
-        rows, page = study.kept(), (study.docs / study.page).read_text("utf-8")
-        assert study.faults(rows) == []
-        assert study.tables(rows).items() <= parts_of(page).items(), name
-
-
-def test_exponents_of_speed_and_height_are_theirs_and_belong_together() -> None:
-    rows = load.STUDY.kept()
-    assert all(row.speed.error < 0.02 and row.height.error < 0.01 for row in rows)
-    for row in rows:
-        assert row.height.exact == pytest.approx(0.5 * (1.0 + row.speed.exact), abs=1e-6)
-    low, high = (load_motion(model).velocity_std for model in load.contacts(rows[0].begin, rows[0].end)[0])
-    assert rows[0].speed.exact == pytest.approx(log(high / low) / log(rows[0].end / rows[0].begin), rel=1e-9)
-    wrong = replace(rows[0], height=replace(rows[0].height, found=1.0 - rows[0].speed.found))
-    assert load.faults([wrong]) != []  # m + n = 1, as at constant separation
-
-
-def test_the_level_hardly_depends_on_the_cutoff() -> None:
-    """The page says so: within 1.6 dB, while the number of junctions more than doubles."""
-    cells = surface_levels.STUDY.kept()
-    for roughness in surface_levels.ROUGHNESSES:
-        own = [cell for cell in cells if cell.roughness == roughness]
-        levels, counts = [cell.exact for cell in own], [cell.junction_count for cell in own]
-        assert max(levels) - min(levels) < 1.6
-        assert max(counts) > 2.0 * min(counts)
-    assert 0.9 < surface_levels.exponent(cells, 16.0) < 1.05
-
-
 # Free motion: docs/load.md shows what docs/free_motion.json holds, once it has been held against what is exact.
-FREE = free_motion.STUDY.kept()
+FREE = free_motion.kept()
 SCALE = free_motion.HEIGHT * sqrt(free_motion.GRAVITY / free_motion.HEIGHT)
 """s_0 omega_c in um/s."""
-FREE_TABLES = ("levels", "slopes", "shocks")
+
+
+def test_tables_of_free_motion_are_those_of_its_data() -> None:
+    page = free_motion.PAGE.read_text("utf-8")
+    assert free_motion.faults(FREE) == []
+    assert free_motion.tables(FREE).items() <= parts_of(page).items()
 
 
 def test_a_level_of_free_motion_is_what_its_seeds_give() -> None:
@@ -330,28 +229,10 @@ def test_levels_of_free_motion_are_those_of_another_program() -> None:
         ({"velocity": 1.1 * FREE[1].levels[2].velocity}, "N 0.1, restitution 0.7: m - (1 + n)/2 = "),
     ],
 )
-def test_no_table_is_drawn_where_runs_are_wrong(
-    change: dict[str, float],
-    said: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    page, data = tmp_path / "load.md", tmp_path / "free_motion.json"
-    parts = "".join(f"<!-- study: free {name} -->\nas it was\n<!-- end -->\n" for name in FREE_TABLES)
-    page.write_text(parts, encoding="utf-8")
+def test_runs_of_free_motion_that_are_wrong_are_told(change: dict[str, float], said: str) -> None:
     levels = tuple(replace(each, **change) if at == 2 else each for at, each in enumerate(FREE[1].levels))
-    study = replace(free_motion.STUDY, docs=tmp_path)
-    monkeypatch.setattr(sys, "argv", ["free_motion", "--table"])
-    rows = [FREE[0], replace(FREE[1], levels=levels), *FREE[2:]]
-    data.write_text(json.dumps({"rows": [asdict(each) for each in rows]}), encoding="utf-8")
-    assert study.main() == 1
-    assert said in capsys.readouterr().err
-    assert "as it was" in page.read_text(encoding="utf-8")
-    monkeypatch.setattr(sys, "argv", ["free_motion"])
-    assert replace(study, make=lambda: FREE).main() == 0
-    assert "as it was" not in page.read_text(encoding="utf-8")
-    assert study.kept() == FREE
+    wrong = free_motion.faults([FREE[0], replace(FREE[1], levels=levels), *FREE[2:]])
+    assert any(said in words for words in wrong)
 
 
 def test_a_small_error_in_every_contact_shows_in_all_of_them_together() -> None:

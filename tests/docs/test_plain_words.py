@@ -1,9 +1,7 @@
 """Pages are in plain words, and say what the code says."""
 
-import ast
 import re
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -51,16 +49,6 @@ AVOID = {
 }
 """What is not to be read by a user (a regular expression between word boundaries), and what to write instead."""
 IDIOM = re.compile(rf"\b(?:{'|'.join(AVOID)})\b", re.IGNORECASE)
-AVOID_IN_DOCSTRINGS = {
-    r"lets? happen": "process, play",
-    r"takes? in": "add",
-    r"by how much": "the difference, the factor",
-    r"with the system": "handed to the operating system",
-    r"stands? before the first": "starts",
-    r"(for|with|of) (one|what|those) that (is|are) (none|no)": "if it is not a ..., not valid",
-    r"what .{1,40} (says?|holds?) of (it|them)sel(f|ves)": "the attributes",
-}
-IDIOM_IN_DOCSTRINGS = re.compile(rf"\b(?:{'|'.join([*AVOID, *AVOID_IN_DOCSTRINGS])})\b", re.IGNORECASE)
 PAGES = sorted(
     ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", *(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
 )
@@ -69,9 +57,6 @@ MOST_WORDS = 40
 FENCED = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
 NO_PROSE = re.compile(r"\s*(\||#|!\[|<!--)")
 ITEM = re.compile(r"\s*([-*]|\d+\.)\s")
-COMMENT = re.compile(r"/\*.*?\*/|(?<!:)//[^\n]*|<!--.*?-->", re.DOTALL)
-LESSON = sorted(path for path in (ROOT / "src" / "rubnoise" / "lesson" / "parts").iterdir() if path.is_file())
-SOURCES = sorted((ROOT / "src" / "rubnoise").rglob("*.py"))
 
 
 def paragraphs(page: str) -> Iterator[str]:
@@ -103,42 +88,6 @@ def idioms(text: str) -> list[str]:
     return [found[0] for found in IDIOM.finditer(" ".join(text.split()))]
 
 
-def docstrings(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield the docstrings of a module, and the texts below its constants, with their lines."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
-            yield node.lineno, " ".join(node.value.value.split())
-
-
-def idioms_of_docstrings(path: Path) -> list[str]:
-    """Return the phrases to be avoided in the docstrings of a module, each after its line."""
-    return [
-        f"{line}: {found[0]}"
-        for line, text in docstrings(path)
-        for found in IDIOM_IN_DOCSTRINGS.finditer(re.sub(r"\b(?:(?:there|which) is none|is None)\b", "", text))
-    ]
-
-
-@cache
-def messages(path: Path) -> tuple[tuple[int, str], ...]:
-    """Return the texts of a module that are no docstrings, an f-string in one piece, with their lines."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    bare = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    joined = [node for node in ast.walk(tree) if isinstance(node, ast.JoinedStr)]
-    inside = {id(value) for node in joined for value in node.values}
-    found = [(node.lineno, "".join(map(_constant, node.values))) for node in joined]
-    found += [
-        (node.lineno, node.value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in bare | inside
-    ]
-    return tuple(each for each in found if " " in each[1])  # a single word is a name
-
-
-def _constant(part: ast.expr) -> str:
-    return str(part.value) if isinstance(part, ast.Constant) else "{}"
-
-
 def helps() -> Iterator[tuple[str, str]]:
     """Yield the help of every command, and of each of its arguments and options."""
     group: Any = get_command(program())
@@ -158,42 +107,8 @@ def test_a_page_has_no_long_sentence(page: str) -> None:
     assert length(longest) <= MOST_WORDS, longest
 
 
-@pytest.mark.parametrize("page", PAGES)
-def test_no_line_of_a_page_is_a_comment_of_the_site(page: str) -> None:
-    """MyST leaves out a line that begins with a per cent sign."""
-    assert re.findall(r"(?m)^%.*", (ROOT / page).read_text(encoding="utf-8")) == []
-
-
-def test_messages_have_no_idioms() -> None:
-    wrong = [
-        f"{path.relative_to(ROOT)}:{line}: {phrase}"
-        for path in SOURCES
-        for line, text in messages(path)
-        for phrase in idioms(text)
-    ]
-    assert wrong == []
-
-
-def test_docstrings_have_no_idioms() -> None:
-    assert {str(path.relative_to(ROOT)): found for path in SOURCES if (found := idioms_of_docstrings(path))} == {}
-
-
-def test_idioms_of_docstrings_are_found(tmp_path: Path) -> None:
-    source = tmp_path / "module.py"
-    source.write_text(
-        'def run():\n    """Let happen what\n    is asked for; 0 if there is none."""\n\n\n'
-        'MOST = 3\n"""By how much a text that is none may grow."""\nprint("nobody")\n'
-    )
-    assert idioms_of_docstrings(source) == ["7: By how much", "7: is none", "2: Let happen", "2: asked for"]
-
-
 def test_help_has_no_idioms() -> None:
     assert [(where, phrase) for where, text in helps() for phrase in idioms(text)] == []
-
-
-@pytest.mark.parametrize("part", LESSON, ids=lambda part: part.name)
-def test_the_lesson_has_no_idioms(part: Path) -> None:
-    assert idioms(COMMENT.sub("", part.read_text(encoding="utf-8"))) == []
 
 
 def test_an_idiom_is_found_across_lines() -> None:
@@ -213,12 +128,6 @@ def test_sentences_leave_out_code_and_tables() -> None:
     found = list(sentences(page))
     assert found == ["One `x` four.", "Five six.", "- an item of two lines"]
     assert [length(each) for each in found] == [3, 2, 5]
-
-
-def test_messages_are_found_in_pieces(tmp_path: Path) -> None:
-    source = tmp_path / "module.py"
-    source.write_text('"""A docstring of nobody."""\nx = 1\nprint(f"is {x} " "goes on")\nprint("torn")\n')
-    assert [text for _, text in messages(source)] == ["is {} goes on"]
 
 
 # What the pages point to is there: other pages, files of the project, the layers of the package.
@@ -244,32 +153,7 @@ def test_a_dead_link_is_found() -> None:
     assert missing(PROJECT / "docs" / "model.md", text) == ["nowhere.md", "src/rubnoise/nowhere.py"]
 
 
-def test_every_place_of_the_design_page_exists() -> None:
-    text = (PROJECT / "docs" / "design.md").read_text(encoding="utf-8")
-    table = text.partition("\n## ")[2].partition("\n## ")[0]
-    places = re.findall(r"`([a-z_]+(?:/[a-z_]+\.py|/|\.py))`", table)
-    assert len(places) > 15
-    assert [place for place in places if not any((PROJECT / "src" / "rubnoise").rglob(place))] == []
-
-
-def test_the_design_page_shows_the_layers_of_the_contract() -> None:
-    text = (PROJECT / "docs" / "design.md").read_text(encoding="utf-8")
-    (shown,) = re.findall(r"^    (cli > .*)$", text, re.MULTILINE)
-    contract = (PROJECT / "pyproject.toml").read_text(encoding="utf-8").partition("layers = [")[2].partition("]")[0]
-    layers = [set(re.findall(r"\w+", line)) for line in contract.splitlines() if line.strip()]
-    told = [set(layer.split(", ")) for layer in shown.split(" > ")]
-    assert set().union(*told) >= {name for layer in layers for name in layer if exists(name)}
-    assert told == [kept for layer in layers if (kept := layer & set().union(*told))]
-
-
-def exists(name: str) -> bool:
-    """Return whether a layer has a module or package."""
-    package = PROJECT / "src" / "rubnoise"
-    return (package / name).is_dir() or (package / f"{name}.py").is_file()
-
-
 # The reference pages say what the code says.
-DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.mark.parametrize("page", generate_docs.PAGES)
@@ -279,41 +163,7 @@ def test_generated_parts_are_those_of_the_code(page: str) -> None:
     assert generate_docs.generated(text) == text, "python tools/generate_docs.py"
 
 
-def test_a_part_that_is_out_of_date_is_named_and_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for page in generate_docs.PAGES:
-        kind = " uint32" if page == "data-format.md" else " uint33"
-        (tmp_path / page).write_text((DOCS / page).read_text(encoding="utf-8").replace(kind, " uint31"), "utf-8")
-    monkeypatch.setattr(generate_docs, "DOCS", tmp_path)
-    assert generate_docs.main(["--check"]) == 1
-    assert generate_docs.main([]) == 0
-    assert generate_docs.main(["--check"]) == 0
-    assert capsys.readouterr().out.splitlines() == [
-        "docs/data-format.md is out of date",
-        "docs/data-format.md written",
-    ]
-
-
 # A measured number has one place: pages draw it from there by name.
-def typed_by_hand(text: str) -> list[str]:
-    """Return the shares of the time stuck in Figure 5 that are typed on a page."""
-    plain = re.sub(r"<!-- (generated|study|measured|number): .*?<!-- (end|/) -->", "", text, flags=re.DOTALL)
-    return [
-        sentence
-        for sentence in sentences(plain)
-        if re.search(r"\bst(icks?|uck)\b", sentence) and re.search(r"\b(0\.7[45]\d*|7[45](\.\d+)? %)", sentence)
-    ]
-
-
-@pytest.mark.parametrize("page", PAGES)
-def test_no_measured_number_is_typed_by_hand(page: str) -> None:
-    assert typed_by_hand((ROOT / page).read_text(encoding="utf-8")) == []
-
-
-def test_a_number_typed_by_hand_is_found() -> None:
-    page = "It is stuck for 74.6 % of the time.\n\nIt sticks <!-- number: time_stuck -->74.6 %<!-- / --> of it.\n"
-    assert typed_by_hand(page) == ["It is stuck for 74.6 % of the time."]
 
 
 def test_a_number_is_drawn_from_its_place() -> None:

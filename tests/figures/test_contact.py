@@ -12,7 +12,7 @@ import rubnoise
 from rubnoise.analysis.selection import Neighbours
 from rubnoise.errors import Refused
 from rubnoise.figures import contact, style
-from rubnoise.figures.contact import BORN, LEAD, MOST_AT_ONCE, Stage, contact_figure, stage_of
+from rubnoise.figures.contact import LEAD, MOST_AT_ONCE, Stage, contact_figure, stage_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
 
@@ -57,14 +57,6 @@ def test_the_lens_that_is_drawn_has_the_area_of_the_junction(stage: Stage) -> No
         assert _area_of(stage._lens(row, 0.0)) == pytest.approx(0.25 * pi * diameter**2, rel=0.01)
 
 
-def test_the_lens_lies_in_both_circles(stage: Stage) -> None:
-    radius = 0.5 * float(stage.junctions.diameter[0])
-    for shift in (-1.3 * radius, 0.0, 0.4 * radius):
-        away = stage._lens(0, shift) - [stage.x[0], stage.y[0]]
-        for centre in (0.0, shift):
-            assert np.hypot(away[:, 0] - centre, away[:, 1]).max() <= radius * (1.0 + 1e-9)
-
-
 def test_each_pair_has_a_place_of_its_own_inside_the_stage(stage: Stage) -> None:
     places = list(zip(stage.x.tolist(), stage.y.tolist(), strict=True))
     assert len(set(places)) == len(places) > 10
@@ -74,15 +66,6 @@ def test_each_pair_has_a_place_of_its_own_inside_the_stage(stage: Stage) -> None
     assert np.all(stage.x - reach > 0.0)
     assert np.all(stage.x + reach < stage.width)
     assert 1.2 < stage.width / stage.height < 4.0
-
-
-def test_only_pairs_near_each_other_are_drawn(stage: Stage, stretch: Stretch) -> None:
-    rows = stretch.file
-    birth, death, diameter = (
-        rows.column("junctions", name) for name in ("birth_distance", "death_distance", "diameter")
-    )
-    near = (birth - LEAD * diameter <= AT) & (death + LEAD * diameter > AT)
-    assert stage.junctions.rows.tolist() == np.flatnonzero(near).tolist()
 
 
 def test_too_many_are_refused_and_none_are_drawn_too(
@@ -100,22 +83,6 @@ def test_too_many_are_refused_and_none_are_drawn_too(
     monkeypatch.setattr(contact, "neighbours", lambda *_: alike(MOST_AT_ONCE + 1))
     with pytest.raises(Refused, match="401 junctions are there at once, of which a picture shows 400 at most"):
         stage_of(stretch, AT)
-
-
-def test_births_and_deaths_have_their_signs_where_circles_touch(stage: Stage, stretch: Stretch) -> None:
-    pairs = stage.junctions
-    for event, lasting, side, marker in ((pairs.birth, BORN, -0.5, "o"), (pairs.death, LEAD, 0.5, "x")):
-        row = int(np.argmax(event > 140.0))
-        for since, shown in ((0.01, True), (0.9 * lasting, True), (1.1 * lasting, False), (-0.1, False)):
-            seen = stage_of(stretch, float(event[row] + since * pairs.diameter[row]))
-            with style.house_style():
-                axes = style.new_figure(3.0, 2.0).subplots()
-                seen.draw(axes)
-            signs = next(line for line in axes.lines if line.get_marker() == marker)
-            there = np.flatnonzero(seen.junctions.rows == pairs.rows[row])
-            wanted = [[seen.x[place] + side * pairs.diameter[row], seen.y[place]] for place in there.tolist()]
-            where = np.column_stack(signs.get_data()).reshape(-1, 2)
-            assert any(np.all(np.isclose(where, each), axis=1).any() for each in wanted) is shown
 
 
 def test_areas_in_the_picture_are_those_of_the_junctions(stretch: Stretch) -> None:

@@ -3,7 +3,6 @@
 import hashlib
 import subprocess
 import sys
-import warnings
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,8 @@ from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import FORMATS, Format, as_bytes, as_png, house_style, logarithmic, new_figure
-from rubnoise.figures.theory import theory_figure, theory_picture
+from rubnoise.figures.style import FORMATS, Format, as_bytes, as_png, house_style, new_figure
+from rubnoise.figures.theory import theory_picture
 from rubnoise.model import Model
 from rubnoise.storage.reader import open_run
 
@@ -54,34 +53,6 @@ def test_a_file_is_of_its_kind_and_names_no_date(kind: Format) -> None:
     assert b"atplotlib v" not in picture
 
 
-def test_powers_of_ten_are_letters_that_the_font_has() -> None:
-    with house_style():
-        figure = new_figure(3.0, 2.0)
-        axes = figure.subplots()
-        axes.plot([1e-3, 1e12], [1.0, 1e5])
-        for axis in (axes.xaxis, axes.yaxis):
-            logarithmic(axis)
-        axes.set_xlim(1e-3, 1e12)
-        labels = [text.get_text() for text in axes.get_xticklabels()]
-        assert {"10⁻³", "10⁰", "10¹²"} <= set(labels)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            figure.savefig(BytesIO(), format="svg")
-
-
-def test_an_axis_without_a_power_of_ten_has_numbers_all_the_same() -> None:
-    with house_style():
-        figure = new_figure(3.0, 2.0)
-        axes = figure.subplots()
-        axes.plot([2.0, 8.0], [2.0, 800.0])
-        for axis in (axes.xaxis, axes.yaxis):
-            logarithmic(axis)
-        figure.draw_without_rendering()
-        narrow, wide = ([text.get_text() for text in axis.get_minorticklabels()] for axis in (axes.xaxis, axes.yaxis))
-    assert "4" in narrow
-    assert set(wide) <= {""}
-
-
 # The picture of a scenario's theory.
 CONTACT: dict[str, Any] = {
     "format": 1,
@@ -113,29 +84,8 @@ def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]
     assert np.all(np.abs(pixels - wanted) < 0.02, axis=2).sum() > 300
 
 
-@pytest.mark.parametrize("kind", FORMATS)
-def test_it_is_the_same_each_time(kind: Format) -> None:
-    model = _model(WITH_SLIDER)
-    assert theory_picture(model, "x", kind) == theory_picture(model, "x", kind)
-
-
-def test_the_slider_is_drawn_where_there_is_one() -> None:
-    with_slider, without = (theory_picture(_model(values), "x", "svg").decode() for values in (WITH_SLIDER, CONTACT))
-    assert with_slider.count('id="axes_') == 4
-    assert without.count('id="axes_') == 3
-
-
-def test_a_contact_that_never_varies_says_so() -> None:
-    with house_style():
-        figure = theory_figure(_model(WITH_SLIDER | RABINOWICZ | {"sliding": WITH_SLIDER["sliding"]}), "Rabinowicz")
-    told = [text.get_text() for axes in figure.axes for text in axes.texts]
-    assert "always 200 µm²" in told
-    assert told.count("nothing varies") == 2, "neither the area nor the slider"
-
-
 # The picture of the README.
 ROOT = Path(__file__).parents[2]
-PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture(scope="module")
@@ -153,19 +103,6 @@ def overview(stretch, number):
         return as_png(overview_figure(stretch, number))
 
 
-def test_an_overview_is_the_same_each_time_and_that_of_its_junction(run):
-    picture = overview(run, 60)
-    assert picture.startswith(PNG)
-    assert overview(run, 60) == picture
-    assert overview(run, 61) != picture
-
-
 def test_a_junction_that_is_not_there_is_refused(run):
     with pytest.raises(Refused, match="100000"):
         overview(run, 100_000)
-
-
-def test_the_readme_shows_it():
-    picture = "docs/pictures/gallery/overview.png"
-    assert f"]({picture})" in (ROOT / "README.md").read_text(encoding="utf-8")
-    assert (ROOT / picture).read_bytes().startswith(PNG)

@@ -10,7 +10,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.errors import Refused
-from rubnoise.figures.catalogue import HEARD, PICTURES, drawing, picture
+from rubnoise.figures.catalogue import PICTURES, drawing, picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.record.rows import ContactKind
 from rubnoise.storage.reader import open_run
@@ -53,26 +53,6 @@ def test_what_needs_the_area_of_a_touch_is_refused_in_words(bouncing: Stretch, n
         picture(name, bouncing, "png")
 
 
-def test_a_run_of_free_motion_is_drawn_without_a_name(bouncing: Stretch) -> None:
-    with rubnoise.open(bouncing.file.path) as run:
-        assert [axes.get_ylabel() for axes in run.plot().axes] == [axes.get_ylabel() for axes in run.plot("load").axes]
-
-
-@pytest.mark.parametrize("name", list(HEARD))
-@pytest.mark.parametrize("heard", ["load", "normal-velocity"])
-def test_what_rises_and_falls_has_spectra_and_histograms(
-    bouncing: Stretch, weighed: Stretch, name: Any, heard: Any
-) -> None:
-    alone = [label for axes in drawing(name, bouncing, heard=heard).axes for label in _labels(axes)]
-    assert not any("exact" in label or "expected" in label for label in alone)
-    beside = [label for axes in drawing(name, weighed, heard=heard).axes for label in _labels(axes)]
-    assert any("exact" in label for label in beside) == (name == "psd")
-
-
-def _labels(axes: Any) -> list[str]:
-    return list(axes.get_legend_handles_labels()[1])
-
-
 def test_the_spectrum_of_the_normal_velocity_follows_theory(weighed: Stretch) -> None:
     (ratio,) = [axes for axes in drawing("psd", weighed, heard="normal-velocity").axes if axes.get_ylabel() == "ratio"]
     (line,) = [line for line in ratio.lines if "over expected" in str(line.get_label())]
@@ -106,10 +86,3 @@ def test_the_share_apart_stands_over_the_histogram_of_the_load(bouncing: Stretch
     title = str(drawing("histogram", bouncing, heard="load").get_suptitle()).replace("\n", " ")
     share = float(title.partition("off the surface for ")[2].partition(" %")[0])
     assert abs(share - 100.0 * np.mean(count == 0)) < 0.2
-
-
-def test_a_load_is_drawn_only_where_one_weighs(tmp_path: Path) -> None:
-    changes = ["sliding.distance=50 um"]
-    rubnoise.run(rubnoise.load(ROOT / "scenarios" / "paper" / "fig5.toml", changes), tmp_path / "held.h5").close()
-    with open_run(tmp_path / "held.h5") as file, pytest.raises(Refused, match=r"no load that weighs to draw; \[load\]"):
-        picture("load", Stretch.of(file), "png")

@@ -1,20 +1,15 @@
 """Histograms of single junctions beside their laws, the contact from above, and how pictures look."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import rubnoise
-from rubnoise.errors import Refused
-from rubnoise.figures.catalogue import PICTURES, Appearance, drawing
 from rubnoise.figures.population import born
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.live_count import share_of_gaps, share_of_lives, share_of_sizes
-from tests.cli.terminal import call
 
 SCENARIO: dict[str, Any] = {
     "format": 1,
@@ -62,37 +57,3 @@ def test_histograms_are_those_of_the_laws_and_not_of_others(stretch: Stretch) ->
     assert np.abs(scores(1.05 * sizes, by_size, share_of_sizes(model, by_size))).max() > 6.0
     assert np.abs(scores(1.05 * lives, by_life, share_of_lives(model, by_life))).max() > 4.0
     assert np.abs(scores(np.full(gaps.size, model.births.mean), by_gap, shares)).max() > 6.0
-
-
-def test_the_contact_from_above_tells_its_number_and_area(stretch: Stretch) -> None:
-    row = round(1000.0 / stretch.model.tick)
-    area, count = (
-        float(stretch.file.column("trace", name, row, row + 1)[0]) for name in stretch.file.columns["trace"][1:3]
-    )
-    title = drawing("contact", Stretch.of(stretch.file, 1000.0, 1100.0)).get_suptitle()
-    assert f"{area:.4g} µm²" in title
-    assert f"{count:.0f} junctions" in title
-
-
-@pytest.mark.parametrize("style", ["paper", "slides"])
-def test_size_style_and_titles_are_those_asked_for(stretch: Stretch, style: Any) -> None:
-    figure = drawing("trace", stretch, look=Appearance(inches=(3.3, 2.4), style=style, title=False))
-    assert tuple(figure.get_size_inches()) == (3.3, 2.4)
-    assert figure.get_suptitle() == ""
-    assert figure.axes[0].yaxis.label.get_size() == {"paper": 7.0, "slides": 15.0}[style]
-
-
-def test_too_little_is_refused(stretch: Stretch) -> None:
-    short = Stretch.of(stretch.file, 0.0, 1.0)
-    for name in ("sizes", "gaps"):
-        with pytest.raises(Refused):
-            PICTURES[name](short)  # type: ignore[index]
-
-
-def test_a_folder_of_the_shell_has_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    rubnoise.run(rubnoise.build(SCENARIO), "x.h5", seed=5).close()
-    assert call("plot", "x.h5", "sizes", "--size", "single", "--style", "paper", "--no-title").code == 0
-    with Image.open("x_sizes.png") as seen:
-        assert seen.size == (496, 354)
-    assert call("plot", "x.h5", "sizes", "--size", "3 parsec", "--force").code == 2

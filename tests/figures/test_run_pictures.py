@@ -11,10 +11,7 @@ import pytest
 from scipy.signal import welch
 
 import rubnoise
-from rubnoise.errors import Refused
-from rubnoise.figures import stretch as stretches
 from rubnoise.figures import style
-from rubnoise.figures.area import lanes
 from rubnoise.figures.area_statistics import covariance_band
 from rubnoise.figures.catalogue import PICTURES, picture
 from rubnoise.figures.stretch import Stretch
@@ -50,10 +47,6 @@ CONSTANT = SCENARIO | {
     "pulse": {"shape": "triangle"},
     "birth": {"law": "regular"},
 }
-
-
-MOTION = {"slider", "phase", "landmarks", "load"}
-"""Pictures of the slider, along the surface and up and down."""
 
 
 def _stretch(folder: Path, values: dict[str, Any]) -> Iterator[Stretch]:
@@ -104,51 +97,9 @@ def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name
     assert picture(name, full, "png") == png
 
 
-@pytest.mark.parametrize("name", [name for name in PICTURES if name not in MOTION])
-@pytest.mark.parametrize("kind", ["svg", "png"])
-def test_odd_contacts_are_drawn_too(odd: Stretch, name: Any, kind: Any) -> None:
-    assert len(picture(name, odd, kind)) > 5000
-
-
 @pytest.fixture(scope="module")
 def constant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
     yield from _stretch(tmp_path_factory.mktemp("constant"), CONSTANT)
-
-
-@pytest.mark.parametrize("name", ["trace", "lives", "count"])
-def test_what_never_varies_does_not_hide_under_the_edge(constant: Stretch, name: str) -> None:
-    with house_style():
-        axes = PICTURES[name](constant).axes
-    level = 4.0 if name == "count" else 200.0
-    shown = [each for each in axes if any(np.allclose(line.get_ydata(), level) for line in each.lines)]
-    assert shown
-    assert all(each.get_ylim()[1] > 1.02 * level for each in shown)
-
-
-def test_rounding_is_not_blown_up(constant: Stretch) -> None:
-    with house_style():
-        bars, motion = PICTURES["histogram"](constant).axes, PICTURES["slider"](constant).axes
-        (covariance,) = PICTURES["acf"](constant).axes
-    assert np.diff(bars[0].get_xlim()) > 10.0
-    assert len(motion) == 2
-    assert all(np.diff(each.get_ylim()) > 0.1 * each.get_ylim()[0] for each in motion)
-    assert covariance.get_ylim()[1] > 1e-9
-    with pytest.raises(Refused, match="the real contact area does not vary in this stretch"):
-        picture("psd", constant, "png")
-
-
-def test_a_slider_is_drawn_only_where_there_is_one(odd: Stretch) -> None:
-    for name in ("slider", "phase"):
-        with pytest.raises(Refused, match="the run has no slider to draw"):
-            picture(name, odd, "png")
-    with pytest.raises(Refused, match="the run has no slider to draw"):
-        picture("psd", odd, "png", heard="velocity")
-
-
-@pytest.mark.parametrize("name", ["trace", "lives", "count", "slider"])
-def test_another_stretch_makes_another_picture(full: Stretch, name: str) -> None:
-    elsewhere = Stretch.of(full.file, 1000.0, 1040.0)
-    assert picture(name, elsewhere, "png") != picture(name, full, "png")
 
 
 def test_lives_add_up_to_the_trace(full: Stretch) -> None:
@@ -156,11 +107,6 @@ def test_lives_add_up_to_the_trace(full: Stretch) -> None:
     trace = np.interp(distance, *(full.file.column("trace", name) for name in ("distance", "real_contact_area")))
     np.testing.assert_allclose(total, trace, atol=0.5)  # kinks between ticks
     assert total.std() > 10.0
-
-
-def test_too_many_lives_are_refused(full: Stretch) -> None:
-    with pytest.raises(Refused, match=r"junctions live in this stretch, of which a picture shows 2,000 at most"):
-        picture("lives", Stretch.of(full.file, 0.0, 4000.0), "png")
 
 
 def test_the_spectrum_is_that_of_scipy_beside_the_exact_one(full: Stretch) -> None:
@@ -177,11 +123,6 @@ def test_the_spectrum_is_that_of_scipy_beside_the_exact_one(full: Stretch) -> No
     middle = (k > 0.1) & (k < 1.0)
     np.testing.assert_allclose(expected[middle], spectral_density(full.model, k[middle]), rtol=0.2)
     assert expected[-1] > 1.5 * spectral_density(full.model, k[-1])  # the aliases of the ticks
-
-
-def test_a_spectrum_of_few_ticks_is_refused(full: Stretch) -> None:
-    with pytest.raises(Refused, match="a spectrum needs a stretch of"):
-        picture("psd", Stretch.of(full.file, 0.0, 10.0), "png")
 
 
 def test_the_autocovariance_is_that_of_the_record(full: Stretch) -> None:
@@ -221,34 +162,6 @@ def test_the_shares_of_live_junctions_are_those_of_the_run(full: Stretch) -> Non
     assert mean == pytest.approx(20.0, abs=0.05)
 
 
-def test_the_histogram_leaves_the_atom_at_zero_to_words(tmp_path: Path) -> None:
-    opened = _stretch(tmp_path, FEW)
-    stretch = next(opened)
-    nothing = np.mean(stretch.file.column("trace", "real_contact_area") == 0.0)
-    with house_style():
-        figure = PICTURES["histogram"](stretch)
-    assert f"no contact at all: {nothing:.3g} (exact 0.607)" in str(figure.get_suptitle())
-    bars = figure.axes[0].patches[0].get_data()
-    mass = float(np.sum(bars.values * np.diff(bars.edges)))
-    assert mass == pytest.approx(1.0 - nothing, abs=1e-9)
-    opened.close()
-
-
-def test_it_is_told_where_only_the_beginning_is_counted(full: Stretch, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stretches, "MOST_READ", 20_000)
-    with house_style():
-        assert "\nfrom its first 2000 µm\n" in str(PICTURES["histogram"](full).get_suptitle())
-    monkeypatch.undo()
-    with house_style():
-        assert "first" not in str(PICTURES["histogram"](full).get_suptitle())
-
-
-def test_a_title_says_what_is_drawn_and_of_which_contact(full: Stretch) -> None:
-    with house_style():
-        title = PICTURES["trace"](full).get_suptitle()
-    assert title == "The real contact area\nrun$5.h5: 20 junctions of 5.47 µm on average"
-
-
 def test_the_spectrum_of_the_displacement_is_one_sided_and_per_hertz(full: Stretch) -> None:
     with house_style():
         motion = PICTURES["slider"](full).axes
@@ -259,11 +172,6 @@ def test_the_spectrum_of_the_displacement_is_one_sided_and_per_hertz(full: Stret
     seen = full.file.column("slider", "displacement")
     frequency, simulated = next(data for label, data in lines.items() if label.startswith("simulated"))
     assert np.trapezoid(simulated, frequency) == pytest.approx(seen.var(), rel=0.2)
-
-
-def test_a_short_stretch_of_motion_has_no_spectrum(full: Stretch) -> None:
-    with house_style():
-        assert len(PICTURES["slider"](Stretch.of(full.file, 100.0, 108.0)).axes) == 2
 
 
 # Life-lines and the ratio of spectra: lanes without overlaps, the count as bars crossed, estimate over expected.
@@ -289,22 +197,6 @@ def lives(stretch: Stretch) -> tuple[np.ndarray, np.ndarray]:
     return stretch.file.column("junctions", "birth_distance"), stretch.file.column("junctions", "death_distance")
 
 
-def overlaps(birth: np.ndarray, death: np.ndarray, lane: np.ndarray) -> int:
-    """Return how many lives begin before the one before them in their lane has ended."""
-    order = np.lexsort((birth, lane))
-    same = np.diff(lane[order]) == 0
-    return int(np.sum(same & (birth[order][1:] < death[order][:-1])))
-
-
-def test_no_two_lives_of_a_lane_overlap_and_there_are_no_more_lanes_than_lives_at_once(full_lives: Stretch) -> None:
-    birth, death = lives(full_lives)
-    lane = lanes(birth, death)
-    assert overlaps(birth, death, lane) == 0
-    most = max(int(np.sum((birth <= place) & (place < death))) for place in birth)
-    assert lane.max() + 1 == most
-    assert overlaps(birth, death, np.minimum(lane, 5)) > 0, "lanes that overlap are noticed"
-
-
 def test_the_line_crosses_as_many_bars_as_junctions_are_alive(full_lives: Stretch) -> None:
     stretch = Stretch.of(full_lives.file, 1000.0, 1040.0)
     birth, death = lives(full_lives)
@@ -319,11 +211,6 @@ def test_the_line_crosses_as_many_bars_as_junctions_are_alive(full_lives: Stretc
     assert len(bars) + alive == int(np.sum((birth <= 1040.0) & (death >= 1000.0)))
 
 
-def test_too_many_bars_are_refused(full_lives: Stretch) -> None:
-    with pytest.raises(Refused, match=r"of which a picture shows 2,000 at most"):
-        picture("lifelines", Stretch.of(full_lives.file, 0.0, 5000.0), "png")
-
-
 def test_the_ratio_of_the_spectrum_is_one_within_its_band(full_lives: Stretch) -> None:
     with house_style():
         _, ratio = PICTURES["psd"](full_lives).axes
@@ -332,10 +219,3 @@ def test_the_ratio_of_the_spectrum_is_one_within_its_band(full_lives: Stretch) -
     # Of values with two standard errors some 5 % are outside.
     assert np.mean(np.abs(values - 1.0) > band) < 0.15
     assert np.mean(np.abs(1.5 * values - 1.0) > band) > 0.3, "a spectrum half as high again is noticed"
-
-
-def test_the_length_of_a_life_is_marked(full_lives: Stretch) -> None:
-    with house_style():
-        (axes,) = PICTURES["acf"](full_lives).axes
-    marks = [line for line in axes.lines if "life, 2d" in str(line.get_label())]
-    assert [line.get_xdata()[0] for line in marks] == [full_lives.model.mean_life_distance]

@@ -13,10 +13,10 @@ import pytest
 import xarray
 
 from rubnoise.contact.overlap import junction_area
-from rubnoise.storage.layout import expected_bytes, stored_groups
+from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS
 from rubnoise.storage.schema import GROUPS, Group
-from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
+from tests.format.runs import EVERYTHING, describe, random_rows, write_run
 
 NAMES = {
     "junctions": "junction birth_distance death_distance life_distance diameter max_area shear_strength birth_time"
@@ -157,33 +157,12 @@ def test_xarray_has_named_variables_with_units(path: Path, group: Group) -> None
         assert found.attrs["long_name"] == group.long_name
 
 
-def test_state_follows_the_convention_on_flags(path: Path) -> None:
-    with xarray.open_dataset(path, group="junctions", engine="h5netcdf") as found:
-        masks, meanings = found.state.attrs["flag_masks"], found.state.attrs["flag_meanings"].split()
-        assert masks.dtype == found.state.dtype
-        assert dict(zip(masks.tolist(), meanings, strict=True)) == {
-            1: "alive_at_start",
-            2: "alive_at_end",
-            4: "ended_early",
-        }
-
-
 def test_xarray_opens_the_root_and_the_provenance(path: Path) -> None:
     with xarray.open_dataset(path, engine="h5netcdf") as root:
         assert root.attrs["format"] == "rubnoise-run"
     with xarray.open_dataset(path, group="provenance", engine="h5netcdf") as origin:
         assert origin.attrs["seed"] == 2**53 - 1
         assert json.loads(origin.attrs["scenario_resolved"])["title"] == "µm"
-
-
-@pytest.mark.parametrize(("junctions", "ticks"), [(0, 1), (1, 1), (0, 5)])
-def test_empty_groups_open_everywhere(tmp_path: Path, junctions: int, ticks: int) -> None:
-    description = describe(junctions, ticks)
-    write_run(tmp_path / "run.h5", description, random_rows(description))
-    with h5py.File(tmp_path / "run.h5") as file:
-        assert file["junctions/diameter"].shape == (junctions,)
-    with xarray.open_dataset(tmp_path / "run.h5", group="junctions", engine="h5netcdf") as found:
-        assert found.sizes["junction"] == junctions
 
 
 def h5dump(*arguments: str | Path) -> str:
@@ -203,27 +182,11 @@ def test_h5dump_shows_structure_and_values(path: Path) -> None:
     assert np.array_equal(np.array(values.split(","), dtype=np.uint32), count)
 
 
-def test_h5dump_opens_a_full_scenario_and_a_run_without_junctions(tmp_path: Path) -> None:
-    description = describe(0, 1, scenario_toml="#" * 2**16)
-    write_run(tmp_path / "run.h5", description, random_rows(description))
-    assert "#" * 2**16 in h5dump("-w", "0", "-a", "/provenance/scenario_toml", tmp_path / "run.h5")
-
-
 @pytest.mark.parametrize("units", sorted({column.units for group in GROUPS for column in group.columns}))
 def test_pint_reads_every_unit(units: str) -> None:
     base = {"um": 1e-6, "um^2": 1e-12, "MPa": 1e6, "s": 1.0, "um/s": 1e-6, "uN": 1e-6, "1": 1.0}
     base |= {"um*s": 1e-6, "um^2*s": 1e-12, "um^2/s": 1e-12, "uN*um": 1e-12}
     assert pint.UnitRegistry().Quantity(1.0, units).to_base_units().magnitude == pytest.approx(base[units])
-
-
-def test_absent_features_leave_no_columns(tmp_path: Path) -> None:
-    description = describe(features=BARE)
-    write_run(tmp_path / "run.h5", description, random_rows(description))
-    with h5py.File(tmp_path / "run.h5") as file:
-        assert "slider" not in file
-        assert {"shear_strength", "birth_time", "death_time"}.isdisjoint(file["junctions"])
-        assert "friction_force" not in file["trace"]
-        assert texts(file["trace"])["signal"] in file["trace"]
 
 
 def test_life_curve_gives_any_area_by_plain_interpolation(path: Path) -> None:
@@ -238,10 +201,3 @@ def test_life_curve_gives_any_area_by_plain_interpolation(path: Path) -> None:
     assert (
         np.abs(np.interp(distance / 5.53, u[::2], fraction[::2]) - junction_area(distance, 5.53) / 5.53**2).max() > 1e-6
     )
-
-
-def test_sizes_are_predicted(tmp_path: Path) -> None:
-    description = describe(3000, 7000)
-    write_run(tmp_path / "run.h5", description, random_rows(description))
-    predicted = expected_bytes(description.extent, EVERYTHING)
-    assert abs((tmp_path / "run.h5").stat().st_size - predicted) < 4 * 1024

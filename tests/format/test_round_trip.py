@@ -2,7 +2,6 @@
 
 import json
 import tracemalloc
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -21,9 +20,9 @@ from rubnoise.simulation.run import simulate
 from rubnoise.storage.layout import RunDescription, expected_bytes, features_of
 from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.schema import CHUNK_ROWS, HASH, JUNCTIONS, Feature
+from rubnoise.storage.schema import HASH, JUNCTIONS, Feature
 from rubnoise.storage.writer import RunWriter
-from tests.format.runs import BARE, EVERYTHING, FEATURES, ORIGIN, Compression, Rows, describe, random_rows, write_run
+from tests.format.runs import EVERYTHING, FEATURES, ORIGIN, Compression, Rows, describe, random_rows, write_run
 from tests.frozen import examples
 from tests.models import bare, model
 
@@ -68,25 +67,6 @@ def test_any_run_comes_back_whatever_its_panels(
         assert [entry.name for entry in Path(folder).iterdir()] == ["run.h5"]
 
 
-def test_panels_do_not_change_a_byte_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rubnoise.storage.writer.now", lambda: "2026-01-02T03:05:00Z")
-    description = describe(100, 900)
-    rows = random_rows(description)
-    write_run(tmp_path / "one.h5", description, rows)
-    write_run(tmp_path / "many.h5", description, rows, borders=range(1, 900, 7))
-    assert (tmp_path / "one.h5").read_bytes() == (tmp_path / "many.h5").read_bytes()
-    write_run(tmp_path / "other.h5", description, random_rows(description, seed=2))
-    assert (tmp_path / "one.h5").read_bytes() != (tmp_path / "other.h5").read_bytes()
-
-
-@pytest.mark.parametrize("compression", ["none", "gzip"])
-def test_more_rows_than_a_chunk(tmp_path: Path, compression: Compression) -> None:
-    description = describe(CHUNK_ROWS + 1, 2 * CHUNK_ROWS, features=BARE, compression=compression)
-    rows = random_rows(description)
-    write_run(tmp_path / "run.h5", description, rows, borders=(1, CHUNK_ROWS))
-    assert_holds(tmp_path / "run.h5", rows)
-
-
 @pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_hash_is_that_of_the_raw_bytes(tmp_path: Path, compression: Compression) -> None:
     description = describe(compression=compression)
@@ -128,26 +108,6 @@ def test_rows_written_again_count_as_written_last(
                 writer.write("junctions", first, panel)
             writer.publish({})
         assert_holds(path, rows)
-
-
-def test_rows_may_overlap_those_written_and_go_on_behind_them(tmp_path: Path) -> None:
-    description = describe(10, 4, features=BARE)
-    rows = random_rows(description)
-    with RunWriter(tmp_path / "run.h5", description) as writer:
-        writer.write("trace", 0, rows["trace"])
-        writer.write("junctions", 0, {name: np.zeros_like(values[:6]) for name, values in rows["junctions"].items()})
-        writer.write("junctions", 0, {name: values[:3] for name, values in rows["junctions"].items()})
-        writer.write("junctions", 3, {name: values[3:] for name, values in rows["junctions"].items()})
-        writer.publish({})
-    assert_holds(tmp_path / "run.h5", rows)
-
-
-def test_strided_columns_are_written_as_their_values(tmp_path: Path) -> None:
-    description = describe(5, 8, features=BARE)
-    wide = random_rows(describe(10, 16, features=BARE))
-    rows = {group: {name: values[::2] for name, values in columns.items()} for group, columns in wide.items()}
-    write_run(tmp_path / "run.h5", description, rows)
-    assert_holds(tmp_path / "run.h5", rows)
 
 
 def test_rows_are_read_from_and_to_where_asked(tmp_path: Path) -> None:
@@ -248,18 +208,6 @@ def simulated(path: Path, run: Model, compression: Compression) -> MemoryRecord:
     return record
 
 
-@pytest.mark.parametrize("name", RUNS)
-@pytest.mark.parametrize("compression", ["none", "gzip"])
-def test_the_file_holds_the_rows_of_the_run(tmp_path: Path, name: str, compression: Compression) -> None:
-    record = simulated(tmp_path / "run.h5", RUNS[name], compression)
-    with open_run(tmp_path / "run.h5") as run:
-        assert run.extent == record.extent
-        assert run.damaged() == ()
-        for group, columns in record.groups.items():
-            for column, values in columns.items():
-                assert run.column(group, column).tobytes() == values.tobytes()
-
-
 def test_area_and_count_follow_from_rows_and_life_curve(tmp_path: Path) -> None:
     simulated(tmp_path / "run.h5", RUNS["figure 5"], "none")
     with open_run(tmp_path / "run.h5") as run:
@@ -272,16 +220,3 @@ def test_area_and_count_follow_from_rows_and_life_curve(tmp_path: Path) -> None:
     assert np.array_equal(alive.sum(axis=1), count)
     bound = 1e-6 * (alive * diameter**2).sum(axis=1) + 1e-9
     assert np.all(np.abs((diameter**2 * fraction).sum(axis=1) - area) <= bound)
-
-
-@pytest.mark.parametrize(
-    ("changed", "features"),
-    [
-        (RUNS["figure 5"], EVERYTHING),
-        (replace(RUNS["figure 5"], slider=None), EVERYTHING - {"slider"}),
-        (bare(), frozenset()),
-        (replace(bare(), sliding_speed=1000.0), frozenset({"speed"})),
-    ],
-)
-def test_features_follow_the_model(changed: Model, features: frozenset[Feature]) -> None:
-    assert features_of(changed) == features

@@ -100,38 +100,6 @@ def test_a_brief_run_has_its_golden_bits(names: list[str]) -> None:
     assert differing(json.loads(done.stdout), {BRIEF: EXPECTED[BRIEF]}) == []
 
 
-def test_every_kind_of_setting_is_tried() -> None:
-    names = [setting.name for setting in determinism.settings(["X86_V3", "X86_V4", "AVX512_ICL"])]
-    assert len(names) == 11
-    (without,) = [
-        setting.variables["NPY_DISABLE_CPU_FEATURES"]
-        for setting in determinism.settings(["X86_V3", "X86_V4", "AVX512_ICL"])
-        if setting.name == "numpy without AVX-512"
-    ]
-    assert without == "X86_V4 AVX512_ICL"
-    assert "numpy without SIMD" not in [setting.name for setting in determinism.settings([])]
-
-
-def test_a_bit_that_differs_is_named() -> None:
-    expected = determinism.golden()
-    assert expected["runs"].keys() >= {"figure 5", BRIEF}
-    changed = json.loads(json.dumps(expected))
-    assert determinism.differing(changed, expected) == []
-    changed["runs"][BRIEF]["trace/real_contact_area"][4] *= 1.0 + 1e-8
-    del changed["draws"]["Fixed(value=250.0)"]
-    assert determinism.differing(changed, expected) == [
-        "draws, Fixed(value=250.0)",
-        f"runs, {BRIEF}, trace/real_contact_area",
-    ]
-
-
-def test_the_oldest_libraries_are_those_of_the_project() -> None:
-    oldest, newest = determinism.requirements(oldest=True), determinism.requirements(oldest=False)
-    assert "numpy==2.1" in oldest
-    assert "numpy" in newest
-    assert len(oldest) == len(newest) > 8
-
-
 # A uniform stands for the same diameter and the same strength on every processor.
 OPTIONAL = [name for name in __cpu_dispatch__ if __cpu_features__[name]]
 EXPECTED_DRAWS = json.loads(GOLDEN_DRAWS.read_text(encoding="utf-8"))

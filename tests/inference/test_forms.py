@@ -13,7 +13,6 @@ from scipy.io import netcdf_file
 import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import Asked
 from tests.cli.terminal import call
 from tests.inference.traces import contact, signal
 
@@ -156,19 +155,6 @@ def test_what_is_no_force_is_said_by_its_place(
         assert all(word in str(refused.value) for word in words), refused.value
 
 
-def test_a_second_segment_of_labview_is_refused_by_its_line_and_left_out_where_asked(tmp_path: Path) -> None:
-    path = tmp_path / "a.lvm"
-    segment = comma(LABVIEW[LABVIEW.index("Channels") :], "\t{f:.5f}\t0.0\t\n")
-    path.write_text(LABVIEW[: LABVIEW.index("Channels")] + segment + segment, encoding="utf-8")
-    line = path.read_text(encoding="utf-8").splitlines().index("Channels\t2\t", 9) + 1
-    for read in (rubnoise.Trace, read_measured):
-        with pytest.raises(Refused, match="to=") as refused:
-            read(path, **({"column": "Force"} if read is rubnoise.Trace else {"asked": Asked(column="Force")}))
-        assert f"line {line}" in str(refused.value)
-    trace = rubnoise.Trace(path, column="Force", to=FORCE.size)
-    np.testing.assert_allclose(trace["Force"], 1000.0 * FORCE, rtol=1e-7)
-
-
 def test_a_table_of_python_takes_the_options_of_a_file() -> None:
     import pandas as pd
 
@@ -185,14 +171,6 @@ def test_a_table_of_python_takes_the_options_of_a_file() -> None:
     for read in (rubnoise.Trace, lambda table, **keys: rubnoise.infer(table, speed="1 mm/s", **keys)):
         with pytest.raises(Refused, match="force is in mN by its own words; leave unit= out"):
             read(whole, unit="N", **part)
-
-
-def test_digits_of_a_display_are_no_end_of_a_range(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    path.write_text(table(HEAD, PLAIN, 2.0 * np.rint(FORCE / 2.0)), encoding="utf-8")
-    found = rubnoise.infer(path, speed="1 mm/s", law="fixed")
-    assert found.signal.notes == ("digits of 2 mN: rounding adds noise of 0.58 mN",)
-    assert "digits of 2 mN" in str(rubnoise.Trace(path))
 
 
 def test_what_a_dataset_says_of_its_values_is_heeded(tmp_path: Path) -> None:

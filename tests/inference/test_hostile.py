@@ -2,13 +2,10 @@
 
 import struct
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
-import pint
 import pytest
 from scipy.io import savemat, wavfile
 
@@ -16,7 +13,6 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
-from tests.cli.terminal import call
 
 VALUES = 50.0 + np.sin(np.arange(400.0))
 
@@ -82,14 +78,6 @@ def test_sound_of_every_kind_is_read_as_scipy_reads_it(tmp_path: Path, kind: str
     )
 
 
-def test_sound_of_24_bits_is_read(tmp_path: Path) -> None:
-    steps = np.array([-(2**23), -5, -1, 0, 1, 2**23 - 1])
-    data = b"".join(int(each).to_bytes(3, "little", signed=True) for each in steps)
-    head = b"RIFF" + struct.pack("<I", 36 + len(data)) + wave(bits=24)[8:40]
-    (tmp_path / "a.wav").write_bytes(head + struct.pack("<I", len(data)) + data)
-    assert read_measured(tmp_path / "a.wav").values.tolist() == (steps / 2.0**23).tolist()
-
-
 def bomb(path: Path, *, rows: int, told: int) -> None:
     """Write a MATLAB file whose one vector unpacks to so many rows, whatever its header tells."""
     head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
@@ -136,57 +124,6 @@ def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypat
     assert read_measured(path).values.tolist() == VALUES.tolist()
 
 
-def long(folder: Path) -> Path:
-    return folder / ("x" * 5000)
-
-
-@pytest.mark.parametrize(
-    "place",
-    [
-        lambda _: "/dev/zero",
-        lambda folder: folder,
-        long,
-        lambda folder: f"{folder}/a\0b.csv",
-        lambda folder: folder / "absent.csv",
-        lambda folder: folder / "absent.h5:/a",
-        lambda _: "/proc/self/mem",
-        lambda _: "",
-        lambda folder: f"{folder}/a.h5:/gone",
-    ],
-)
-def test_what_is_no_file_is_refused_by_its_name(tmp_path: Path, place: Callable[[Path], Any]) -> None:
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        file["a"] = VALUES
-    path = place(tmp_path)
-    for read in (lambda: rubnoise.infer(path, speed="1 mm/s"), lambda: rubnoise.Trace.from_csv(path)):
-        with pytest.raises(Refused) as refused:
-            read()
-        assert len(str(refused.value)) <= 1500
-    if "\0" not in str(path):
-        answer = call("infer", str(path), "--speed", "1 mm/s")
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err.startswith(str(path).partition(":/")[0][:200])
-
-
-def test_a_dataset_whose_scale_is_gone_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.h5"
-    with h5py.File(path, "w") as file:
-        file["force"], file["time"] = VALUES, 0.01 * np.arange(400.0)
-        file["time"].attrs["units"] = "s"
-        file["time"].make_scale("time")
-        file["force"].dims[0].attach_scale(file["time"])
-        del file["time"]
-    with pytest.raises(Refused, match=r"a\.h5: damaged"):
-        read_measured(f"{path}:force")
-
-
-def test_a_file_of_another_program_needs_a_path_inside(tmp_path: Path) -> None:
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        file["a"] = VALUES
-    with pytest.raises(Refused, match=r"a\.h5:PATH names a dataset"):
-        rubnoise.infer(tmp_path / "a.h5", speed="1 mm/s")
-
-
 @pytest.mark.parametrize(
     ("values", "problem"),
     [
@@ -209,11 +146,3 @@ def test_a_file_of_another_program_needs_a_path_inside(tmp_path: Path) -> None:
 def test_values_that_are_no_trace_are_refused(values: Any, problem: str) -> None:
     with pytest.raises(Refused, match=problem):
         rubnoise.infer(values, rate="1 kHz", speed="1 mm/s", unit="mN")
-
-
-def test_an_array_of_pint_keeps_its_unit() -> None:
-    units: Any = pint.UnitRegistry()
-    found = rubnoise.infer(units.Quantity(VALUES, "mN"), rate="1 kHz", speed="1 mm/s")
-    assert found.signal.scale == 1000.0
-    with pytest.raises(Refused, match="trace: unit: m"):
-        rubnoise.infer(units.Quantity(VALUES, "m"), rate="1 kHz", speed="1 mm/s")

@@ -2,9 +2,7 @@
 
 import json
 import os
-from contextlib import nullcontext
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,7 @@ import pytest
 
 import rubnoise
 from rubnoise.api.keywords import scale_of
-from rubnoise.errors import LONGEST, Refused, ScenarioRefused, in_shell
+from rubnoise.errors import Refused, in_shell
 from tests.cli.terminal import call
 from tests.inference.traces import contact, signal
 from tools.parts import parts_of
@@ -27,24 +25,6 @@ GIVEN = {"rate": f"{1000.0 / MADE.tick} Hz", "speed": "1 mm/s", "unit": "uN", "z
 
 def inferred(**changed: Any) -> rubnoise.Inference:
     return rubnoise.infer(MADE.values, **(GIVEN | changed))
-
-
-@pytest.mark.parametrize(
-    "unit", ["0 mN", "1e999 mN", "nan mN", "-0 mN", "inf N", "1.2.3 mN", "1e300 mN", "1_0 mN", ".5 mN"]
-)
-def test_a_factor_that_is_no_positive_finite_number_is_refused(unit: str) -> None:
-    for given in (unit, unit.replace("mN", "V")):
-        with pytest.raises(Refused, match=r"unit=: .*right form: unit="):
-            inferred(unit=given)
-
-
-@pytest.mark.parametrize(
-    "unit", ["parsec", "m", "Mpa", "counts", "5", "", "mN mN", 5.0, True, None, UNITS("3 m"), b"N"]
-)
-def test_a_unit_that_is_no_force_and_no_voltage_is_refused_by_name(unit: Any) -> None:
-    with pytest.raises(Refused, match="unit") as refused:
-        inferred(unit=unit)
-    assert "right form: unit=" in str(refused.value) or 'unit="mN" names it' in str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -129,45 +109,6 @@ def test_what_is_refused_is_called_by_its_keyword(keyword: str, value: Any, prob
     assert len(text) <= 400
 
 
-def test_numbers_are_for_what_has_no_unit() -> None:
-    trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(400) / 100.0, "force (mN)": np.sin(np.arange(400.0))})
-    for asked in (lambda: trace.psd(segment=0.5), lambda: trace.acf(longest=0.2)):
-        with pytest.raises(Refused, match=r"(segment|longest)=: 0\.[25]: a number without a unit; right form"):
-            asked()
-    plain = rubnoise.Trace.from_arrays({"row": np.arange(400.0), "force (mN)": np.sin(np.arange(400.0))})
-    assert plain.acf(longest=20).lag[-1] == 20.0
-    with pytest.raises(Refused, match="longest=: 1 s: a number is needed"):
-        plain.acf(longest="1 s")
-
-
-def test_what_would_identify_a_number_speaks_python_and_the_shell(tmp_path: Path) -> None:
-    reasons = inferred(zero="unknown").not_identified
-    assert 'zero="known"' in reasons["junction_count"]
-    path = tmp_path / "a.csv"
-    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
-    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
-    answer = call("infer", str(path), "--law", "fixed", "--json")
-    assert (
-        '--zero known) or the strength (--strength "250 MPa")'
-        in json.loads(answer.out)["not_identified"]["junction_count"]
-    )
-    for words in (["--zero", "known", "--mask", "50 Hz"], ["--bootstrap", "999999999999"], ["--unit", "parsec"]):
-        answer = call("infer", str(path), *words)
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err.startswith(words[-2] + ": ")
-    noise = MADE.values + 0.5 * MADE.values.std() * np.sin(2.0 * np.arange(MADE.values.size))
-    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(noise.tolist()))
-    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
-    flagged = call("infer", str(path), "--law", "fixed", "--zero", "known", "--json")
-    assert flagged.code == 3
-    assert json.loads(flagged.out)["flags"]
-    for each in json.loads(flagged.out)["estimates"].values():
-        assert each["interval"][0] < each["value"] < each["interval"][1]
-    page = tmp_path / "page.html"
-    assert call("infer", str(path), "--law", "fixed", "--report", str(page)).code in {0, 3}
-    assert "default-src 'none'" in page.read_text(encoding="utf-8")
-
-
 def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.csv"
     rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
@@ -189,104 +130,7 @@ def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.Monke
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
 
 
-def test_a_refusal_is_no_longer_than_a_screen() -> None:
-    for text in ("x" * 9000, "a.csv: " + "column " * 900 + "; the remedy"):
-        assert len(str(Refused(text))) <= LONGEST
-        assert str(Refused(text))[-12:] == text[-12:]
-    listed = ScenarioRefused("x" * 9000)
-    assert len(str(listed)) == 9000
-
-
-def test_names_of_files_are_no_keywords() -> None:
-    for text in ("speed=1.csv: no such file", "x/speed=2.csv", "a b=c.csv: line 3", "speed=/x.csv"):
-        assert in_shell(text) == text
-    assert in_shell('column=2, rate="10 kHz" and unit="N"; strength_spread=') == (
-        '--column 2, --rate "10 kHz" and --unit N; --strength-spread'
-    )
-
-
-# The study of inference resumes where it stopped, counts what intervals hold, and writes the tables of the page.
-def fit_of(cell: str, seed: int, value: float, *, flags: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return a line of the study: N was found as ``value``, give or take 10 %, and is 20."""
-    return {
-        "cell": cell,
-        "seed": seed,
-        "cpu": 0.1,
-        "refused": None,
-        "flags": list(flags),
-        "p": {},
-        "law": "normal",
-        "true": {"junction_count": 20.0},
-        "estimates": {"junction_count": [value, 0.05 * value, 0.9 * value, 1.1 * value]},
-    }
-
-
-def test_intervals_that_hold_the_truth_are_counted() -> None:
-    rows = [fit_of("normal 20", 1, 21.0), fit_of("normal 20", 2, 25.0), fit_of("normal 20", 3, 19.0)]
-    assert infer_study.scores(rows, "junction_count") == (2, 3, pytest.approx(0.05))
-    assert infer_study.scores(rows, "diameter") is None
-
-
-def test_the_tables_of_the_page_are_written_in_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    rows = [fit_of("normal 5", 1, 21.0), fit_of("normal 5", 2, 25.0), fit_of("auto normal", 1, 20.0)]
-    rows.append(fit_of("wrong sine (zero unknown)", 1, 20.0, flags=("line",)))
-    lines = [json.dumps(row) for row in rows]
-    (tmp_path / "fits.jsonl").write_text("\n".join([*lines, lines[0][:40]]), encoding="utf-8")
-    page = tmp_path / "page.md"
-    parts = "".join(f"<!-- study: {name} -->\nold\n<!-- end -->\nkept\n" for name in ("coverage", "wrong"))
-    page.write_text(f"before\n{parts}after\n", encoding="utf-8")
-    monkeypatch.setattr(infer_study, "PAGE", page)
-    monkeypatch.setattr(infer_study, "DATA", tmp_path / "right_traces.json")
-    monkeypatch.setattr(infer_study, "COVERAGE", tmp_path / "coverage.json")
-    for _ in range(2):
-        infer_study.document(tmp_path)
-        text = page.read_text(encoding="utf-8")
-        assert "| normal, 20 % | 2 | 50.0 %, 15.0 % | | | |" in text
-        assert "| all of these | 2 | 50.0 %, 15.0 % | | | |" in text
-        assert "| `--law auto` | 1 | 100.0 %, 0.0 % | | | |" in text
-        assert "| a sine with noise | 1 of 1 | 0 of 0 |" in text
-        assert "old" not in text
-        assert (text.count("kept"), text[:6], text[-6:]) == (2, "before", "after\n")
-    infer_study.table(tmp_path)
-    assert "right: junction_count 50.0 % of 2, flagged or refused 0 of 2" in capsys.readouterr().out
-
-
-def test_a_study_resumes_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[tuple[str, int]] = []
-
-    def fit(job: tuple[infer_study.Cell, int]) -> dict[str, Any]:
-        made.append((job[0].name, job[1]))
-        return fit_of(job[0].name, job[1], 20.0)
-
-    pool = SimpleNamespace(map=lambda function, jobs, chunksize: map(function, jobs[: chunksize * len(jobs)]))
-    monkeypatch.setattr(infer_study, "ProcessPoolExecutor", lambda _jobs: nullcontext(pool))
-    monkeypatch.setattr(infer_study, "fit", fit)
-    infer_study.run(tmp_path, 1, 1, "long:,drift:")
-    infer_study.run(tmp_path, 2, 1, "long:")
-    assert sorted(made) == [("drift lognormal", 1), ("drift normal", 1), ("long normal", 1), ("long normal", 2)]
-
-
-def test_traces_made_outside_are_kept_as_data_and_drawn_from_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    names = ["outside two strokes", *(f"outside 5 cycles {which}" for which in ("without", "with"))]
-    rows = [fit_of(name, seed, value) for name in names for seed, value in ((1, 21.0), (2, 25.0))]
-    (tmp_path / "fits.jsonl").write_text("\n".join(json.dumps(row) for row in rows), encoding="utf-8")
-    page = tmp_path / "page.md"
-    page.write_text("".join(f"<!-- study: {name} -->\n<!-- end -->\n" for name in ("outside", "bandwidth")))
-    monkeypatch.setattr(infer_study, "PAGE", page)
-    monkeypatch.setattr(infer_study, "DATA", tmp_path / "right_traces.json")
-    infer_study.document(tmp_path)
-    data = json.loads(infer_study.DATA.read_text(encoding="utf-8"))
-    assert data["two strokes"]["held"]["junction_count"] == {"held": 1, "of": 2, "median_error": 0.15}
-    assert data["two strokes"]["flagged_or_number_held"] == 1
-    text = page.read_text(encoding="utf-8")
-    assert '| two strokes | auto | `--strokes "5 %"` | 1 of 2, 15.0 % | | | 0 of 2 |' in text
-    assert "| 5 | 1 of 2, 15.0 % | | 1 of 2, 15.0 % | |" in text
-
-
+# The study of inference: the page shows its data, and each kind of cell is made and fitted.
 def test_the_page_shows_the_data() -> None:
     text = infer_study.PAGE.read_text(encoding="utf-8")
     data = json.loads(infer_study.DATA.read_text(encoding="utf-8"))

@@ -1,8 +1,6 @@
 """Measured traces in files: what is read, and what is refused by name and line."""
 
 import json
-import struct
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +13,6 @@ from scipy.io import savemat, wavfile
 import rubnoise
 from rubnoise.api.inferring import infer
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage import text_table
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
 from tests.cli.terminal import call, spawn
@@ -57,30 +54,6 @@ def test_headers_say_units_and_places(
     assert (read.head.unit, read.along) == (unit, along)
     assert read.step == pytest.approx(step, rel=1e-9)
     assert read.values.tolist() == FORCE.tolist()
-
-
-@pytest.mark.parametrize(
-    ("text", "problem"),
-    [
-        (
-            "time (s),force (mN)\n0.00,1\n0.10,2\n0.30,3\n0.40,4\n0.50,5\n",
-            "line 4: time grows by 0.2 s where the usual step is 0.1",
-        ),
-        ("time (s),force (mN)\n0,1\n0.1,nan\n0.2,3\n", "line 3: force is nan"),
-        ("time (s),force (mN)\n0,1\n0.1,x\n0.2,3\n", "line 3: force: 'x' is no number"),
-        ("time (s),force (mN)\n0,1\n0.1\n0.2,3\n", "line 3: 1 cells; there are 2 names"),
-        ("time (s),force (mN),lift (mN)\n0,1,2\n0.1,1,2\n0.2,3,4\n", "column= takes one of: force, lift"),
-        ("0,1\n0.1,2\n0.2,3\n", 'line 1: has no line of names above its numbers; column=2, rate="10 kHz" and unit="N"'),
-        ("time (s),force (mN)\n0,1\n", "1 rows below the names"),
-        ("time (s),force (mN)\n0.2,1\n0.1,2\n0,3\n", "time does not grow"),
-    ],
-)
-def test_what_is_no_trace_is_refused_by_line(tmp_path: Path, text: str, problem: str) -> None:
-    path = written(tmp_path / "a.csv", text)
-    with pytest.raises(Refused) as refused:
-        read_measured(path)
-    assert problem in str(refused.value)
-    assert str(refused.value).startswith(f"{path}: ")
 
 
 ROWS = [f"{0.1 * n:.1f},{50.0 + np.sin(n):.4f}" for n in range(200)]
@@ -131,21 +104,6 @@ def test_a_bad_trace_is_refused_by_name_and_line(
     assert [each.name for each in tmp_path.iterdir()] == ["bad.csv"]
 
 
-def test_a_text_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lines keep their numbers and steps are compared across pieces."""
-    monkeypatch.setattr(text_table, "_PIECE", 100)
-    head = ["# a comment", "time (s),force (mN)"]
-    rows = [*ROWS[:50], "# a pause", "", *ROWS[50:]]
-    read = read_measured(written(tmp_path / "a.csv", "\n".join([*head, *rows])))
-    assert read.values.tolist() == [float(row.split(",")[1]) for row in ROWS]
-    assert read.step == pytest.approx(0.1, rel=1e-12)
-    assert (read.place(0), read.place(49), read.place(50)) == ("line 3", "line 52", "line 55")
-    for gap in (20, 21, 22, 23, 24, 25, 26, 120):
-        kept = [*rows[:gap], *rows[gap + 1 :]]
-        with pytest.raises(Refused, match=f"line {gap + 3}: time grows by 0.2 s"):
-            read_measured(written(tmp_path / "b.csv", "\n".join([*head, *kept])))
-
-
 def test_a_dataset_has_the_steps_of_its_scale(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
@@ -185,30 +143,6 @@ def test_a_matlab_file_has_its_variables(tmp_path: Path) -> None:
         read_measured(written(tmp_path / "b.mat", "text"))
 
 
-def test_a_dataset_of_any_file_is_read(tmp_path: Path) -> None:
-    path = tmp_path / "a.h5"
-    with h5py.File(path, "w") as file:
-        file["m/force"] = FORCE
-        file["m/force"].attrs["units"] = "mN"
-        file["m/time"] = 0.01 * np.arange(40.0)
-        file["m/time"].attrs["units"] = "s"
-        file["m/time"].make_scale("time")
-        file["m/force"].dims[0].attach_scale(file["m/time"])
-        file["table"] = np.zeros((3, 3))
-    read = read_measured(f"{path}:/m/force")
-    assert (read.head.unit, read.along) == ("mN", "time")
-    assert read.step == pytest.approx(0.01)
-    assert read.values.tolist() == FORCE.tolist()
-    for name, problem in (("/m/x", "it has m/force"), ("/table", "2 dimensions")):
-        with pytest.raises(Refused, match=problem):
-            read_measured(f"{path}:{name}")
-    with pytest.raises(Refused, match="which dataset"):
-        read_measured(path)
-    path.write_bytes(path.read_bytes()[:1500] + struct.pack("<q", -1) * 20)
-    with pytest.raises(Refused):
-        read_measured(f"{path}:/m/force")
-
-
 def test_a_dataset_in_another_file_is_not_read(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "other.h5", "w") as other:
         other["force"] = FORCE
@@ -233,25 +167,6 @@ def test_a_dataset_in_another_file_is_not_read(tmp_path: Path) -> None:
             read_measured(f"{tmp_path}/a.h5:{name}")
 
 
-@pytest.mark.parametrize(
-    ("given", "problem"),
-    [
-        ({}, "speed= is needed"),
-        ({"speed": "-1 mm/s"}, "not above 0"),
-        ({"speed": "1 mm"}, "is the unit of a length"),
-        ({"speed": "1 mm/s", "fs": "1 kHz"}, 'fs=: 1 kHz: is no keyword here; right form: rate="2500 Hz"'),
-        ({"speed": "1 mm/s", "strength": "250 m"}, "strength=: 250 m: "),
-        ({"speed": "1 mm/s", "mask": "50 um"}, 'mask=: 50 um: "um" is the unit of a length'),
-        ({"speed": "1 mm/s", "law": "cauchy"}, 'law=: cauchy is none of "auto", "fixed"'),
-        ({"speed": "1 mm/s", "zero": "perhaps"}, 'zero=: perhaps is neither "known" nor "unknown"'),
-    ],
-)
-def test_what_is_given_is_checked(contact_csv: Path, given: dict[str, str], problem: str) -> None:
-    with pytest.raises(Refused) as refused:
-        infer(contact_csv, **given)  # type: ignore[arg-type]
-    assert problem in str(refused.value)
-
-
 def test_an_array_needs_a_rate_and_a_unit() -> None:
     values = np.random.default_rng(1).standard_normal(500)
     with pytest.raises(Refused, match="rate="):
@@ -260,25 +175,6 @@ def test_an_array_needs_a_rate_and_a_unit() -> None:
         infer(values, rate="1 kHz", speed="1 mm/s")
     with pytest.raises(Refused, match="value 2 of trace is inf"):
         infer(np.array([1.0, np.inf]), rate="1 Hz", unit="N", speed="1 um/s")
-
-
-@pytest.mark.parametrize("given", [{}, {"rate": "1 kHz"}, {"unit": "N"}])
-def test_a_trace_of_an_array_needs_both(given: dict[str, str]) -> None:
-    with pytest.raises(Refused, match="needs rate= and unit="):
-        rubnoise.Trace(np.arange(9.0), **given)
-
-
-@pytest.mark.parametrize("head", ["force", "force (V)", "force (mA)"])
-def test_a_unit_may_be_what_a_count_is(contact_csv: Path, tmp_path: Path, head: str) -> None:
-    found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
-    counts = written(tmp_path / "counts.csv", contact_csv.read_text(encoding="utf-8").replace("force (mN)", head))
-    halves = infer(counts, speed="1 mm/s", zero="known", law="normal", unit="0.5 mN")
-    assert halves.estimates["shear_strength"].value == pytest.approx(0.5 * found.estimates["shear_strength"].value)
-    with pytest.raises(Refused, match="no force"):
-        infer(counts, speed="1 mm/s", unit="V", strength="250 MPa")
-    volts = infer(counts, speed="1 mm/s", zero="known", law="normal", unit="V")
-    assert volts.estimates["junction_count"] == found.estimates["junction_count"]
-    assert "shear_strength" in volts.not_identified
 
 
 def test_a_unit_replaces_that_of_a_file_and_not_that_of_a_trace(contact_csv: Path) -> None:
@@ -313,16 +209,6 @@ def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path
         assert abs(np.log(second.value / first.value)) <= 4.0 * error, name
 
 
-def test_strengths_that_differ_differ_in_the_scenario(contact_csv: Path) -> None:
-    found = rubnoise.infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
-    assert found.fit is not None
-    unequal = replace(found, fit=replace(found.fit, contact=replace(found.fit.contact, inequality=1.09)))
-    strengths = rubnoise.scenario.loads(unequal.to_toml()).model().strengths
-    assert strengths is not None
-    assert strengths.moment(2) / strengths.mean**2 == pytest.approx(1.09, rel=1e-9)
-    assert strengths.mean == pytest.approx(found.estimates["shear_strength"].value, rel=1e-5)
-
-
 def test_the_bootstrap_agrees_with_the_errors(contact_csv: Path) -> None:
     found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", bootstrap=12)
     for name in ("junction_count", "diameter", "shear_strength"):
@@ -355,18 +241,3 @@ def test_the_command_answers_in_json_and_writes_files(contact_csv: Path, tmp_pat
     again = spawn("infer", str(contact_csv), *options, "-o", str(toml))
     assert again.code == 2
     assert "--force" in again.err
-
-
-def test_the_command_says_3_for_a_trace_that_is_no_contact_and_2_for_none(tmp_path: Path) -> None:
-    noise = 50.0 + np.random.default_rng(2).standard_normal(4000)
-    rows = "\n".join(f"{n / 1000},{value}" for n, value in enumerate(noise.tolist()))
-    path = written(tmp_path / "noise.csv", f"time (s),force (mN)\n{rows}\n")
-    done = spawn("infer", str(path), "--speed", "1 mm/s", "--json")
-    assert done.code == 3
-    assert json.loads(done.out)["refused"] or json.loads(done.out)["flags"]
-    missing = spawn("infer", "absent.csv", "--speed", "1 mm/s")
-    assert missing.code == 2
-    assert "absent.csv: no such file" in missing.err
-    unsaid = spawn("infer", str(path), "--speed", "1 mm/s", "--law", "normal", "-o", str(tmp_path / "x.toml"))
-    assert unsaid.code in {2, 3}
-    assert not (tmp_path / "x.toml").exists()

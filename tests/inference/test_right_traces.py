@@ -1,18 +1,14 @@
 """Traces made outside the package have the moments of their closed forms, and `infer` reads their options."""
 
-import ast
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from rubnoise.api.inferring import infer
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS
-from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed
 from rubnoise.inference.honesty import drift_test
 from rubnoise.inference.inference import InferenceResult, infer_signal
@@ -25,13 +21,6 @@ from tools.studies.right_traces import Contact, trace, without_junctions
 
 BOUND = 4.0
 LONG = Contact(lives=1500, per_life=16, noise=0.0)
-
-
-def test_the_traces_share_no_code_with_the_package() -> None:
-    tree = ast.parse(Path(right_traces.__file__).read_text(encoding="utf-8"))
-    imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
-    imported |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    assert imported == {"__future__", "argparse", "dataclasses", "pathlib", "typing", "numpy", "numpy.typing"}
 
 
 @pytest.mark.parametrize(
@@ -60,14 +49,6 @@ def test_a_pole_takes_half_the_energy_at_its_corner_and_nothing_of_the_mean(pole
     assert seen.std() == pytest.approx(np.sin(0.25 * np.pi) * 0.5 ** (0.5 * poles))
     late = np.sin(place - 0.25 * np.pi * poles)
     assert np.mean(late * seen) == pytest.approx(0.5 * 0.5 ** (0.5 * poles))
-
-
-def test_strokes_go_to_and_fro_about_the_zero_of_the_sensor() -> None:
-    contact = replace(LONG, lives=100, strokes=4, zero=0.3)
-    force = trace(contact, np.random.default_rng(4)).reshape(4, -1)
-    means = force[:, 200:].mean(axis=1)
-    assert np.sign(means).tolist() == [1.0, -1.0, 1.0, -1.0]
-    assert (means[0] + means[1]) / (means[0] - means[1]) == pytest.approx(0.3, abs=0.1)
 
 
 def _read(contact: Contact, seed: int, assumed: Assumed = NOTHING, **options: Any) -> InferenceResult:
@@ -101,15 +82,6 @@ def test_unequal_strengths_are_undone_by_their_spread() -> None:
     known = _read(contact, 5, Assumed(strength_spread=0.5), zero="unknown", strength=250.0)
     assert abs(known.estimates["junction_count"].value / 20.0 - 1.0) < 0.2
     assert known.by_strength_spread[0].junction_count == pytest.approx(1.25 * known.estimates["junction_count"].value)
-
-
-def test_a_third_cumulant_against_the_spread_that_was_given_is_flagged() -> None:
-    """Few junctions in a long trace have a third cumulant that tells a spread of 100 % from none."""
-    contact = Contact(count=2.0, strength_spread=1.0, lives=3000, per_life=16)
-    wrong, right = _read(contact, 6), _read(contact, 6, Assumed(strength_spread=1.0))
-    tests = [next(each for each in found.tests if each.name == "third cumulant") for found in (wrong, right)]
-    assert [each.flagged for each in tests] == [True, False]
-    assert ", 0 % assumed" in tests[0].words
 
 
 @pytest.mark.parametrize(("cycles", "poles"), [(5.0, 1), (10.0, 1), (8.0, 2)])
@@ -226,40 +198,3 @@ def test_strokes_are_cut_at_their_reversals_and_tell_the_zero() -> None:
     assert found.flags == []
     lost = infer_signal(replace(signal, values=values), zero="known", law="fixed")
     assert lost.estimates == {} or abs(_scores(lost)["junction_count"]) > BOUND, "without cutting nothing is read"
-
-
-def test_strokes_of_one_way_are_refused_and_short_ones_are_left_out() -> None:
-    one = trace(Contact(lives=200), np.random.default_rng(12))
-    with pytest.raises(Refused, match="one stroke"):
-        joined(Signal(values=one, tick=1.0, unit="uN", scale=1.0), 0.05)
-    values = trace(STROKES, np.random.default_rng(11))[3000:]
-    signal = joined(Signal(values=values, tick=STROKES.tick, unit="uN", scale=1.0), 0.1, 3000)
-    assert signal.ways == (2, 3)
-    assert "left out: a stroke from sample 3,001 to 5,1" in signal.left_out[3]
-    assert max(map(abs, _scores(infer_signal(signal, law="fixed")).values())) <= BOUND
-
-
-def test_parts_of_a_trace_are_named_by_samples_and_by_times() -> None:
-    values = trace(Contact(lives=100), np.random.default_rng(13))
-    options: dict[str, Any] = {"rate": "1 kHz", "unit": "uN", "speed": "0.171875 mm/s", "zero": "known", "law": "fixed"}
-    parts = [infer(values, from_="1001", to=6000, **options), infer(values, from_="1 s", to="5.999 s", **options)]
-    for found in parts:
-        assert found.signal.values.tolist() == values[1000:6000].tolist()
-        assert found.signal.left_out == ("left out: all but samples 1,001 to 6,000 of 6,400",)
-    wrong: list[tuple[dict[str, Any], str]] = [
-        ({"from_": "9 s"}, "from_=: samples"),
-        ({"to": 7000}, "to=: sample 7,000 is beyond"),
-        ({"from_": "1 mm"}, "a time is needed"),
-        ({"from_": 2.5}, "from_=: 2.5"),
-        ({"strokes": "60 %"}, "strokes=: 60 %"),
-        ({"strokes": 0.1}, "strokes=: 0.1"),
-        ({"strength_spread": 0.5}, "strength_spread=: 0.5"),
-        ({"strength_spread": "50 %", "strength": "250 MPa"}, "the trace tells the spread itself"),
-        ({"bandwidth": 200.0}, "bandwidth=: 200.0"),
-        ({"poles": 2}, "poles=: the poles"),
-        ({"offset": "normal"}, "offset=: normal"),
-        ({"pulse": "triangle"}, "pulse=: triangle"),
-    ]
-    for given, words in wrong:
-        with pytest.raises(Refused, match=re.escape(words)):
-            infer(values, **{**options, **given})

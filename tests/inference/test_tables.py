@@ -7,7 +7,6 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage import text_table
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
 from tests.cli.terminal import call
@@ -140,21 +139,6 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
     assert read_measured(path).values.tolist() == VALUES
 
 
-@pytest.mark.parametrize("head", ["force (parsec)", "force [Mpa]", "force (Nm)", "force (mm^^2)"])
-def test_an_unknown_unit_is_refused_by_name(tmp_path: Path, head: str) -> None:
-    path = tmp_path / "a.csv"
-    path.write_text(f"time (s),{head}\n{rows()}\n", encoding="utf-8")
-    unit = head[7:-1]
-    with pytest.raises(Refused, match=r"a\.csv: line 1: force .*unit") as refused:
-        rubnoise.Trace.from_csv(path)
-    assert unit in str(refused.value)
-    answer = call("infer", str(path), "--speed", "1 mm/s")
-    assert (answer.code, answer.out, unit in answer.err, "line 1: force" in answer.err) == (2, "", True, True)
-    path.write_text(f"time (parsec),force (N)\n{rows()}\n", encoding="utf-8")
-    with pytest.raises(Refused, match="parsec"):
-        read_measured(path)
-
-
 def test_times_rounded_to_three_decimals_are_read_with_a_rate(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     lines = [f"{n / 10_000:.3f},{value}" for n, value in enumerate(VALUES * 10)]
@@ -166,65 +150,3 @@ def test_times_rounded_to_three_decimals_are_read_with_a_rate(tmp_path: Path) ->
     outranked = read_measured(path, Asked(rate=8_000.0))
     assert outranked.step == 1.0 / 8_000.0
     assert "the rate is 8000 Hz as given; by time of" in outranked.notes[0]
-
-
-@pytest.mark.parametrize(
-    ("cell", "problem"),
-    [
-        ("1_000", "line 12: force: '1_000' is no number"),
-        ("1e300", r"line 12: force is 1e\+300; up to 1e\+60 is read"),
-        ("-1e999", "line 12: force is -inf; every sample needs a number"),
-        ("0x10", "line 12: force: '0x10' is no number"),
-        ("1+2j", "line 12: force: '1\\+2j' is no number"),
-        ("\u0663", "line 12: force: '\u0663' is no number"),
-        ("x" * 200_000, "line 12: force: 'x{40}' is no number"),
-        ("5 N", "line 12: force: '5 N' is no number"),
-    ],
-)
-def test_a_bad_cell_names_its_column_and_line(tmp_path: Path, cell: str, problem: str) -> None:
-    path = tmp_path / "a.csv"
-    lines = rows().split("\n")
-    lines[10] = f"{TIMES[10]},{cell}"
-    path.write_text("\n".join(["time (s),force (N)", *lines]), encoding="utf-8")
-    for read in (read_measured, rubnoise.Trace.from_csv):
-        with pytest.raises(Refused, match=problem) as refused:
-            read(path)
-        assert len(str(refused.value)) < 400
-
-
-@pytest.mark.parametrize(
-    ("content", "problem"),
-    [
-        (b"time (s),force (N)\n" + b"1" * 10_000_000, "line 2: has more than 1,048,576 characters"),
-        (b"x" * 10_000_000, "line 1: has more than 1,048,576 characters"),
-        (b"x" * 2_000_000 + b"\ntime (s),force (N)\n0,1\n1,2\n", "line 1: has more than 1,048,576 characters"),
-        (b"time (s)," + b"f" * 200_000 + b" (parsec)\n0,1\n1,2\n2,4\n", "a name of 200,0"),
-        (b'time (s),"' + b"f" * 200_000 + b' (parsec)"\n0,1\n1,2\n2,4\n', "a name of 200,0"),
-        (bytes(1_000_000), "line 1: holds a zero byte"),
-        (b"time (s),force (N)\n0,1\n" + bytes(1_000_000), "line 3: holds a zero byte"),
-        ("time (s),force (N)\n0,1\n".encode("utf-16-le"), "line 1: holds a zero byte"),
-        (b"\n\n\n", "has 0 lines"),
-        (b"just a text\nof two lines\n", "line 1: 'just a text': no row of numbers in 2 lines"),
-        (b"\x1f\x8b\x08\x00 zipped", "zero byte"),
-    ],
-)
-def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes, problem: str) -> None:
-    path = tmp_path / "a.csv"
-    path.write_bytes(content)
-    for read in (lambda: rubnoise.infer(path, speed="1 mm/s"), lambda: rubnoise.Trace.from_csv(path)):
-        with pytest.raises(Refused, match=problem) as refused:
-            read()
-        assert "a.csv: " in str(refused.value)
-        assert len(str(refused.value)) <= 1500
-
-
-def test_lines_keep_their_numbers_wherever_a_piece_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "a.csv"
-    for ending in ("\n", "\r\n", "\r"):
-        path.write_bytes(f"# x\ntime (s),force (N)\n\n{rows()}".replace("\n", ending).encode())
-        found = list(text_table.lines_of(path, "utf-8-sig"))
-        assert found == list(enumerate(["# x", "time (s),force (N)", "", *rows().split("\n")], 1))
-        for size in (1, 7, COUNT, 1000):
-            monkeypatch.setattr(text_table, "_PIECE", size)
-            read = read_measured(path)
-            assert (read.values.tolist(), read.place(COUNT - 1)) == (VALUES, f"line {COUNT + 3}")

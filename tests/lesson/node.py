@@ -168,17 +168,6 @@ def lessons() -> list[Lesson]:
     ]
 
 
-def pushing_back() -> list[Row]:
-    """Return the questions of the second half of the lesson on the slider."""
-    text = PAGE.read_text(encoding="utf-8")
-    return _rows(text.partition("## Lesson 7, second half")[2].partition("\n## ")[0])
-
-
-def other_numbers() -> list[str]:
-    """Return the numbers in bold outside of the lessons."""
-    return NUMBER.findall(SECTION.sub("", PAGE.read_text(encoding="utf-8")))
-
-
 def minutes() -> list[int]:
     """Return the minutes of the plan."""
     plan = PAGE.read_text(encoding="utf-8").partition("## The plan")[2].partition("\n## ")[0]

@@ -1,20 +1,14 @@
 """Contacts beside each other, sections, and a stage that stays in sight."""
 
-from collections.abc import Callable, Iterator
-from math import sqrt
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
-import rubnoise
-from rubnoise.contact.overlap import junction_area
-from tests.lesson.node import lessons, scenario_of
-from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until
+from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 
 # Contacts beside each other on equal axes, the trace over itself, thirty swings, and a picture without stripes.
-COLUMNS = 480
-PAIRS = {"2. Births": (0, 1), "5. The sum": (0, 2), "8. Many small": (0, 1)}
 SIDES = """(() => {
   rub.fitAll();
   rub.beside.draw();
@@ -24,30 +18,11 @@ SIDES = """(() => {
     counts: [...side.counts], births: side.births,
   });
 })()"""
-STAGE = """rub.run.living.map((row) => [
-  row.id, ...rub.stage.placeOf(row), row.diameter, rub.stage.along(row),
-])"""
-ROWS = "rub.run.rows.map((row) => [row.birth, row.diameter])"
 MEMORY = """(lives) => {
   document.getElementById('lag').value = lives;
   document.getElementById('lag').dispatchEvent(new Event('input'));
   return { ticks: rub.shifted.ticks(), lag: rub.shifted.lag(), found: rub.shifted.correlation() };
 }"""
-BARE = """(() => {
-  const { canvas, scale, height, width } = rub.traces.pens.area;
-  rub.traces.draw(rub.run.moments());
-  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
-  copy.drawImage(canvas, 0, 0);
-  const box = rub.traces.boxOf({ width, height });
-  const left = Math.round(box.left * scale) + 2;
-  const [wide, low] = [Math.round(box.right * scale) - left - 4, Math.round(box.bottom * scale) - 4];
-  const { data } = copy.getImageData(left, low, wide, 1);
-  let bare = 0;
-  for (let i = 3; i < data.length; i += 4) bare += data[i] < 40;
-  return bare;
-})()"""
-"""Pixels of the area's lower edge where no layer of the stack is drawn."""
-EMPTY = "rub.stack.begin(rub.stack.width, rub.stack.height, rub.stack.top, rub.stack.spacing)"
 
 
 @pytest.fixture
@@ -55,38 +30,6 @@ def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
     """Return a walk through a page that stands still until a run is pressed."""
     with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
         yield Walk(page)
-
-
-@pytest.mark.parametrize("title", PAIRS)
-def test_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: str) -> None:
-    first, second = PAIRS[title]
-    walk.open(title)
-    assert walk.page.locator("#beside").is_hidden()
-    walk.predict()
-    walk.run(first)
-    walk.page.evaluate("rub.run.pause()")
-    sides = walk.page.evaluate(SIDES)
-    assert sides[first] is not None
-    assert sides[second] is None, "what is not run yet gives nothing away"
-    for run in (first, second):
-        walk.run(run)
-        walk.page.evaluate("rub.run.pause(), rub.run.goTo(300)")
-        sides = walk.page.evaluate(SIDES)
-    few, many = sides[first], sides[second]
-    assert walk.page.locator("#beside").is_visible()
-    assert (few["spacing"], few["top"]) == (many["spacing"], many["top"])
-    places = (many["first"] + np.arange(400)) * many["spacing"]
-    for run, side, other in ((first, few, many), (second, many, few)):
-        walk.run(run)
-        walk.page.evaluate("rub.run.pause(), rub.run.goTo(300)")
-        birth, diameter = np.array(walk.page.evaluate(ROWS)).T
-        age = places[:, None] - birth
-        areas = np.where((age > 0) & (age < 2 * diameter), junction_area(age, diameter), 0.0).sum(axis=1)
-        np.testing.assert_allclose(side["areas"], areas, rtol=1e-9, atol=1e-9)
-        assert np.abs(np.array(other["areas"]) - areas).max() > 1.0
-        seen = birth[(birth > 0) & (birth >= side["births"][0]) & (birth <= side["births"][-1])]
-        assert side["births"] == seen.tolist()
-        assert side["births"][0] < places[80]
 
 
 def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
@@ -126,29 +69,6 @@ def test_a_run_stays_when_another_one_runs(walk: Walk) -> None:
     assert [walk.page.evaluate(column % i) for i in range(3)] == [figures for _, figures in kept]
 
 
-def test_hills_of_one_surface_do_not_overlap_and_births_at_random_form_no_lattice(walk: Walk) -> None:
-    """Of random places x is uniform, and does not follow from that of the row before."""
-    walk.page.evaluate("rub.set({ meanCount: 40, spread: 0.5 })")
-    found: dict[int, list[float]] = {}
-    worst = 0.0
-    for place in range(20, 1500, 2):
-        rows = np.array(walk.page.evaluate(f"rub.run.goTo({place}), {STAGE}"))
-        found |= {int(row[0]): list(row[1:3]) for row in rows}
-        _, x, y, diameter, along = rows.T
-        for way in (-0.5, 0.5):
-            apart = np.hypot(*(each[:, None] - each for each in (x + way * along, y)))
-            overlap = 0.5 * (diameter[:, None] + diameter) - apart
-            np.fill_diagonal(overlap, -np.inf)
-            worst = max(worst, overlap.max() / diameter.mean())
-    assert worst <= 0.02, "in diameters"
-    places = np.array([found[row] for row in sorted(found)])
-    share = (places - places.min(axis=0)) / np.ptp(places, axis=0)
-    assert len(share) > 2000
-    assert np.abs(share.mean(axis=0) - 0.5).max() < 4 * sqrt(1 / 12 / len(share))
-    step = np.diff(share, axis=0) % 1
-    assert step.std(axis=0).min() > 0.2, "a low-discrepancy sequence has one step"
-
-
 def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk) -> None:
     walk.open("6. Memory")
     walk.predict()
@@ -170,116 +90,7 @@ def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk) -> None:
             assert abs(correlation(told["ticks"] + 8) - told["found"]) > 0.01
 
 
-def test_the_trace_lies_over_itself_once_it_has_been_predicted(walk: Walk) -> None:
-    walk.open("6. Memory")
-    assert walk.page.locator("#shifted").is_hidden()
-    walk.predict()
-    walk.run()
-    walk.page.evaluate("rub.run.pause(), rub.run.goTo(500), rub.fitAll()")
-    picture = "rub.shifted.draw(rub.run.moments()), document.getElementById('shifted').toDataURL()"
-    said = "document.getElementById('lag-said').textContent.includes"
-    before = walk.page.evaluate(picture)
-    assert walk.page.evaluate(picture) == before
-    assert walk.page.locator("#shifted").is_visible()
-    until(walk.page, f"{said}('0.25 lives, 2.71 µm: correlation 0.6')")
-    walk.page.locator("#lag").focus()
-    walk.page.keyboard.press("End")
-    until(walk.page, f"{said}('1.25 lives')")
-    assert walk.page.evaluate(picture) != before
-
-
-def test_thirty_swings_are_on_show(walk: Walk) -> None:
-    walk.open("7. The slider")
-    walk.predict()
-    walk.run()
-    walk.page.evaluate("rub.run.pause(), rub.run.goTo(3000)")
-    begin, end = walk.page.evaluate("rub.traces.longStretch()")
-    world = walk.page.evaluate("rub.world")
-    frequency = rubnoise.exact(scenario_of(world)).model.slider.natural_frequency
-    assert (end - begin) / world["speed"] * frequency == pytest.approx(30.0, rel=1e-9)
-    motion = walk.page.evaluate("[...rub.run.trace.displacement.slice(0, rub.run.ticksSeen + 1)]")
-    tick = walk.page.evaluate("rub.run.trace.tick")
-    shown = np.array(motion)[int(begin / tick) :]
-    crossings = np.count_nonzero(np.diff(np.signbit(shown - shown.mean())))
-    assert abs(crossings - 60) <= 8, "two crossings of the mean for each swing"
-
-
-@pytest.mark.parametrize("count", [20, 400])
-def test_a_jump_leaves_no_stripe(walk: Walk, count: int) -> None:
-    """Layers are kept in a ring; what is drawn in strides after a jump ends at the ring's edge."""
-    walk.page.evaluate(f"rub.set({{ meanCount: {count} }}), rub.show('area'), rub.fitAll()")
-    for place in (400, 500.3, 502, 607.7, 700.1, 800.6):
-        walk.page.evaluate(f"rub.run.goTo({place}), {EMPTY}")
-        assert walk.page.evaluate(BARE) == 0, place
-    walk.page.evaluate("rub.stack.until = () => {}")
-    walk.page.evaluate(EMPTY)
-    assert walk.page.evaluate(BARE) > 100, "layers that are missing would be noticed"
-
-
 # The stage stays in sight while a lesson is played, on projectors, desks and phones.
-SCREENS = {1024: 768, 1366: 768, 1440: 900, 1920: 1080, 390: 844}
-LEAST = 0.6  # of the stage
-TITLES = tuple(lesson.title for lesson in lessons())
-IN_SIGHT = """(() => {
-  const stage = document.getElementById('stage');
-  const box = stage.getBoundingClientRect();
-  const rows = Array.from({ length: 20 }, (_, i) => box.top + ((i + 0.5) / 20) * box.height);
-  const columns = Array.from({ length: 5 }, (_, i) => box.left + ((i + 0.5) / 5) * box.width);
-  const seen = rows.flatMap((y) => columns.map((x) => document.elementFromPoint(x, y) === stage));
-  return seen.filter(Boolean).length / seen.length;
-})()"""
-"""Share of the stage that the window shows and that nothing else covers."""
-
-
-def play(page: Any, titles: tuple[str, ...] = TITLES) -> dict[str, float]:
-    """Play every lesson to its checks; return the share of the stage in sight after each press."""
-    walk = Walk(page)
-    found = {}
-    for opened_title in titles:
-
-        def press(name: str, act: Callable[[], object], title: str = opened_title) -> None:
-            act()
-            found[f"{title}: {name}"] = page.evaluate(IN_SIGHT)
-
-        press("open", lambda title=opened_title: walk.open(title))
-        press("predict", walk.predict)
-        for run in range(walk.article.locator("[data-run]").count()):
-            press(f"run {run}", lambda run=run: walk.run(run))
-            press(f"ahead {run}", walk.slide_on)
-        press("look", walk.say)
-        press("law", walk.article.locator("#lesson-why summary").click)
-        for question in range(walk.forms.count()):
-            press(f"check {question}", walk.forms.nth(question).get_by_role("button", name="Check").click)
-    return found
-
-
-@pytest.mark.parametrize("width", SCREENS)
-def test_the_stage_is_in_sight_after_every_press(browser: Any, lesson_file: str, width: int) -> None:
-    screen = {"width": width, "height": SCREENS[width]}
-    with opened(browser, lesson_file, init=UNHURRIED, viewport=screen, **CALM) as page:
-        shares = play(page)
-        assert len(shares) > 7 * len(TITLES)
-        assert {run: share for run, share in shares.items() if share < LEAST} == {}
-
-
-def test_a_stage_that_is_scrolled_away_would_be_noticed(browser: Any, lesson_file: str) -> None:
-    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
-        page.evaluate("document.getElementById('pictures').style.position = 'static'")
-        page.evaluate("Element.prototype.scrollIntoView = () => {}")
-        assert min(play(page, TITLES[1:3]).values()) < LEAST
-
-
-def test_all_traces_unfold_under_the_stage(browser: Any, lesson_file: str) -> None:
-    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 1366, "height": 768}, **CALM) as page:
-        walk = Walk(page)
-        walk.to_the_checks()
-        assert page.locator("#force").is_hidden()
-        page.locator("#unfold").click()
-        for name in ("area", "count", "force", "slider", "panel-canvas"):
-            page.locator(f"#{name}").scroll_into_view_if_needed()
-            assert page.evaluate(IN_SIGHT) >= LEAST, name
-        ends = "['area', 'count', 'force'].map((id) => document.getElementById(id).getBoundingClientRect().right)"
-        assert len({round(end) for end in page.evaluate(ends)}) == 1, "a bump in area stands over its bump in force"
 
 
 def test_a_phone_has_the_lesson_on_its_first_screen(browser: Any, lesson_file: str) -> None:
@@ -330,16 +141,3 @@ def test_hills_touch_along_the_chords_that_two_circles_share(browser: Any, lesso
             assert {round(each, 6) for each in (x * side["scale"])[(below > 0) | (above > 0)]} <= middles
             met += shared.size
     assert met > 0
-
-
-def test_the_cut_goes_through_the_junction_that_is_chosen(browser: Any, lesson_file: str) -> None:
-    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
-        page.evaluate("rub.run.goTo(60)")
-        middle = page.evaluate("rub.stage.cut()")
-        page.evaluate("rub.select(rub.run.living[2].id)")
-        assert page.evaluate("rub.stage.cut()") == page.evaluate("rub.stage.placeOf(rub.run.living[2])[1]") != middle
-        Walk(page).predict()
-        Walk(page).open("2. Births")
-        Walk(page).predict()
-        Walk(page).run()
-        assert page.locator("#section").is_hidden(), "a lesson's own picture takes its place"

@@ -1,6 +1,5 @@
 """Junctions that the page draws, their life-lines and histogram, and runs that it plays again."""
 
-from collections import Counter
 from collections.abc import Iterator
 from math import sqrt
 from pathlib import Path
@@ -116,18 +115,8 @@ def test_a_seed_repeats_and_another_does_not() -> None:
     assert drawn(3) != drawn(3 + 2**32)
 
 
-def test_uniform_numbers_are_uniform() -> None:
-    body = "const r = new rub.Random(seed, 1); return Array.from({ length: 100000 }, () => r.uniform());"
-    values = np.array(answer(body, seed=seed_of("uniform numbers of the page")))
-    counts = np.bincount((values * 100).astype(int), minlength=100)
-    squares = float(((counts - 1000.0) ** 2 / 1000.0).sum())
-    assert abs(squares - 99.0) / sqrt(2.0 * 99.0) < LARGEST_Z
-    assert 0.0 < values.min() < values.max() < 1.0
-
-
 # Life-lines and the histogram of the count: the lanes, the line of now, and Poisson's bars.
 ROWS = "rub.run.rows.map((row, i) => [row.birth, row.death, rub.lives.lanes[i]])"
-COUNTS = "Array.from(rub.lives.counts.seen, (count) => count ?? 0)"
 DRAWN = "rub.lives.draw(), rub.lives.drawCounts()"
 
 
@@ -149,26 +138,6 @@ def test_no_two_lives_of_a_lane_overlap_and_each_has_one(page: Any) -> None:
         ends[lane] = death
     assert len(rows) > 500
     assert len(ends) < 50, "a lane is used again"
-
-
-def test_the_line_of_now_crosses_as_many_lives_as_are_alive(page: Any) -> None:
-    rows = page.evaluate(ROWS)
-    for place in (1000.0, 700.5, 33.3):
-        page.evaluate(f"rub.run.goTo({place})")
-        page.evaluate(DRAWN)
-        crossed = [lane for birth, death, lane in rows if birth <= place < death]
-        assert len(crossed) == page.evaluate("rub.run.living.length")
-        assert len(set(crossed)) == len(crossed)
-
-
-def test_the_histogram_counts_every_tick_once(page: Any) -> None:
-    for place in (1000.0, 400.0, 1200.0):
-        page.evaluate(f"rub.run.goTo({place})")
-        page.evaluate(DRAWN)
-        counts = page.evaluate("Array.from(rub.run.trace.count.subarray(0, rub.run.ticksSeen + 1))")
-        expected = Counter(int(count) for count in counts)
-        seen = {count: number for count, number in enumerate(page.evaluate(COUNTS)) if number}
-        assert seen == expected
 
 
 @pytest.mark.parametrize("mean", [0.5, 2.0, 20.0, 400.0])
@@ -204,25 +173,3 @@ def test_it_is_the_run(replaying: Any, run: rubnoise.Run) -> None:
     assert max(abs(run.trace["real_contact_area"][:] - area)) < 1e-9
     told = replaying.locator("#replaying").inner_text()
     assert told.startswith("This is short <i>run.h5, seed 11: its junctions, row by row.")
-
-
-def test_the_slider_may_change_and_the_run_stays(replaying: Any) -> None:
-    replaying.evaluate("rub.run.goTo(100)")
-    rows = replaying.evaluate("rub.run.rows[40]")
-    replaying.evaluate("rub.set({ damping: 1, strength: 500 }, { restart: false })")
-    assert replaying.evaluate("rub.replaying") is True
-    assert replaying.evaluate("rub.run.distance") == 100
-    assert replaying.evaluate("rub.run.rows[40]") == rows | {"strength": 500}
-    replaying.evaluate("rub.run.goTo(300)")
-    assert set(replaying.evaluate("rub.run.rows.map((row) => row.strength)")) == {500}
-
-
-def test_a_knob_of_the_contact_leaves_the_run_and_reset_returns(replaying: Any, run: rubnoise.Run) -> None:
-    first = run.junctions["birth_distance"][0]
-    replaying.evaluate("rub.set({ meanCount: 30 })")
-    assert replaying.evaluate("rub.replaying") is False
-    assert replaying.locator("#replaying").is_hidden()
-    assert replaying.evaluate("rub.run.rows[0].birth") != first
-    replaying.locator("#reset").click()
-    assert replaying.locator("#replaying").is_visible()
-    assert replaying.evaluate("rub.run.rows[0].birth") == first

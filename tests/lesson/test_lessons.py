@@ -1,13 +1,11 @@
 """The lessons in a real browser: what opens when, with the keyboard alone, and no answer early."""
 
-import math
-import re
 from typing import Any
 
 import pytest
 
 from tests.lesson.node import lessons
-from tests.lesson.walk import CALM, UNFOLD, UNHURRIED, Walk, opened, painted, until
+from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 
 # The lessons in a real browser: what opens when, which answers are right, and what is kept.
 LESSONS = lessons()
@@ -55,45 +53,6 @@ def test_nothing_opens_before_its_time_and_the_answers_of_the_teachers_page_are_
         assert walk.page.get_by_role("button", name=f"{lesson.title} ✓ done").count() == 1
 
 
-@pytest.mark.parametrize(("run", "answer"), [(1, "13.75 %"), (2, "6,15 %")])
-def test_what_is_asked_follows_the_knobs(walk, run, answer):
-    walk.open("5. The sum")
-    walk.to_the_checks()
-    walk.run(run)
-    assert not walk.answer(0, "43.5 %")[0]
-    assert walk.answer(0, answer)[0]
-
-
-def test_an_answer_to_other_knobs_stands_no_more(walk):
-    walk.open("5. The sum")
-    walk.to_the_checks()
-    walk.run(0)
-    assert walk.answer(0, "43.5 %")[0]
-    walk.run(1)
-    assert walk.forms.nth(0).get_attribute("data-verdict") is None
-    assert walk.forms.nth(0).get_by_role("status").inner_text() == ""
-
-
-def test_a_question_is_not_judged_under_other_births(walk):
-    walk.open("3. The live count")
-    walk.to_the_checks()
-    walk.page.evaluate(UNFOLD)
-    walk.page.locator("#knob-births").select_option("regular")
-    right, said = walk.answer(0, "120")
-    assert not right
-    assert "births" in said
-    walk.run()
-    assert walk.answer(0, "120")[0]
-
-
-def test_a_teacher_may_skip_and_sees_the_law_at_once(walk):
-    walk.open("2. Births")
-    walk.article.get_by_role("button", name="Skip").click()
-    walk.run()
-    assert "the law" in walk.article.locator(".lesson-table").inner_text()
-    assert "What is right: the shortest ones." in walk.article.inner_text()
-
-
 def test_a_prediction_is_held_against_what_is_right(walk):
     walk.open("2. Births")
     walk.predict(1)
@@ -105,22 +64,6 @@ def test_a_prediction_is_held_against_what_is_right(walk):
     walk.run()
     walk.look()
     assert "What is right: the shortest ones." in walk.article.inner_text()
-
-
-def test_what_is_seen_is_asked_when_enough_has_been_seen(walk):
-    walk.open("2. Births")
-    walk.predict()
-    walk.run()
-    walk.page.evaluate("rub.run.pause()")
-    assert "gone on for 40 lives" in walk.article.inner_text()
-    assert walk.article.locator("#lesson-observe").count() == 0
-    walk.slide_on()
-    assert walk.article.locator("#lesson-observe").count() == 0, "the other run is not there"
-    walk.run(1)
-    walk.slide_on()
-    walk.article.locator("#lesson-observe [type=submit]").click()
-    assert "Choose first" in walk.article.locator("#lesson-observe").inner_text()
-    assert "What is right" not in walk.article.inner_text()
 
 
 def test_progress_is_kept_in_the_address_where_storage_is_off(browser, lesson_file):
@@ -144,29 +87,6 @@ def test_progress_is_kept_in_the_address_where_storage_is_off(browser, lesson_fi
     assert kept.article.locator("input:checked").get_attribute("value") == "smaller"
     assert kept.answer(0, "7.65 µm")[0]
     context.close()
-
-
-def test_another_address_opens_another_lesson(walk, lesson_file):
-    walk.open("1. One life")
-    walk.predict()
-    walk.page.goto(f"{lesson_file}#lesson=slider&progress=3c.0.0.0.0.0.1b.0")
-    walk.article.get_by_role("heading", name="7. The slider").wait_for()
-    assert walk.article.locator("input:checked").get_attribute("value") == "ring"
-    assert walk.page.get_by_role("button", name="1. One life ✓ done").count() == 1
-
-
-@pytest.mark.parametrize("address", ["#lesson=nothing&progress=9z.x", "#progress=3q.2a99.1", "#lesson=sum&progress=3"])
-def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, address):
-    page = browser.new_page()
-    failures = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
-    page.add_init_script(UNHURRIED)
-    page.goto(lesson_file + address)
-    walk = Walk(page)
-    assert walk.article.locator("h3").count() == 1
-    assert walk.article.locator("[data-run]").count() == 0
-    assert failures == []
-    page.close()
 
 
 def test_a_phone_shows_every_lesson_without_scrolling_sideways_and_names_its_controls(browser, lesson_file):
@@ -242,29 +162,6 @@ def test_a_lesson_from_the_list_to_the_last_answer(walk):
     assert page.locator("#lesson-title").inner_text() == "3. The live count"
 
 
-def test_a_choice_is_made_with_the_arrows(walk):
-    page = walk.page
-    walk.open("5. The sum")
-    walk.to_the_checks()
-    go_to(page, 'input[name="check-bell"]')
-    press(page, "Space", "Enter")
-    assert "all diameters are equal" in page.locator("#check-bell-verdict").inner_text()
-    press(page, "ArrowDown", "Enter")
-    assert page.locator("#check-bell-verdict").inner_text() == "Right."
-
-
-def test_typing_an_answer_moves_nothing_else(walk):
-    """Letters that are keys of the stage are letters in an answer."""
-    page = walk.page
-    walk.open("1. One life")
-    walk.to_the_checks()
-    before = page.evaluate("[rub.run.playing, rub.run.pace, rub.run.selected]")
-    go_to(page, "#check-fraction")
-    page.keyboard.type("ken0+-p")
-    assert page.evaluate("[rub.run.playing, rub.run.pace, rub.run.selected]") == before
-    assert page.locator("#check-fraction").input_value() == "ken0+-p"
-
-
 # No answer of a lesson is on the page before its prediction: neither in its text nor in the lines of its pictures.
 EXACT = """(() => {
   const e = rub.exact();
@@ -314,102 +211,4 @@ def test_an_answer_that_leaks_would_be_noticed(browser: Any, lesson_file: str) -
         assert leaked(page) == []
 
 
-@pytest.mark.parametrize("lesson", ["3. The live count", "5. The sum"])
-def test_the_lines_of_the_law_wait_for_the_prediction(browser: Any, lesson_file: str, lesson: str) -> None:
-    inked = "document.getElementById('count').toDataURL()"
-    with opened(browser, lesson_file, **CALM) as page:
-        Walk(page).open(lesson)
-        page.locator("#unfold").click()
-        painted(page)
-        before = page.evaluate(inked)
-        page.evaluate("rub.emit('veil')")
-        painted(page)
-        assert page.evaluate(inked) == before
-        page.locator("#reveal").click()
-        painted(page)
-        assert page.evaluate(inked) != before
-
-
 # What stands before a prediction, and what can be played with.
-MOST_WORDS = 60
-WORDS = """rub.lessons.list.flatMap(({ question, opening = '', further }) =>
-  [question + opening, further?.question].filter(Boolean).map((html) => {
-    const text = document.createElement('div');
-    text.innerHTML = html;
-    return text.textContent.trim().split(/\\s+/).length;
-  }))"""
-
-
-def test_little_is_to_be_read_before_a_prediction(walk):
-    assert max(walk.page.evaluate(WORDS)) <= MOST_WORDS
-    assert "knob" not in walk.page.inner_text("body").lower()
-
-
-def test_controls_that_a_lesson_does_not_need_are_folded(walk):
-    needed = walk.page.evaluate("rub.lessons.list.map((lesson) => lesson.controls)")
-    for lesson, controls in enumerate(needed):
-        walk.page.evaluate(f"rub.lessons.open({lesson})")
-        shown = walk.page.locator("#side .knob:visible").evaluate_all(
-            "all => all.map((each) => each.querySelector('label').htmlFor.replace('knob-', ''))"
-        )
-        assert sorted(shown) == sorted(controls)
-        walk.page.locator("#more-controls summary").click()
-        assert walk.page.locator("#side .knob:visible").count() == 14
-        walk.page.locator("#more-controls summary").click()
-
-
-@pytest.mark.parametrize(
-    ("lesson", "key", "factor"),
-    [(1, "diameter", 10.0), (4, "meanCount", 1.0), (4, "diameter", 10.0), (6, "speed", 10.0)],
-)
-def test_a_number_in_the_text_can_be_dragged(walk, lesson, key, factor):
-    value = {"diameter": "rub.exact().diameter", "meanCount": "rub.world.meanCount", "speed": "rub.world.speed"}[key]
-    walk.page.evaluate(f"rub.lessons.open({lesson})")
-    walk.predict()
-    walk.run(0)
-    walk.page.evaluate("rub.run.pause()")
-    number = walk.article.locator(f"[data-drag={key}]")
-    number.scroll_into_view_if_needed()
-    before, box = walk.page.evaluate(value), number.bounding_box()
-    assert box["height"] >= 24
-    if key == "meanCount":
-        number.focus()
-        walk.page.keyboard.press("ArrowRight")
-        assert walk.page.evaluate(value) == before + 1
-        return
-    x, y = box["x"] + 3, box["y"] + 10
-    walk.page.mouse.move(x, y)
-    walk.page.mouse.down()
-    walk.page.mouse.move(x + 80, y, steps=4)
-    walk.page.mouse.up()
-    assert walk.page.evaluate(value) == pytest.approx(before * factor**0.5, rel=0.02)
-    assert number.get_attribute("aria-valuetext") == number.inner_text()
-
-
-def test_a_click_lets_a_junction_be_born(walk):
-    strip = walk.page.locator("#born")
-    strip.click()
-    strip.press("Enter")
-    assert walk.page.evaluate("rub.born.lives.length") == 2
-    until(walk.page, "rub.born.lives.length === 0")
-
-
-def test_the_cursor_measures_ten_swings(walk):
-    walk.open("7. The slider")
-    walk.predict()
-    walk.run(0)
-    walk.page.evaluate("rub.run.pause(), rub.run.goTo(6000)")
-    walk.article.locator("[data-act=measure]").click()
-    said = walk.article.locator("#lesson-running").inner_text()
-    assert said.startswith("Ten swings over ")
-    own = walk.page.evaluate("rub.exact().naturalFrequency")
-    damping = walk.page.evaluate("rub.exact().dampingRatio")
-    # Ten swings of a narrow band of half-width damping x frequency hold some 20 pi damping independent phases.
-    measured = float(re.search(r": ([0-9.]+) a second", said)[1])
-    assert abs(measured / own - 1) < 4 * (damping / (20 * math.pi)) ** 0.5
-    box = walk.page.locator("#slider").bounding_box()
-    walk.page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 40)
-    walk.page.mouse.down()
-    walk.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 40, steps=3)
-    walk.page.mouse.up()
-    assert " swings over " in walk.page.inner_text("#status")

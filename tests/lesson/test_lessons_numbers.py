@@ -1,115 +1,20 @@
 """Every figure that a lesson shows: the law's are those of the Python package, the run's follow from its rows."""
 
-from bisect import bisect_left
-from math import exp, pi, sqrt
+from math import exp, sqrt
 
 import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.overlap import junction_area
-from rubnoise.lesson.page import half_lag
-from rubnoise.scenario.reading import load
-from rubnoise.scenario.shipped import shipped
 from tests.lesson.node import FIGURE_5, scenario_of
 from tests.lesson.walk import UNFOLD
 from tests.verification.scores import seed_of
 
-LOOKS = 40
-LAWS = """
-() => rub.lessons.list.map((lesson) => lesson.experiment.runs.map((run) => {
-  rub.set(run.set);
-  const exact = rub.exact();
-  rub.reading.open(run.trace ?? '');
-  const figures = lesson.experiment.table.map((row) => row.exact(exact, rub.world));
-  return { world: { ...rub.world }, figures, trace: run.trace ?? null };
-}))
-"""
-SEEN = """
-(settings) => {
-  rub.set(settings);
-  rub.run.goTo(60 * rub.exact().lifeMean);
-  const told = rub.lessons.seen(rub.exact());
-  const { rows, distance } = rub.run;
-  const { lifeMean: life, spacing } = rub.exact();
-  const shared = [0, 0.25, 0.5, 1, 1.5].map((lives) => told.correlation(lives));
-  return { told: { ...told, shared }, rows, distance, life, spacing, areaMean: rub.exact().areaMean };
-}
-"""
 MEASURED = "(settings) => rub.lessons.measured({ ...rub.world, ...settings })"
 
 
 def swing(exact):
     return exact.area.std / exact.area.mean
-
-
-def correlations(exact):
-    life = 2 * exact.mean_diameter
-    return list(exact.autocovariance(np.array([0, 0.25, 0.5, 0.75, 1, 1.5]) * life) / exact.area.variance)
-
-
-def sizes(exact):
-    """Return what three ways read on average off a trace of these sizes, and the truth."""
-    of_equal = half_lag(rubnoise.exact(scenario_of(FIGURE_5 | {"spread": 0.0, "calibration": "exact"})))
-    equal_diameter = np.sqrt(3 * FIGURE_5["meanArea"] / FIGURE_5["meanCount"])
-    true = exact.mean_diameter
-    return [true, half_lag(exact) / of_equal * equal_diameter, true, true]
-
-
-def births(exact):
-    per_life = 2 * exact.mean_diameter / exact.model.mean_birth_spacing
-    if isinstance(exact.model.births, RegularBirths):
-        return [exact.model.mean_birth_spacing, 0, 0, per_life, 0]
-    return [exact.model.mean_birth_spacing, 1 - exp(-0.5), exp(-1), per_life, per_life]
-
-
-def swings(exact):
-    slider = exact.slider
-    own = exact.model.slider.natural_frequency
-    return [
-        slider.displacement_std,
-        slider.one_way_validity,
-        slider.velocity_std / (2 * pi * slider.displacement_std),
-        own,
-    ]
-
-
-def rises(exact):
-    load = exact.load
-    relative = swing(exact) if load is None else sqrt(load.covariances.of("friction_force")) / 50_000.0
-    return [relative, exact.slider.displacement_std, 0.0 if load is None else load.separation_std]
-
-
-def hops(exact):
-    """Return what is exact about a slider that may leave its contact: the mean load, and V/(c omega_c)."""
-    contact = exact.model
-    width = sqrt(4 * contact.mean_real_contact_area / (pi * contact.mean_junction_count))
-    return [np.nan, 1.0, contact.sliding_speed / (width * 2 * pi * exact.load.contact_resonance)]
-
-
-LESSONS = [
-    lambda exact: [exact.area.mean, exact.area.mean / exact.model.calibrated_diameter**2],
-    births,
-    lambda exact: [exact.count_mean, exact.count_std, 2 * exact.mean_diameter / exact.model.mean_birth_spacing],
-    lambda exact: [exact.mean_diameter, exact.length_biased_mean_diameter, 0.5, exact.count_mean],
-    lambda exact: [exact.area.mean, exact.area.std, swing(exact), exact.area.skewness],
-    correlations,
-    swings,
-    lambda exact: [swing(exact), exact.slider.displacement_std],
-    sizes,
-    rises,
-    hops,
-]
-
-
-def test_the_laws_column_is_the_theory_of_the_package(walk):
-    shown = walk.page.evaluate(LAWS)
-    for figures_of, runs in zip(LESSONS, shown, strict=True):
-        for run in runs:
-            trace = run["trace"] and load(shipped(f"lessons/read_{run['trace']}.toml"))
-            expected = figures_of(rubnoise.exact(trace or scenario_of(run["world"])))
-            assert run["figures"] == pytest.approx(expected, rel=1e-6, abs=1e-9, nan_ok=True)
 
 
 TABLE = """(names) => Object.fromEntries(names.map((name) => [name,
@@ -159,50 +64,6 @@ def test_the_numbers_on_the_page_are_those_of_theory(walk, lesson, offset):
     assert float(shown["area-std"]) != pytest.approx(other["area-std"], rel=5e-6)
 
 
-def spread(values):
-    return np.mean((values - np.mean(values)) ** 2)
-
-
-def figures(found):
-    """Work out again from the rows what was seen, one place and one birth after the other."""
-    birth, diameter = (np.array([row[name] for row in found["rows"]]) for name in ("birth", "diameter"))
-    life = found["life"]
-    places = np.arange(int(found["distance"] / life * LOOKS) + 1) * life / LOOKS
-    ages = places[:, None] - birth
-    alive = (ages >= 0) & (ages < 2 * diameter)
-    area = np.where(alive, junction_area(ages, diameter), 0).sum(axis=1)
-    inside = (birth > 0) & (birth <= places[-1])
-    born, gaps = birth[inside], np.diff(birth[inside])
-    windows = np.histogram(born, np.arange(0, int(born[-1] / life) + 1) * life)[0]
-    ends = sorted(birth + 2 * diameter)
-    met = [int(np.sum(birth < each)) - bisect_left(ends, each) for each in born]
-    left = area - found["areaMean"]
-    lags = [int(LOOKS * lives) for lives in (0, 0.25, 0.5, 1, 1.5)]
-    return {
-        "areaSkewness": np.mean((area - area.mean()) ** 3) / spread(area) ** 1.5,
-        "gapMean": gaps.mean(),
-        "gapsBeyondMean": np.mean(gaps > found["spacing"]),
-        "gapsBelowHalf": np.mean(gaps < 0.5 * found["spacing"]),
-        "birthsMean": windows.mean(),
-        "birthsVariance": spread(windows),
-        "bornMean": diameter[inside].mean(),
-        "lifeMean": 2 * diameter[inside].mean(),
-        "liveMean": np.broadcast_to(diameter, alive.shape)[alive].mean(),
-        "ageMean": (ages / (2 * diameter))[alive].mean(),
-        "metMean": np.mean(met),
-        "shared": [np.mean(left[lag:] * left[: len(left) - lag]) / np.mean(left**2) for lag in lags],
-    }
-
-
-@pytest.mark.parametrize("spread_of_sizes", [0.0, 2.0])
-def test_what_is_seen_follows_from_the_rows(walk, spread_of_sizes):
-    seed = seed_of(f"lesson rows {spread_of_sizes}") % 2**48
-    settings = {"spread": spread_of_sizes, "calibration": "matched", "births": "poisson", "seed": seed}
-    found = walk.page.evaluate(SEEN, settings)
-    for name, expected in figures(found).items():
-        assert found["told"][name] == pytest.approx(expected, rel=1e-9), name
-
-
 def squared_error(settings):
     """Return a bound on the variance of log(std/mean) over a run: those of log std and log mean, as if independent.
 
@@ -230,24 +91,6 @@ def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
     assert abs(np.log(few / many) - np.log(4)) <= 4 * error
     assert abs(np.log(few / many) - np.log(2)) > 4 * error
     assert abs(np.log(few / many) - np.log(16)) > 4 * error
-
-
-@pytest.mark.parametrize(("option", "outcome"), [("four", "You win 7 chips!"), ("sixteen", "Your 7 chips are lost.")])
-def test_chips_are_won_and_lost(walk, option, outcome):
-    walk.open("8. Many small")
-    walk.article.locator(f"#prediction-{option}").check()
-    walk.article.locator("#lesson-stake").fill("11")
-    walk.article.locator("#lesson-predict [type=submit]").click()
-    assert "from 1 to 10 chips" in walk.article.inner_text()
-    walk.article.locator("#lesson-stake").fill("7")
-    walk.article.locator("#lesson-predict [type=submit]").click()
-    walk.run(0)
-    walk.slide_on()
-    walk.run(1)
-    assert "chips!" not in walk.article.inner_text()
-    assert "chips are" not in walk.article.inner_text()
-    walk.look()
-    assert outcome in walk.article.locator("#lesson-said").inner_text()
 
 
 SPELLINGS = {

@@ -1,19 +1,16 @@
 """The page's model without a browser: predictions and parity with the package."""
 
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import quad, solve_ivp
 
 import rubnoise
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of, half_life
 from rubnoise.contact.pulses import PULSES
 from rubnoise.lesson.page import record_of
-from tests.lesson.node import FIGURE_5, WORLDS, answer, scenario_of, world_with
+from tests.lesson.node import WORLDS, answer, scenario_of, world_with
 
 # What the page predicts is what the package predicts, to six digits, wherever a knob may stand.
 TOLERANCE = 1e-6
@@ -136,31 +133,6 @@ def test_the_distribution_is_that_of_the_package(world: dict[str, Any]) -> None:
     np.testing.assert_allclose(found, expected, rtol=combs, atol=0.01 * expected[11:].max())
 
 
-def test_a_normal_curve_would_be_noticed() -> None:
-    theory = rubnoise.exact(scenario_of(FEW[4]))
-    _, expected, _, _ = densities(FEW[4])
-    areas = np.linspace(0.0, theory.area.mean + 4.5 * theory.area.std, expected.size + 1)[1:]
-    normal = np.exp(-0.5 * ((areas - theory.area.mean) / theory.area.std) ** 2) / (
-        theory.area.std * np.sqrt(2.0 * np.pi)
-    )
-    assert np.abs(expected - normal).max() > 0.1 * expected[11:].max()
-
-
-def test_triangles_of_one_size_at_regular_spacing_are_constant() -> None:
-    world = world_with(births="regular", pulse="triangle", calibration="exact", spread=0.0)
-    found = answer(NUMBERS, world=world)
-    assert (found["areaStd"], found["skewness"]) == (0.0, None)
-    assert answer(NUMBERS, world=world | {"meanCount": 3.0})["areaStd"] == pytest.approx(200.0 / (3**0.5 * 9), rel=1e-9)
-
-
-def test_a_spread_that_no_diameter_matches_is_known() -> None:
-    world = world_with(calibration="matched", spread=4.0)
-    least = 1.609247 * 20.0 * 16.0
-    ask = "return rub.model.calibratedDiameter(world);"
-    assert answer(ask, world=world | {"meanArea": 0.999 * least}) is None
-    assert answer(ask, world=world | {"meanArea": 1.001 * least}) > 0.887 * 4.0
-
-
 def test_a_wrong_prediction_would_be_noticed() -> None:
     wanted = expected(world_with())
     found = answer(NUMBERS, world=world_with(spread=0.201))
@@ -183,10 +155,6 @@ SLOW_MOTION_ERROR = 2e-4  # where a tick lasts half a radian of the slider's own
 SLOW = {"speed": 50.0}
 
 AREAS = "return since.map((s, i) => rub.model.pulses[shape].area(s, diameters[i]));"
-OFF_CENTRE_AREA = """
-const { area, between } = rub.model.pulses.offCentre;
-return since.map((s, i) => [area(s, diameters[i], offsets[i]), between(s, s + step, diameters[i], offsets[i])]);
-"""
 
 
 @pytest.mark.parametrize("shape", ["lens", "triangle", "parabola"])
@@ -196,33 +164,6 @@ def test_one_life_has_the_same_area(shape: str) -> None:
     since = source.uniform(0.001, 1.999, 400) * diameters
     found = answer(AREAS, shape=shape, since=since.tolist(), diameters=diameters.tolist())
     np.testing.assert_allclose(found, PULSES[shape].area(since, diameters), rtol=1e-10, atol=1e-11)
-
-
-def test_a_pass_off_the_centre_line_has_the_same_area() -> None:
-    source = np.random.default_rng(21)
-    diameters = source.uniform(0.5, 50.0, 400)
-    offsets = source.uniform(-1.0, 1.0, 400) * diameters
-    life, step = 2.0 * half_life(diameters, offsets), 0.01
-    since = source.uniform(0.001, 1.0, 400) * (life - step)
-    given = {"since": since.tolist(), "diameters": diameters.tolist(), "offsets": offsets.tolist(), "step": step}
-    found = np.array(answer(OFF_CENTRE_AREA, **given))
-    expected = area_of(OFF_CENTRE_LENS, since, diameters, offsets)
-    np.testing.assert_allclose(found[:, 0], expected, rtol=1e-9, atol=1e-10)
-    for (d, b), start, sum_found in zip(zip(diameters, offsets, strict=True), since[:40], found[:40, 1], strict=False):
-        expected_sum = quad(lambda s, d=d, b=b: float(area_of(OFF_CENTRE_LENS, s, d, b)), start, start + step)[0]
-        assert sum_found == pytest.approx(expected_sum, rel=1e-7)
-    centred = PULSES["lens"].area(since, diameters)
-    assert np.median(np.abs(centred - expected) / expected) > 0.1, "a pass through both centres would be noticed"
-
-
-def test_a_life_begins_and_ends_as_the_power_of_one_and_a_half() -> None:
-    age = np.array([1e-12, 1e-10, 1e-8])
-    expected = (2.0 * sqrt(2.0) / 3.0) * sqrt(5.0) * age**1.5
-    since = [*age.tolist(), *(10.0 - age).tolist(), 0.0, 10.0, -1.0, 11.0]
-    found = answer(AREAS, shape="lens", since=since, diameters=[5.0] * len(since))
-    np.testing.assert_allclose(found[:3], expected, rtol=1e-6)
-    np.testing.assert_allclose(found[4:6], expected[1:], rtol=1e-4)
-    assert found[6:] == [0.0] * 4
 
 
 def replayed(world: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
@@ -273,44 +214,4 @@ def test_another_junction_would_be_noticed(tmp_path: Path) -> None:
     assert np.abs(np.array(page["area"]) * (1.0 + 1e-10) - run["area"]).max() > LARGEST_AREA_ERROR
 
 
-def test_a_long_run_is_cut_where_the_page_is_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rubnoise.lesson.page.MOST_ROWS", 100)
-    page, run = replayed(world_with(), tmp_path)
-    assert len(page["rows"]) == 100
-    assert page["end"] == run["birth"][100]
-    ticks = len(page["area"])
-    assert np.abs(np.array(page["area"])[: ticks - 3] - run["area"][: ticks - 3]).max() < LARGEST_AREA_ERROR
-
-
 # A slider that rests on its load.
-RISING = FIGURE_5 | {"spread": 0.0, "pulse": "parabola", "sizes": "rayleigh", "calibration": "matched"}
-UNDER_LOAD = """
-  rub.lesson = { sliderStart: 'equilibrium', distance: 100 };
-  const tick = 0.11;
-  const trace = new rub.Trace(world, new rub.model.Births(world), tick, 400, 0);
-  trace.until(400);
-  const take = (name) => Array.from(trace[name].subarray(0, 401));
-  return { tick, shear: take('shear'), impulse: take('impulse'), force: take('force'), rise: take('separation') };
-"""
-
-
-def test_a_slider_under_a_load_moves_as_its_equation_says() -> None:
-    """Hold separation and force against a tight integration of the same broken parabola of the area."""
-    found = answer(UNDER_LOAD, world=RISING | {"support": "load"})
-    shear, impulse = np.array(found["shear"]), np.array(found["impulse"])
-    weight, mass, scale, mean, time = 2e5, 0.005, 0.5, 250.0 * 200.0, found["tick"] / 1000.0
-    damping = 2.0 * 0.05 * np.sqrt(weight / scale * mass)
-    state, separation = np.array([scale * (shear[0] / mean - 1.0), 0.0]), []
-    for before, after, over in zip(shear, shear[1:], impulse[1:] / found["tick"], strict=False):
-
-        def slope(t: float, z: Any, ends: Any = (before, after, over)) -> list[float]:
-            y = t / time
-            area = ends[0] + (ends[1] - ends[0]) * y + (ends[2] - 0.5 * (ends[0] + ends[1])) * 6.0 * y * (1.0 - y)
-            return [z[1], (weight * (area / mean - 1.0 - z[0] / scale) - damping * z[1]) / mass]
-
-        state = solve_ivp(slope, (0.0, time), state, method="DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
-        separation.append(state[0])
-    assert found["rise"][1:] == pytest.approx(separation, abs=1e-8)
-    force = mean * (shear[1:] / mean - np.array(separation) / scale)
-    assert found["force"][1:] == pytest.approx(force.tolist(), rel=1e-7)
-    assert answer(UNDER_LOAD, world=RISING)["force"] == found["shear"]  # at constant gap

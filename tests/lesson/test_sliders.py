@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 import rubnoise
 from rubnoise.arrays import Doubles
@@ -113,24 +112,6 @@ def test_another_junction_leads_to_other_landmarks() -> None:
     assert apart(on_the_page(world, other, start=run.start, end=700.0), run, 3)[1] > 1e-2
 
 
-@pytest.mark.parametrize("damping", [0.02, 0.5])
-def test_reversals_are_the_simulators(damping: float) -> None:
-    """Thrown from far out, the slider runs back over the surface, behind the place where it began."""
-    world = world_with(damping=damping, speed=2000.0, strength=25.0)
-    model = scenario_of(world, distance=60.0).model()
-    rows = lived(model, 9, -700.0, 60.0)
-    run = coupled(model, 9, displacement=-250.0, tolerance=1e-11)
-    kinds = run.landmarks["kind"].tolist()
-    assert kinds[0] == 2
-    assert -600.0 < run.slider["distance"].min() < -200.0
-    page = on_the_page(world, rows, start=-250.0, end=60.0, cells=800)
-    assert page["behind"] > 100
-    most = min(10, len(kinds))
-    late, off = apart(page, run, most)
-    assert off < 2e-2
-    assert late * world["speed"] < 2e-2
-
-
 def simulated(world: dict[str, Any], distance: float, fields: int, seed: int) -> tuple[Doubles, float]:
     """Return of each run the spread about the start, the share stuck and sticks per second; and where it starts."""
     model = scenario_of(world, distance=distance).model()
@@ -161,102 +142,6 @@ def compare_statistics(name: str, fields: int, longer: float) -> None:
 @pytest.mark.parametrize("name", STATISTICS)
 def test_statistics_are_the_simulators(name: str) -> None:
     compare_statistics(name, 8, 0.75)
-
-
-@pytest.mark.parametrize("name", STATISTICS)
-def test_statistics_of_many_long_runs_are_the_simulators(name: str) -> None:
-    compare_statistics(name, 24, 1.5)
-
-
-FRAMES = """
-const made = (share) => {
-  const source = new rub.model.Births(world);
-  const motion = new rub.Motion(world, new rub.Field(world, source, [], 300), start);
-  for (let t = share; !motion.isOver; t += share) motion.until({ time: t, work: 40 });
-  return ['time', 'displacement', 'velocity'].map((name) => motion.columns[name].values.subarray(0, motion.size));
-};
-return [made(0.0166), made(0.00071), made(10)];
-"""
-
-
-def test_frames_do_not_change_the_motion() -> None:
-    first, second, third = answer(FRAMES, world=world_with(), start=170.0)
-    assert first == second == third
-    assert len(first[0]) > 5000
-
-
-def test_no_swing_goes_beyond_the_drive_but_backward() -> None:
-    world = world_with()
-    model = scenario_of(world, distance=500.0).model()
-    run, rows = coupled(model, 3), lived(model, 3, -200.0, 500.0)
-    page = on_the_page(world, rows, start=run.start, end=500.0)
-    assert page["range"]["velocity"][1] == world["speed"]
-    velocity, phase = np.array(page["velocity"]), np.array(page["phase"])
-    assert set(phase) == {0, 1}
-    assert (velocity[phase == STICK] == world["speed"]).all()
-    times = np.array(page["time"])
-    stuck = np.diff(times)[phase[:-1] == STICK].sum() / times[-1]
-    assert page["moments"]["stuckShare"] == pytest.approx(stuck, rel=1e-9)
-    x = np.array(page["displacement"])
-    even = np.interp(np.linspace(0.0, times[-1], 400_001), times, x)
-    assert page["moments"]["displacementMean"] == pytest.approx(even.mean(), rel=1e-5)
-    assert page["moments"]["displacementStd"] == pytest.approx(even.std(), rel=1e-4)
-
-
-HARD = [
-    {"speed": 1.0},
-    {"speed": 1e7},
-    {"damping": 0.0},
-    {"damping": 1000.0},
-    {"damping": 1000.0, "mass": 1e-6, "speed": 1.0},
-    {"mass": 1e-6, "damping": 0.0, "speed": 1.0},
-    {"mass": 10.0, "stiffness": 0.1},
-    {"stiffness": 1e7},
-    {"strength": 0.1},
-    {"strength": 1e5},
-    {"meanCount": 0.5, "damping": 0.0},
-    {"meanCount": 0.5, "strength": 1e5, "speed": 1.0},
-    {"births": "regular", "pulse": "triangle", "calibration": "exact", "spread": 0.0},
-]
-LIMITED = """
-const source = new rub.model.Births(world);
-const c = rub.model.contact(world);
-const start = (world.strength * c.birthRate * c.pulse.lifeIntegral(1) * c.sizes.moment(3)) / world.stiffness;
-const motion = new rub.Motion(world, new rub.Field(world, source, [], 20 * c.meanLife), start);
-motion.until({ work: 500 });
-const once = motion.work;
-motion.until({ work: 300000 });
-const { time, displacement } = motion.columns;
-return { once, isOver: motion.isOver, size: motion.size, finite: [time, displacement].every((column) =>
-  column.values.subarray(0, column.length).every(Number.isFinite)), duration: motion.time, place: motion.reached,
-  rising: time.values.subarray(1, time.length).every((t, i) => t >= time.values[i]), end: 20 * c.meanLife };
-"""
-
-
-@pytest.mark.parametrize("changes", HARD, ids=str)
-def test_wherever_the_knobs_stand_it_comes_to_its_end(changes: dict[str, Any]) -> None:
-    found = answer(LIMITED, world=world_with(**changes))
-    assert found["once"] < 1500
-    assert found["finite"]
-    assert found["rising"]
-    assert found["isOver"]
-    assert found["place"] == pytest.approx(found["end"], rel=1e-9)
-
-
-RESPONSE = "return cases.map(([a, b, t]) => rub.response(a, b, t, new Float64Array(4)));"
-
-
-def test_a_piece_of_slip_is_a_matrix_exponential() -> None:
-    """l'' + 2 a l' + b l = 0 with its two integrals: whichever of the closed forms is taken."""
-    source = np.random.default_rng(seed_of("pieces of slip"))
-    cases = [(a, b, 1.0) for a in (0.0, 0.1, 0.5, 1.0, 5.0, 50.0) for b in (-20.0, -1e-9, 0.0, 1e-9, 0.2, 1.0, 30.0)]
-    cases += [(a, a * a * (1.0 + e), 1.0) for a in (0.3, 2.0) for e in (-1e-3, -1e-9, 0.0, 1e-9, 1e-3)]
-    cases += [(float(a), float(b), float(t)) for a, b, t in source.uniform([0, -5, 0], [5, 20, 2], (200, 3))]
-    found = np.array(answer(RESPONSE, cases=cases))
-    for (a, b, t), values in zip(cases, found, strict=True):
-        system = np.array([[0, 1, 0, 0], [-b, -2 * a, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0]], dtype=float)
-        expected = expm(system * t)[:, 1]
-        np.testing.assert_allclose(values, expected, rtol=1e-9, atol=1e-12)
 
 
 BEHIND = """
@@ -365,36 +250,3 @@ def test_hops_have_the_statistics_of_the_simulators(speed: float) -> None:
     # Faster by a quarter it hops more: it would be noticed.
     faster = np.array(answer(HOPS, world=light(), speed=1.25 * speed, **given))
     assert z_scores(faster, there).max() > LARGEST_Z
-
-
-def test_the_speed_over_the_root_of_the_height_is_all_that_counts() -> None:
-    """Four times the height at half the speed: bit for bit the same motion, and at equal speed another."""
-    given = {"duration": 60.0, "runs": 2, "seed": 3}
-    low, high = (answer(HOPS, world=light(heights=height), speed=0.4, **given) for height in (0.5, 2.0))
-    assert low == high
-    assert answer(HOPS, world=light(heights=2.0), speed=0.8, **given) != low
-
-
-def test_half_the_speed_makes_up_for_four_times_the_height() -> None:
-    worlds = [light(speed=8e4), light(speed=4e4, heights=2.0), light(speed=8e4, heights=2.0)]
-    low, half, same = answer("return worlds.map((world) => rub.flight.scalesOf(world).speed);", worlds=worlds)
-    assert half == pytest.approx(low, rel=1e-12)
-    assert same == pytest.approx(2.0 * low, rel=1e-12)
-
-
-EVENTS = """
-const flight = new rub.flight.Flight(world);
-const found = [];
-for (let next = flight.next(0, 2000); next; next = flight.next(next.distance, 2000)) found.push(next);
-return found;
-"""
-
-
-def test_events_are_contact_lost_and_made_in_turn() -> None:
-    events = answer(EVENTS, world=light(speed=8e4))
-    assert len(events) > 10
-    distances, kinds = ([each[name] for each in events] for name in ("distance", "kind"))
-    assert distances == sorted(distances)
-    assert set(kinds) == {"contact lost", "contact made"}
-    assert kinds[::2] == kinds[:1] * len(kinds[::2])
-    assert distances[-1] <= 2000.0

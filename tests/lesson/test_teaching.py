@@ -3,23 +3,18 @@
 import re
 from functools import cache
 from math import pi, sqrt
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.lesson.page import LAWS, half_lag, page, script_parts
+from rubnoise.lesson.page import LAWS, half_lag, page
 from rubnoise.lesson.settings import LESSON_SLIDER, settings_of
 from rubnoise.scenario import build
 from rubnoise.scenario import load as load_scenario
 from rubnoise.scenario.reading import load
 from tests.architecture.sources import ROOT
-from tests.lesson.node import PARTS, lessons, minutes, other_numbers, scenario_of, world_with
-from tests.lesson.test_beside import IN_SIGHT, LEAST
-from tests.lesson.test_lessons import VERDICTS
-from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until
+from tests.lesson.node import lessons, scenario_of, world_with
 
 # Every number in bold in docs/teaching.md is the one of the theory, to the digits that are printed.
 UNEQUAL = ("diameter.law=normal", "diameter.spread=2 um", "interface.calibration=matched")
@@ -134,110 +129,15 @@ def test_numbers_are_those_of_the_theory(lesson, expected):
     assert wrong == []
 
 
-def test_numbers_outside_of_the_lessons():
-    lens = swing(contact(20)) * sqrt(20)
-    triangle = swing(exact("lessons/poisson", "pulse.shape=triangle")) * sqrt(20)
-    parabola = swing(exact("lessons/poisson", "pulse.shape=parabola")) * sqrt(20)
-    off_centre = swing(exact("lessons/poisson", "pulse.offset=uniform")) * sqrt(20)
-    written = [text for text in other_numbers() if "." in text]
-    values = (lens, triangle, parabola, off_centre)
-    assert [is_shown_as(value, text) for value, text in zip(values, written, strict=True)] == [True] * 4
-
-
-def test_constant_speed_is_fair_from_the_speed_that_is_named():
-    """To the digit that is printed: just above it, and no more just below."""
-    assert fig5(f"sliding.speed={FASTER + 0.05} mm/s").one_way_validity < 0.1
-    assert fig5(f"sliding.speed={FASTER - 0.05} mm/s").one_way_validity > 0.1
-
-
 def test_a_wrong_digit_is_noticed():
     assert is_shown_as(4.4721, "4.472")
     assert not is_shown_as(4.4721, "4.473")
     assert not is_shown_as(0.0499, "0.04")
 
 
-def test_the_plan_fills_a_lesson():
-    assert sum(minutes()) == 45
-
-
 def test_the_regular_contact_that_is_silent():
     silent = exact("lessons/regular", "pulse.shape=triangle")
     assert silent.area.std < 1e-12 * silent.area.mean
-
-
-# The teacher's kit: larger for a projector, and a worksheet without answers where the page is printed.
-LESSONS = lessons()
-SIZES = """(() => {
-  const size = (selector) => parseFloat(getComputedStyle(document.querySelector(selector)).fontSize);
-  const { ctx, scale } = rub.traces.pens.area;
-  rub.traces.draw(rub.run.moments());
-  return [size('.lesson-question'), size('#play'), parseFloat(ctx.font) * scale, ctx.lineWidth * scale];
-})()"""
-ANSWERS = """rub.lessons.list.map((lesson) => {
-  const world = { ...rub.world, ...lesson.experiment.runs[0].set };
-  const exact = rub.theory.exact(world);
-  const laws = lesson.experiment.table.map((row) => row.exact(exact, world));
-  const asked = lesson.checks.filter((check) => check.expected).flatMap((check) => check.expected(exact, world));
-  const texts = (values) => values.map(rub.lessons.words.say).filter((text) => text.length > 3);
-  return [texts([...laws, ...asked]), texts(asked)];
-})"""
-"""What a lesson's table and questions ask for, and what its questions alone do."""
-
-
-@pytest.mark.parametrize(("width", "height"), [(1024, 768), (1920, 1080)])
-def test_a_projector_shows_larger_type_and_lines(browser: Any, lesson_file: str, width: int, height: int) -> None:
-    screen = {"width": width, "height": height}
-    with opened(browser, lesson_file, init=UNHURRIED, viewport=screen, **CALM) as page:
-        walk = Walk(page)
-        walk.open("5. The sum")
-        walk.predict()
-        walk.run()
-        page.evaluate("rub.run.pause(), rub.show('area'), rub.fitAll()")
-        before = page.evaluate(SIZES)
-        page.keyboard.press("b")
-        assert page.locator("#projector").get_attribute("aria-pressed") == "true"
-        assert all(after > 1.15 * size for size, after in zip(before, page.evaluate(SIZES), strict=True))
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        walk.run(2)
-        assert page.evaluate(IN_SIGHT) >= LEAST
-        page.evaluate("rub.run.pause(), scrollTo(0, 0)")
-        row = page.evaluate("rub.run.living[3]")
-        x, y = page.evaluate("rub.stage.pointOf(rub.run.living[3])")
-        page.locator("#stage").click(position={"x": x, "y": y})
-        assert page.evaluate("rub.run.selected") == row["id"]
-        page.evaluate("rub.run.goTo(0), rub.set(rub.lessons.list[4].experiment.runs[0].set), rub.show('area')")
-        page.locator("#projector").click()
-        page.evaluate("rub.fitAll()")
-        assert page.evaluate(SIZES) == before
-
-
-def test_a_print_is_a_worksheet_without_answers(browser: Any, lesson_file: str) -> None:
-    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
-        assert page.locator("#sheet").count() == 0
-        page.emulate_media(media="print")
-        until(page, "document.getElementById('sheet') !== null")
-        sheet = page.locator("#sheet")
-        text = sheet.inner_text()
-        assert page.inner_text("body").strip() == text.strip(), "nothing else is printed"
-        for lesson in LESSONS:
-            assert text.count(lesson.title) == 2, "once to play, once afterwards"
-        blanks = page.locator("#sheet .sheet-blank").count()
-        boxes = page.locator("#sheet .sheet-boxes li").count()
-        questions = sum(len(lesson.rows) for lesson in LESSONS)
-        assert (blanks > 3 * len(LESSONS), boxes > 4 * len(LESSONS)) == (True, True)
-        assert page.locator("#sheet > section").count() == 2 * len(LESSONS)
-        assert page.locator("#sheet h1.sheet-after ~ section > p").count() >= questions
-        assert page.locator("#sheet input, #sheet button").count() == 0
-        assert page.locator("#sheet td").all_inner_texts() == [""] * page.locator("#sheet td").count()
-        assert [each for each in (*VERDICTS, "Show the law") if each in text] == []
-        for lesson, answers in zip(LESSONS, page.evaluate(ANSWERS), strict=True):
-            parts = page.locator("#sheet > section", has_text=lesson.title).all_inner_texts()
-            for part, forbidden in zip(parts, answers, strict=True):
-                assert [answer for answer in forbidden if answer in part] == [], lesson.title
-        assert page.pdf(format="A4")[:5] == b"%PDF-"
-        page.emulate_media(media="screen")
-        until(page, "document.getElementById('sheet') === null")
-        assert page.locator("#lessons").is_visible()
 
 
 # The page as a file: one, small, and without requests.
@@ -268,21 +168,6 @@ def test_a_title_is_text_wherever_it_stands() -> None:
     assert "<b>" not in text
     assert "&lt;b&gt;@data@ &amp; &quot;more&quot;" in text
     assert text.count("</script>") == 2
-
-
-def test_every_part_runs_once_and_the_last_one_last() -> None:
-    parts = script_parts()
-    assert sorted(parts) == sorted(path.name for path in PARTS.glob("*.js"))
-    assert parts[-1] == "main.js"
-
-
-@pytest.mark.parametrize("path", sorted(PARTS.iterdir()), ids=lambda path: path.name)
-def test_a_part_stays_readable(path: Path) -> None:
-    text = path.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 300
-    if path.suffix == ".js":
-        assert path.name.startswith("lessons_text") or max(map(len, text.splitlines())) <= 120
-        assert text.startswith("'use strict';\n/* ")
 
 
 def test_knobs_stand_as_the_scenario_says() -> None:

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -12,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests.architecture.sources import ROOT
-from tools.export_notebooks import cells_of, plain_notebook, static_page
+from tools.export_notebooks import cells_of, plain_notebook
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
 NEEDED = ("marimo", "matplotlib", "h5netcdf", "xarray", "SurfaceTopography")
@@ -39,7 +38,7 @@ def test_there_are_four() -> None:
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_the_plain_notebook_is_made_of_its_source(notebook: Path) -> None:
-    """python tools/export_notebooks.py writes it."""
+    """`dev.py generate notebooks` writes it."""
     text = notebook.with_suffix(".ipynb").read_text(encoding="utf-8")
     assert text == plain_notebook(cells_of(notebook.read_text(encoding="utf-8")))
     cells = json.loads(text)["cells"]
@@ -52,20 +51,6 @@ def test_the_plain_notebook_is_made_of_its_source(notebook: Path) -> None:
 
 def code_of(cell: dict[str, Any]) -> list[str]:
     return list(cell["source"]) if cell["cell_type"] == "code" else []
-
-
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_page_of_a_notebook_has_its_results_and_loads_nothing(
-    notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    cells = cells_of(notebook.read_text(encoding="utf-8"))
-    page = static_page("title", cells)
-    assert page.count("data:image/png;base64,") >= 3
-    assert page.count("<pre class=code>") == sum(cell.kind == "code" for cell in cells)
-    assert re.findall(r"""(?:src|href)\s*=\s*["']?(?!data:)[^"' >]+|url\([^)]*\)|@import|<script""", page) == []
-    assert ("data:audio/wav;base64,UklGR" in page) == (notebook.stem in ("noise", "surfaces"))
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)

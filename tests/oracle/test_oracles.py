@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import math
-from math import exp, factorial, pi
+from math import exp, pi
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,6 @@ from tests.oracle.slow_contact import (
     naive_rows,
     panjer,
     traces,
-    triangle_area,
 )
 
 # Two references for the slider that share only the list of junctions give the same motion, and see small faults.
@@ -73,14 +72,6 @@ def test_both_references_give_the_same_motion(name: str) -> None:
     assert difference(theta, stepped) < AGREEMENT
 
 
-def test_both_references_agree_from_rest_and_in_motion_at_a_slow_speed() -> None:
-    rows, places = figure_5_rows(12.0), ticks(12.0, 1.0)
-    start = (0.0, 500.0)
-    theta = theta_motion(slider(0.05), 50.0, places, rows, start)
-    stepped = stepped_motion(slider(0.05), 50.0, places, rows, start)
-    assert difference(theta, stepped) < AGREEMENT
-
-
 @pytest.mark.parametrize("name", SLIDERS)
 def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
     damping, distance = SLIDERS[name]
@@ -92,27 +83,6 @@ def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
     lenses = stepped_motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
     assert difference(straight, triangles) < AGREEMENT
     assert difference(straight, lenses) > 1e-3
-
-
-@pytest.mark.parametrize("damping", [0.05, CRITICAL, 20 * CRITICAL])
-def test_the_theta_reference_does_not_depend_on_its_ticks(damping: float) -> None:
-    rows = figure_5_rows(40.0)
-    coarse = theta_motion(slider(damping), SPEED, ticks(40.0, 2.0), rows, EQUILIBRIUM)
-    fine = theta_motion(slider(damping), SPEED, ticks(40.0, 0.1), rows, EQUILIBRIUM)
-    sampled = Motion(displacement=fine.displacement[::20], velocity=fine.velocity[::20])
-    assert difference(coarse, sampled) < 1e-13
-
-
-def test_a_junction_that_ends_early_ends_early_in_both() -> None:
-    rows, places = figure_5_rows(20.0), ticks(20.0, 1.0)
-    row = int(np.searchsorted(rows.birth, 5.0))
-    for share in (0.4, 1.3):
-        changed = rows.ending_early(row, rows.birth[row] + share * rows.diameter[row])
-        theta = theta_motion(slider(0.05), SPEED, places, changed, EQUILIBRIUM)
-        stepped = stepped_motion(slider(0.05), SPEED, places, changed, EQUILIBRIUM)
-        whole = theta_motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
-        assert difference(theta, stepped) < AGREEMENT
-        assert difference(whole, stepped) > 1e-3
 
 
 def test_a_death_moved_by_a_hundredth_of_a_life_is_seen() -> None:
@@ -138,20 +108,6 @@ def test_a_forgotten_kink_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     assert difference(theta, stepped) > 1e4 * AGREEMENT
 
 
-def test_free_motion_is_the_textbook_one() -> None:
-    # Without junctions the under-damped answer is a decaying cosine; a wrong transition cannot hide behind the force.
-    none = np.empty(0)
-    rows = Rows(birth=none, diameter=none, strength=none, death=none)
-    places = ticks(100.0, 1.0)
-    decay = 0.05 / (2 * MASS)
-    rate = math.sqrt(STIFFNESS / MASS - decay**2)
-    time = places / SPEED
-    expected = 3.0 * np.exp(-decay * time) * (np.cos(rate * time) + decay / rate * np.sin(rate * time))
-    for motion in (theta_motion, stepped_motion):
-        x = motion(slider(0.05), SPEED, places, rows, (3.0, 0.0)).displacement
-        assert np.abs(x - expected).max() < 1e-11
-
-
 # The slow contact held to what is known without it: geometry, exact integrals and shot-noise cumulants.
 HERE = Path(__file__).parent
 LIFE_INTEGRALS = json.loads((HERE.parent / "reference" / "pulse.json").read_text(encoding="utf-8"))["c"]
@@ -161,41 +117,9 @@ SAMPLES = 400
 SAMPLE_GAP = 2 * (MEAN_DIAMETER + 12 * STD)
 
 
-def one_junction(*, birth: float, diameter: float, death: float) -> Rows:
-    return Rows(
-        birth=np.array([birth]), diameter=np.array([diameter]), strength=np.array([250.0]), death=np.array([death])
-    )
-
-
 @pytest.mark.parametrize("s", [0.0, 1e-3, 0.4, 2.9, 3.0, 3.1, 5.5, 6.0, 7.0])
 def test_the_paper_and_the_lens_give_one_area(s: float) -> None:
     assert junction_area(s, 3.0) == pytest.approx(lens_area(s, 3.0), abs=1e-14 * 9)
-
-
-def test_the_area_is_full_at_mid_life_and_a_third_of_the_square_on_average() -> None:
-    assert lens_area(3.0, 3.0) == pytest.approx(math.pi * 9 / 4, rel=1e-15)
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-    rising = sum(w * lens_area(1.5 * (1 + t), 3.0) for t, w in zip(nodes, weights, strict=True)) / 2
-    assert rising == pytest.approx(9 / 3, rel=1e-6)
-
-
-def test_the_triangle_is_as_high_as_the_lens_and_straight() -> None:
-    assert triangle_area(3.0, 3.0) == pytest.approx(lens_area(3.0, 3.0), rel=1e-15)
-    assert [triangle_area(s, 3.0) / triangle_area(3.0, 3.0) for s in (-1, 0, 1.5, 4.5, 6, 7)] == [0, 0, 0.5, 0.5, 0, 0]
-
-
-def test_a_junction_counts_from_its_birth_up_to_its_death() -> None:
-    area, count, force = traces(one_junction(birth=1.0, diameter=2.0, death=5.0), [0.5, 1.0, 3.0, 4.999, 5.0, 6.0])
-    assert count.tolist() == [0, 1, 1, 1, 0, 0]
-    assert area[2] == pytest.approx(math.pi)
-    assert np.array_equal(force, 250 * area)
-
-
-def test_a_junction_that_ends_early_is_gone() -> None:
-    area, count, _ = traces(one_junction(birth=0.0, diameter=2.0, death=2.5), [2.4, 2.5])
-    assert count.tolist() == [1, 0]
-    assert area[0] > 2
-    assert area[1] == 0
 
 
 def samples() -> tuple[np.ndarray, np.ndarray]:
@@ -240,15 +164,6 @@ def test_a_tenth_more_junctions_would_be_noticed() -> None:
     assert abs(area.mean() - 1.1 * cumulant(1)) > 4 * math.sqrt(1.1 * cumulant(2) / SAMPLES)
 
 
-def test_diameters_are_redrawn_until_positive() -> None:
-    generator = np.random.default_rng(4)
-    rows = naive_rows(mean_area=1, mean_count=3, diameter_std=2.0, strength=1, distance=200, generator=generator)
-    assert len(rows.diameter) > 100
-    assert (rows.diameter > 0).all()
-    assert (np.diff(rows.birth) > 0).all()
-    assert (rows.death > 0).all()
-
-
 @pytest.mark.parametrize("path", sorted(HERE.glob("*.py")), ids=lambda path: path.name)
 def test_no_reference_imports_what_it_judges(path: Path) -> None:
     tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -265,11 +180,6 @@ def test_panjer_sums_a_poisson_number_of_ones_and_twos() -> None:
     found = panjer(np.array([0.0, 0.75, 0.25]), 2.0, 4)
     chances = [1.0, 1.5, 1.5**2 / 2.0 + 0.5, 1.5**3 / 6.0 + 1.5 * 0.5]
     np.testing.assert_allclose(found, np.cumsum(chances) * exp(-2.0), rtol=1e-14)
-
-
-def test_panjer_counts_areas_of_nothing() -> None:
-    found = panjer(np.array([0.4, 0.6]), 2.0, 6)
-    np.testing.assert_allclose(found, np.cumsum([1.2**n / factorial(n) for n in range(6)]) * exp(-1.2), rtol=1e-14)
 
 
 def test_age_of_a_lens_gives_back_its_area() -> None:

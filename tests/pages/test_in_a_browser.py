@@ -87,19 +87,6 @@ def test_dragging_zooms_down_to_a_tick_and_the_link_keeps_the_place(browser: Any
         assert window(page)[1] - window(page)[0] == pytest.approx(TICK)
 
 
-def test_the_cursor_cuts_as_many_bars_as_are_alive(browser: Any, address: str, one_way: Path) -> None:
-    with rubnoise.open(one_way) as run, opened(browser, f"{address}#from=100&to=140") as page:
-        birth, death = run.junctions["birth_distance"][:], run.junctions["death_distance"][:]
-        box = page.locator("#lifelines .u-over").bounding_box()
-        for part in (0.2, 0.5, 0.83):
-            page.mouse.move(box["x"] + part * box["width"], box["y"] + 50)
-            words = page.inner_text("#readout")
-            place = float(words.split("s = ")[1].split()[0])
-            alive = int(np.count_nonzero((birth <= place) & (place < death)))
-            assert f"{alive} alive" in words
-            assert page.inner_text("#alive") == f"N = {alive}"
-
-
 def test_a_condition_filters_and_a_wrong_one_says_why(browser: Any, address: str, one_way: Path) -> None:
     with opened(browser, f"{address}#from=0&to=400&where={quote('diameter > 5.7 um')}") as page:
         until(page, "document.getElementById('listed').textContent !== ''")
@@ -162,31 +149,6 @@ def test_a_two_way_run_shows_its_sticks_in_time(browser: Any, two_way: Path, tmp
         assert 0.0 < start < stop < 600.0
 
 
-def test_a_window_beyond_the_rows_shows_cells(browser: Any, one_way: Path, tmp_path: Path) -> None:
-    path = tmp_path / "part.html"
-    path.write_text(page_of(one_way, 100.0, 200.0), encoding="utf-8")
-    with opened(browser, path.as_uri()) as page:
-        assert page.is_hidden("#coarse")
-        page.click("#all")
-        assert window(page) == (0.0, 400.0)
-        assert page.is_visible("#coarse")
-        page.fill("#number", "600")
-        page.keyboard.press("Enter")
-        assert page.inner_text("#life-title").startswith("Junction 600:")
-        assert page.inner_text("#coarse").startswith("This page holds no ticks here")
-
-
-def test_where_the_page_holds_no_ticks_it_sums_lives(browser: Any, one_way: Path, tmp_path: Path) -> None:
-    path = tmp_path / "part.html"
-    path.write_text(page_of(one_way, 100.0, 110.0), encoding="utf-8")
-    with rubnoise.open(one_way) as run, opened(browser, f"{path.as_uri()}#from=250&to=300") as page:
-        for name in ("real_contact_area", "junction_count", "friction_force"):
-            found = page.evaluate(
-                f"(() => {{ const [xs, ys] = view.curve('trace', '{name}', 250, 300); return ys; }})()"
-            )
-            assert found == pytest.approx(run.trace[name][2500:3001].tolist(), rel=1e-5)
-
-
 def largest_in_clicks(page: Any, run: Any, *, sticks: bool) -> None:
     """Find the largest junction, the largest force and the longest stick, and who was alive then, in a click each."""
     junctions, force = run.junctions, run.trace["friction_force"][:]
@@ -222,16 +184,6 @@ def largest_in_clicks(page: Any, run: Any, *, sticks: bool) -> None:
         assert f"Longest stick: {longest:.7g} s" in page.inner_text("#largest")
 
 
-@pytest.mark.parametrize("coupling", ["one_way", "two_way"])
-def test_the_largest_is_found_in_a_click(
-    coupling: str, browser: Any, one_way: Path, two_way: Path, tmp_path: Path
-) -> None:
-    run_file, path = {"one_way": one_way, "two_way": two_way}[coupling], tmp_path / "page.html"
-    path.write_text(page_of(run_file), encoding="utf-8")
-    with rubnoise.open(run_file) as run, opened(browser, path.as_uri()) as page:
-        largest_in_clicks(page, run, sticks=coupling == "two_way")
-
-
 def test_a_million_junctions_are_found(browser: Any, tmp_path: Path) -> None:
     scenario = rubnoise.load("paper/fig5", ["sliding.distance=553 mm", "output.tick=1 um"])
     rubnoise.run(scenario, tmp_path / "run.h5").close()
@@ -258,36 +210,6 @@ def test_the_table_sorts_and_pages(browser: Any, address: str, one_way: Path) ->
         assert "26 to 50 below" in page.inner_text("#listed")
 
 
-def test_the_window_is_dragged_and_the_wheel_says_how_it_zooms(browser: Any, address: str) -> None:
-    with opened(browser, f"{address}#from=100&to=140") as page:
-        box = page.locator("#overview .u-over").bounding_box()
-        at = [box["x"] + box["width"] * s / 400.0 for s in (120.0, 220.0)]
-        page.mouse.move(at[0], box["y"] + 20)
-        page.mouse.down()
-        page.mouse.move(at[1], box["y"] + 20, steps=4)
-        page.mouse.up()
-        assert window(page) == pytest.approx((200.0, 240.0), abs=1.0)
-        page.click("#undo")
-        assert window(page) == (100.0, 140.0)
-        page.mouse.move(at[0], box["y"] + 20)
-        page.mouse.wheel(0, 10)
-        assert page.is_visible("#wheel")
-        assert window(page) == (100.0, 140.0)
-        page.keyboard.down("Control")
-        page.mouse.wheel(0, -100)
-        page.keyboard.up("Control")
-        assert window(page)[1] - window(page)[0] == pytest.approx(40.0 / 1.5)
-
-
-def test_a_window_that_is_long_enough_has_statistics(browser: Any, address: str) -> None:
-    with opened(browser, f"{address}#from=100&to=120") as page:
-        until(page, "document.getElementById('spectrum-says').textContent.startsWith('A spectrum needs')")
-        assert page.is_hidden("#spectrum")
-        assert page.is_hidden("#histogram")
-    with opened(browser, f"{address}#from=0&to=400") as page:
-        page.locator("#histogram canvas").wait_for()
-
-
 def test_the_statistics_of_the_whole_run_are_those_of_its_columns(browser: Any, address: str, one_way: Path) -> None:
     with rubnoise.open(one_way) as run:
         area, x, v = (np.asarray(column) for column in (run.area, run.slider.displacement, run.slider.velocity))
@@ -302,15 +224,6 @@ def test_the_statistics_of_the_whole_run_are_those_of_its_columns(browser: Any, 
         plane = page.evaluate("Array.from(view.unpacked(view.data.whole.phase.counts))")
         ends = ((x.min(), x.max()), (v.min(), v.max()))
         assert plane == np.histogram2d(x, v, CELLS, ends)[0].T.ravel().tolist()
-
-
-def test_no_column_is_cut_on_a_small_screen(browser: Any, address: str) -> None:
-    with lesson.opened(browser, address, viewport={"width": 1366, "height": 768}) as page:
-        window(page)
-        room, needed = page.evaluate(
-            "(({ clientWidth, scrollWidth }) => [clientWidth, scrollWidth])(document.querySelector('.scrolled'))"
-        )
-        assert needed <= room
 
 
 def test_a_sweep_shows_its_runs(browser: Any, sweep_folder: Path, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 import json
 import re
-import tomllib
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,6 @@ from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
 from rubnoise.pages import run_view
 from rubnoise.pages.run_view import RunView
-from rubnoise.scenario.text import text_of
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import PAPER, call
 from tests.pages.reading import PARTS, answer, data_of
@@ -67,31 +65,6 @@ def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: P
         assert again.slider["displacement"][:].tobytes() == run.slider["displacement"][:].tobytes()
 
 
-TITLE = '🧲 of 3 µm, a \\ "quote" and \x7f'
-
-
-def test_a_scenario_in_a_report_is_toml_whatever_its_title_says(one_way: Path, tmp_path: Path) -> None:
-    with rubnoise.open(one_way) as run:
-        resolved = run.scenario.resolved() | {"title": TITLE}
-    assert tomllib.loads(text_of(resolved)) == resolved
-
-
-def test_a_bare_run_has_a_report_without_what_it_lacks(tmp_path: Path) -> None:
-    scenario = tmp_path / "bare.toml"
-    scenario.write_text(
-        "format = 1\ntitle = '<i>bare</i>'\n[interface]\nmean_real_contact_area = '200 um^2'\n"
-        "mean_junction_count = 20\n[sliding]\ndistance = '500 um'\n",
-        encoding="utf-8",
-    )
-    assert call("run", scenario, "-o", tmp_path / "bare.h5").code == 0
-    answer = call("report", tmp_path / "bare.h5", "-o", tmp_path / "bare.html")
-    assert answer.code == 0, answer.err
-    text = (tmp_path / "bare.html").read_text(encoding="utf-8")
-    assert "<audio" not in text
-    assert "<i>" not in text
-    assert "slider" not in unescape(text).split("How to repeat")[0].split("Pictures")[0]
-
-
 def test_the_page_of_a_sweep_has_the_spectrum_of_each_point(sweep_folder: Path, tmp_path: Path) -> None:
     assert call("view", sweep_folder, "-o", tmp_path / "sweep.html").code == 0
     data = data_of((tmp_path / "sweep.html").read_text(encoding="utf-8"))
@@ -104,18 +77,6 @@ def test_the_page_of_a_sweep_has_the_spectrum_of_each_point(sweep_folder: Path, 
             total.add(area)
             seen = total.spectrum()
             assert density == pytest.approx(np.interp(wavenumber, seen.wavenumber, seen.density), rel=1e-9)
-
-
-def test_a_sweep_has_a_report(sweep_folder: Path, tmp_path: Path) -> None:
-    answer = call("report", sweep_folder, "-o", tmp_path / "sweep.html")
-    assert answer.code == 0, answer.err
-    text = (tmp_path / "sweep.html").read_text(encoding="utf-8")
-    assert "3 points over" in text
-    assert "6 done" in text
-    assert text.count("data:image/png;base64,") >= 8
-    with rubnoise.open_sweep(sweep_folder) as sweep:
-        pooled = sweep.estimates("displacement_std")[2]
-    assert f"{pooled.value:,.5g} ± {float(f'{pooled.reach:.2g}'):,g}" in text
 
 
 def test_the_page_of_a_sweep_holds_the_runs_that_are_done(tmp_path: Path) -> None:
@@ -145,13 +106,6 @@ def test_bad_input_is_refused_and_nothing_is_written(command: str, one_way: Path
     assert refused.code == 2
     assert "--force" in refused.err
     assert page.read_text(encoding="utf-8") == "mine"
-
-
-def test_a_stretch_outside_of_the_run_is_refused(one_way: Path, tmp_path: Path) -> None:
-    refused = call("view", one_way, "--from", "1 m", "-o", tmp_path / "page.html")
-    assert refused.code == 2
-    assert "the run goes from 0 to 400 um" in refused.err
-    assert list(tmp_path.iterdir()) == []
 
 
 CONDITIONS = (
@@ -279,11 +233,6 @@ def compare_lives(path: Path, junctions: list[int], *ends: float) -> list[dict[s
             assert ours == (theirs if theirs is None else pytest.approx(theirs, rel=ROUNDING, abs=BIRTH))
         assert life["others"] == peak["others_alive"]
     return lives
-
-
-def test_numbers_are_written_as_the_commands_write_them(data: dict[str, Any]) -> None:
-    values = [0.0, 1.0, -2.5, 0.1, 1e-4, 9.9999999e-5, 123456.789, 9999999.4, 1e7, -1.5e-9, 2 / 3, 1e22, 200.0]
-    assert answer(data, "return values.map(view.number);", values=values) == [f"{value:.7g}" for value in values]
 
 
 def test_a_page_of_a_stretch_holds_its_rows_and_the_extremes_of_all(one_way: Path) -> None:

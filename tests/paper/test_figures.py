@@ -14,7 +14,6 @@ import pytest
 from paper.figures import FIGURES, Sources, chosen, paper_figure
 from paper.spectra import FIRST, WIDEST, Spot, merged_bins, spreads_of
 
-from paper import spectra
 from rubnoise.analysis.spectra import Spectrum
 from rubnoise.errors import Refused
 from rubnoise.figures import style
@@ -71,31 +70,11 @@ def _words(svg: str) -> str:
     return "\n".join(re.findall(r"<!-- (.*?) -->", svg))
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_its_axes_have_units(drawn: Any, name: str) -> None:
-    words = _words(drawn(name)["svg"].decode())
-    assert "µm" in words
-    if name != "fig2":
-        assert re.search(r"\((?:µm²?|mN|mm/s|s|1/µm²|rad/µm|rad|1/rad)\)|µm⁴ per rad/µm", words)
-
-
 @pytest.mark.parametrize("name", ["fig3", "fig8", "fig6", "fig7"])
 def test_a_figure_is_the_same_again_and_whatever_is_set(drawn: Any, name: str, tmp_path: Path) -> None:
     with mpl.rc_context({"font.size": 20.0, "axes.facecolor": "red", "svg.hashsalt": "x"}):
         again = paper_figure(name, style.FORMATS, Sources(folder=short_papers(tmp_path)))
     assert again == drawn(name)
-
-
-@pytest.mark.parametrize("name", ["fig3", "fig5"])
-@pytest.mark.parametrize("kind", style.FORMATS)
-def test_a_format_does_not_depend_on_the_others(drawn: Any, name: str, kind: style.Format, tmp_path: Path) -> None:
-    alone = paper_figure(name, (kind,), Sources(folder=short_papers(tmp_path)))
-    assert alone == {kind: drawn(name)[kind]}
-
-
-def test_another_seed_makes_another_figure(drawn: Any, tmp_path: Path) -> None:
-    other = paper_figure("fig4", ("png",), Sources(folder=short_papers(tmp_path, seed=2)))
-    assert other["png"] != drawn("fig4")["png"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -106,18 +85,6 @@ def test_files_tell_no_time_and_stay_small(drawn: Any, name: str) -> None:
     assert b"CreationDate" not in files["pdf"]
     assert b"dc:date" not in files["svg"]
     assert all(len(file) < 1_000_000 for file in files.values())
-
-
-def test_captions_are_sentences() -> None:
-    for name, figure in FIGURES.items():
-        caption = " ".join(figure["caption"].split())
-        assert caption.endswith("."), name
-        assert 1 <= caption.count(". ") + 1 <= 4, name
-
-
-def test_names_are_taken_in_the_papers_order() -> None:
-    assert chosen(["fig8", "fig3", "fig8"]) == ("fig3", "fig8")
-    assert chosen([]) == tuple(NAMES)
 
 
 def test_a_wrong_name_is_told_with_the_right_ones() -> None:
@@ -163,38 +130,9 @@ def test_spreads_lie_about_the_exact_ones_by_their_errors(spreads: list[Spot]) -
     assert np.abs(_z(spreads, 1.15)).max() > 4.0  # what is 15 % off is noticed
 
 
-def test_four_replicates_halve_the_error_of_one(tmp_path: Path) -> None:
-    errors = []
-    for replicates in (1, 4):
-        (tmp_path / "fig7.toml").write_text(
-            f'format = 1\nextends = "{PAPER / "fig7.toml"}"\n[sliding]\ndistance = "300 um"\n[sweep]\n'
-            f"replicates = {replicates}\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
-            'interface.mean_real_contact_area = ["100 um^2"]\n',
-            encoding="utf-8",
-        )
-        (line,) = spreads_of(Sources(folder=tmp_path))
-        errors.append(line[0][2])
-    assert errors[0] == pytest.approx(2.0 * errors[1], rel=1e-12)
-
-
-def test_the_law_is_that_of_one_size() -> None:
-    assert pytest.approx(1.2298, abs=5e-5) == spectra.LAW
-
-
 def test_figure_7_takes_every_point_and_replicate() -> None:
     sweep = load_sweep(PAPER / "fig7.toml")
     assert (len(sweep.cases), sweep.replicates) == (25, 4)
-
-
-def test_runs_are_counted_aloud(tmp_path: Path) -> None:
-    (tmp_path / "fig7.toml").write_text(
-        f'format = 1\nextends = "{PAPER / "fig7.toml"}"\n[sliding]\ndistance = "50 um"\n[sweep]\nreplicates = 1\n'
-        "[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n",
-        encoding="utf-8",
-    )
-    told: list[str] = []
-    spreads_of(Sources(folder=tmp_path, tell=told.append))
-    assert told == [f"fig7: {done} of 10 runs" for done in range(1, 11)]
 
 
 # The command.

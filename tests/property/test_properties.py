@@ -23,7 +23,6 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build, loads
 from rubnoise.scenario.text import read_toml
-from rubnoise.simulation.extent import extent
 from rubnoise.storage.reader import open_run
 from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
 from tests.frozen import examples
@@ -147,18 +146,6 @@ def test_a_seed_gives_the_same_bytes_twice(run: Model, seed: int) -> None:
         assert contents(recorded(run, seed)) == contents(record)
 
 
-@FEW
-@given(run=models(), seed=SEEDS, other=SEEDS)
-def test_another_seed_gives_other_junctions(run: Model, seed: int, other: int) -> None:
-    counted = extent(run, seed).junctions
-    if seed == other or counted < 3 or extent(run, other).junctions < 3:
-        return
-    one, two = record_of(run, seed), record_of(run, other)
-    if one is None or two is None:
-        return
-    assert not np.isin(one["junctions"]["birth_distance"], two["junctions"]["birth_distance"]).any()
-
-
 # Whatever a file holds, it is a scenario or a report of what is wrong, and soon.
 TOML_PIECES = st.sampled_from(
     ["[slider]", "[[a]]", "[", "]", "{", "}", "=", ".", ",", "\n", '"', "'", '"""', "'''", "#", "\\", "\\u0000", " ",
@@ -244,19 +231,6 @@ def test_the_bounds_of_numbers_keep_the_model_finite(
         assert model.stationary_mean_area == pytest.approx(area, rel=1e-12)
 
 
-DECIMALS = st.tuples(st.integers(1, 9999), st.integers(0, 4)).map(lambda p: f"{p[0] / 10 ** p[1]:.{p[1]}f}")
-
-
-@given(DECIMALS, DECIMALS, st.sampled_from(["um", "mm", "nm"]))
-def test_ticks_are_counted_as_written(distance: str, tick: str, unit: str) -> None:
-    scenario = outcome(WHOLE, f"sliding.distance={distance} {unit}", f"output.tick={tick} um")
-    if isinstance(scenario, str):
-        return
-    scale = {"um": Fraction(1), "mm": Fraction(1000), "nm": Fraction(1, 1000)}[unit]
-    count = scenario.model().tick_count
-    assert count * Fraction(tick) <= Fraction(distance) * scale < (count + 1) * Fraction(tick)
-
-
 @given(
     st.integers(1, 400), st.floats(0.5, 60.0), st.sampled_from(["0.2 um", "20 %", "0 um", "1e-2 inch"]),
     st.sampled_from(["paper", "exact", "matched"]), st.one_of(st.none(), st.floats(1e-3, 1.0)),
@@ -339,11 +313,6 @@ def test_any_bit_of_any_value_counts(result: Path, tmp_path: Path, data: st.Data
     flip(path, column, data.draw(st.integers(0, size - 1)), data.draw(st.integers(0, bits - 1)))
     with open_run(path) as run:
         assert verify(run).different != []
-
-
-def test_the_file_is_right_before(result: Path) -> None:
-    with open_run(result) as run:
-        assert verify(run).different == []
 
 
 OF_HDF5 = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"}

@@ -12,11 +12,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.storage.schema import INTERVENTION, LANDMARKS
 
 # The file that the page is about, made by the program as it is.
 FIG5 = Path(__file__).parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -208,12 +206,6 @@ def test_a_reader_finds_landmarks(two_way_folder: Path) -> None:
     assert all(_holds(printed, wanted) for wanted in time[:4].tolist())
 
 
-def test_the_page_tells_the_columns_of_landmarks() -> None:
-    text = PAGE.read_text(encoding="utf-8").partition("\n## A slider that pushes back\n")[2].partition("\n## ")[0]
-    listed = re.findall(r"`(\w+)`", "\n".join(row.split("|")[1] for row in text.splitlines() if row.startswith("| `")))
-    assert {"landmark", *listed} == {column.name for column in LANDMARKS.columns if column.needs != "free"}
-
-
 def test_the_page_shows_the_numbers_of_the_file(folder: Path) -> None:
     shown, row = printed_row(), _row(folder, JUNCTION)
     assert shown.keys() == row.keys() - {"junction"}
@@ -221,87 +213,3 @@ def test_the_page_shows_the_numbers_of_the_file(folder: Path) -> None:
         for name, (unit, value) in shown.items():
             assert value == pytest.approx(row[name], rel=1e-6)
             assert unit == file["junctions"][name].attrs["units"].decode()
-
-
-@pytest.mark.parametrize("name", [name for name in READERS if name != "h5dump"])
-def test_a_block_is_five_lines_of_code_at_most(name: str) -> None:
-    assert len([line for line in blocks()[name][1].splitlines() if line.strip()]) <= 5
-
-
-# A viewer that follows NeXus finds what to draw by itself: the default of the root, its signal and its axis.
-SIGNALS = {
-    "trace": ("real_contact_area", "distance"),
-    "slider": ("displacement", "time"),
-    "junctions": ("diameter", "junction"),
-    "life_curve": ("area_fraction", "u"),
-}
-
-
-def text(owner: h5py.HLObject, name: str) -> str:
-    value = owner.attrs[name]
-    assert isinstance(value, bytes)
-    return value.decode()
-
-
-def default_plot(file: h5py.File) -> h5py.Group:
-    """Follow the attribute ``default`` from the root to a group of data, as NeXus version 3 says."""
-    found: h5py.Group = file
-    while text(found, "NX_class") != "NXdata":
-        found = found[text(found, "default")]
-    return found
-
-
-def problems(group: h5py.Group) -> list[str]:
-    """Return what keeps a viewer from drawing a group: NeXus' rules for data of one dimension."""
-    if "signal" not in group.attrs or text(group, "signal") not in group:
-        return ["no signal"]
-    signal = group[text(group, "signal")]
-    axes = [name.decode() for name in group.attrs["axes"]]
-    found = [f"no axis {name}" for name in axes if name not in group]
-    found += [] if len(axes) == signal.ndim else ["not one axis a dimension"]
-    found += [f"{name} has another length" for name in axes if name in group and group[name].shape != signal.shape]
-    others = [name.decode() for name in group.attrs.get("auxiliary_signals", ())]
-    return found + [f"{name} in another unit" for name in others if text(group[name], "units") != text(signal, "units")]
-
-
-def test_the_default_of_the_file_is_the_trace(folder: Path) -> None:
-    with h5py.File(folder / "fig5.h5") as file:
-        assert text(file, "NX_class") == "NXroot"
-        assert default_plot(file).name == "/trace"
-
-
-@pytest.mark.parametrize("name", SIGNALS)
-def test_every_group_of_columns_can_be_drawn(name: str, folder: Path) -> None:
-    with h5py.File(folder / "fig5.h5") as file:
-        group = file[name]
-        assert problems(group) == []
-        assert (text(group, "signal"), group.attrs["axes"].tolist()) == (SIGNALS[name][0], [SIGNALS[name][1].encode()])
-
-
-@pytest.mark.parametrize(
-    ("attribute", "value", "problem"),
-    [
-        ("signal", b"nothing", "no signal"),
-        ("axes", [b"nothing"], "no axis nothing"),
-        ("axes", [b"distance", b"distance"], "not one axis a dimension"),
-        ("auxiliary_signals", [b"friction_force"], "friction_force in another unit"),
-    ],
-)
-def test_what_viewers_cannot_draw_is_found(attribute: str, value: object, problem: str, folder: Path) -> None:
-    with h5py.File(folder / "fig5.h5", "r+") as file:
-        file["trace"].attrs[attribute] = np.array(value)
-        assert problems(file["trace"]) == [problem]
-
-
-def listed(title: str) -> set[str]:
-    """Return the names that the list of a section of the page on the result file has before its colons."""
-    page = (FIG5.parents[2] / "docs" / "data-format.md").read_text(encoding="utf-8")
-    section = page.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
-    entries = [entry for line in section.splitlines() if line.startswith("- `") for entry in line.split("; ")]
-    return {name for entry in entries for name in re.findall(r"`(\w+)`", entry.partition(":")[0])}
-
-
-def test_the_attributes_of_root_and_provenance_are_listed(folder: Path) -> None:
-    with h5py.File(folder / "fig5.h5") as file:
-        assert listed("Attributes of the root") == set(file.attrs)
-        assert listed("/provenance") == {*file["provenance"].attrs, INTERVENTION}  # which this run had none of

@@ -14,9 +14,9 @@ import rubnoise
 from rubnoise.scenario import loads
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap, without_form
-from rubnoise.surface.normal_motion import filtered_variance, gap_slope
+from rubnoise.surface.normal_motion import filtered_variance
 from rubnoise.surface.sliding import SlidingContact, patches
-from rubnoise.surface.waves import Waves, band_limited, self_affine
+from rubnoise.surface.waves import Waves, self_affine
 from rubnoise.theory.load import load_motion, overlap_scale
 from tests.cli.terminal import call
 from tests.oracle.sliding_surfaces import areas_at, heights_at, patch_counts, slid
@@ -78,14 +78,6 @@ def test_theory_of_the_reference_spectrum(row):
     )
 
 
-def test_at_level_zero_the_autocovariance_is_an_arc_sine():
-    found = contact(0.8, 0.5, 128)
-    track, slider = found.correlations
-    for shift in (0, 5, 40):
-        exact = np.arcsin(np.clip(np.roll(track, -shift, 0) + slider, -1, 1)).sum() / (2 * pi) * found.nominal_area
-        assert found.ensemble_covariance(shift) == pytest.approx(exact, rel=1e-6)
-
-
 def test_track_and_slider_may_change_places():
     """R is symmetric in both surfaces; which of them is frozen is not."""
     ground, rough = Waves(spectrum(0.8, 256, across=3.0), (1.0, 1.0)), Waves(spectrum(0.5, 256), (1.0, 1.0))
@@ -93,27 +85,6 @@ def test_track_and_slider_may_change_places():
     assert one.ensemble_covariance(9) == pytest.approx(other.ensemble_covariance(9), rel=1e-12)
     assert one.frozen_variances == pytest.approx(other.frozen_variances[::-1], rel=1e-12)
     assert one.birth_rate == pytest.approx(other.birth_rate, rel=1e-12)
-
-
-def test_spectrum_holds_the_variance_that_moves():
-    found = contact(0.8, 0.01)
-    k = np.linspace(0.0, 3.0, 2000)
-    assert np.trapezoid(found.spectrum(k), k) / pi == pytest.approx(found.curve[1][0], rel=1e-3)
-    assert (found.spectrum(k) > 0).all()
-
-
-def test_a_flat_slider_bears_no_junctions():
-    flat = Waves(np.zeros((64, 64)), (1.0, 1.0))
-    found = GaussianContact(Waves(spectrum(0.8, 64, rolloff=32, cutoff=8), (1.0, 1.0)), flat, 0.01, 4096.0, 64.0)
-    assert found.birth_rate == 0.0
-    assert found.mean_life == float("inf")
-
-
-def test_count_slope_is_the_slope_of_the_count():
-    found = contact(0.5, 0.01, 1024)
-    change = (found.count_at(20.0) - found.count_at(16.0)) / np.log(20.0 / 16.0)
-    assert found.count_slope(16.0) == pytest.approx(change, rel=0.15)
-    assert -2.0 < found.count_slope(16.0) / found.junction_count < -0.5  # -2 (1 - H), less what long waves take
 
 
 def test_one_map_says_what_its_spectrum_says():
@@ -146,33 +117,6 @@ def test_two_paraboloids_make_one_parabolic_life():
         s = np.arange(120) - 60
         exact = pi * radius * np.maximum(peak - s**2 / (4 * radius), 0)
         assert np.abs(found.total - exact).max() < 0.03 * pi * radius * peak
-
-
-def test_two_pairs_that_merge_are_one_junction():
-    x, y = np.meshgrid(np.arange(256.0) - 128, np.arange(256.0) - 128, indexing="ij")
-    bump = -(x**2 + y**2) / 800
-    pair = np.maximum(bump, -(x**2 + (y - 30) ** 2) / 800)
-    apart = np.maximum(bump, -(x**2 + (y - 90) ** 2) / 800)
-    assert slid(bump, np.roll(pair, -50, 0), -1.0, 100).areas.shape[0] == 1
-    assert slid(apart, np.roll(apart, -50, 0), -0.3, 100).areas.shape[0] == 2
-
-
-def test_a_period_later_the_same_junctions_come():
-    rng = np.random.default_rng(3)
-    a, b = (surface(spectrum(0.8, 64, 32, 8), rng) for _ in (0, 1))
-    one = slid(a, b, 2.0, 64)
-    assert np.array_equal(one.total, slid(np.roll(a, 64, 0), b, 2.0, 64).total)
-    assert slid(a, np.zeros_like(a), 1.4, 64).cut.all()  # on a flat slider nothing is born or dies
-
-
-def test_at_constant_load_the_area_stands_still_and_births_go_on():
-    rng = np.random.default_rng(11)
-    a, b = (surface(spectrum(0.8, 128, 32, 8), rng) for _ in (0, 1))
-    count = round(0.01 * a.size)
-    gaps = [np.partition(heights_at(a, b, s), a.size - count - 1, axis=None)[a.size - count - 1] for s in range(128)]
-    found = slid(a, b, np.array(gaps), 128)
-    assert (found.total == count).all()
-    assert found.births == pytest.approx(slid(a, b, float(np.mean(gaps)), 128).births, rel=0.35)
 
 
 @pytest.mark.parametrize("share", [0.03, 0.01, 0.003])
@@ -212,19 +156,6 @@ def test_theory_knows_the_direction_of_a_ground_surface():
     error = np.std(births, ddof=1) / sqrt(6)
     assert abs(np.mean(births) - exact.birth_rate) < 4 * error + 0.1 * exact.birth_rate
     assert abs(np.mean(births) - other.birth_rate) > 4 * error + 0.1 * other.birth_rate
-
-
-def test_filters_are_sharp_and_change_nothing_twice():
-    for periodic in (True, False):
-        rough = HeightMap(
-            heights=np.random.default_rng(1).normal(size=(96, 128)), spacing=(0.5, 0.7), periodic=periodic
-        )
-        once = band_limited(rough, 4.0, 20.0)
-        assert np.allclose(band_limited(once, 4.0, 20.0).heights, once.heights, atol=1e-12)
-        assert once.heights.mean() == pytest.approx(0.0, abs=1e-12)
-    waves = Waves.of(band_limited(replace(rough, periodic=True), 4.0, 20.0))
-    f = np.hypot(np.fft.fftfreq(96, 0.5)[:, None], np.fft.fftfreq(128, 0.7)[None, :])
-    assert waves.power[(f > 1 / 4.0 + 1e-9) | (f < 1 / 20.0 - 1e-9)].max() < 1e-25
 
 
 def test_forms_are_removed():
@@ -285,32 +216,10 @@ def test_the_scenario_has_the_area_and_the_number_of_the_surfaces():
     assert all(digest in found.scenario_text() for digest in (found.scans[0].digest, found.scans[1].digest))
 
 
-def test_a_scenario_with_a_mass_runs_alike_in_both_engines():
-    found = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
-    text = found.scenario_text(speed=3e4, mass=0.2, damping_ratio=0.3, distance=20_000.0)
-    scenario = loads(text)
-    theory = rubnoise.exact(scenario).load
-    assert scenario.load is not None
-    assert float(scenario.load.height_scale) == pytest.approx(found.gaussian.height_scale, rel=1e-8)
-    assert theory.contact_resonance == pytest.approx(sqrt(2e6 / 0.2 / found.gaussian.height_scale) / (2 * pi), rel=1e-6)
-    runs = [rubnoise.simulate(scenario.replace({"run.engine": engine})) for engine in ("events", "batch")]
-    for group in ("junctions", "trace", "load"):
-        for column, values in runs[0][group].items():
-            assert np.array_equal(values, runs[1][group][column], equal_nan=True), column
-    assert runs[0].compare().passed
-    with pytest.raises(rubnoise.Refused, match="speed="):
-        found.scenario_text(mass=0.2, damping_ratio=0.3)
-
-
 def _keys(text):
     import tomllib
 
     return tomllib.loads(text)
-
-
-def test_remarks_name_both_numbers():
-    found = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
-    assert any(remark.startswith("correlation length") for remark in found.remarks)
 
 
 def test_the_gap_of_two_maps_under_a_load_is_that_of_first_order():
@@ -338,15 +247,6 @@ def test_the_gap_of_two_maps_under_a_load_is_that_of_first_order():
     louder = 20.0 * log10(found.in_scenario["separation_slope"] / found.gap_slope)
     assert louder > 2.0
     assert any(f"{louder:+.1f} dB" in remark for remark in found.remarks)
-
-
-@pytest.mark.parametrize(("share", "slope"), [(0.03, 0.0046), (0.01, 0.0073), (0.003, 0.0122)])
-def test_the_slope_of_the_gap_does_not_depend_on_the_grid(share, slope):
-    """Of a second program, with steps of a point; and the same surface on a grid twice as fine."""
-    found = gap_slope(contact(0.8, share))
-    assert found == pytest.approx(slope, rel=0.015)
-    fine = Waves(spectrum(0.8, 2 * N, 256.0, 32.0), (0.5, 0.5))
-    assert found == pytest.approx(gap_slope(GaussianContact(fine, fine, share, float(N * N), 1e9)), rel=1e-5)
 
 
 @pytest.mark.parametrize(("speed", "ratio"), [(1e3, 0.05), (3e4, 0.3), (1e6, 1.0), (3e6, 0.05), (1e6, 2.0)])
@@ -387,29 +287,6 @@ def test_what_cannot_be_answered_is_refused_by_name(asked, word):
     wanted = {"cutoff": "8 um", "load": "2 N", "hardness": "1 GPa", **asked}
     with pytest.raises(rubnoise.Refused, match=word):
         synthetic(1).slide(synthetic(2), **wanted).scenario_text()
-
-
-def test_a_flat_surface_is_shown_without_a_shape():
-    flat = rubnoise.Surface.of(np.zeros((16, 16)), spacing="1 um", unit="um")
-    found = flat.roughness()
-    assert (found["Sa"], found["Sq"], found["slope_along"]) == (0.0, 0.0, 0.0)
-    assert np.isnan(found["Ssk"])
-    assert np.isnan(found["Sku"])
-    assert "16 x 16 points" in repr(flat)
-    with pytest.raises(rubnoise.Refused, match="longest=: 20 um: needs a cutoff= beside it"):
-        flat.roughness(longest="20 um")
-
-
-def test_a_surface_replaces_no_file_unless_forced(tmp_path):
-    pytest.importorskip("SurfaceTopography")  # which writes the file
-    made = synthetic(1)
-    made.save(tmp_path / "one.nc")
-    before = (tmp_path / "one.nc").read_bytes()
-    with pytest.raises(rubnoise.Refused, match=r"exists already \(force=True replaces it\)"):
-        synthetic(2).save(tmp_path / "one.nc")
-    assert (tmp_path / "one.nc").read_bytes() == before
-    synthetic(2).save(tmp_path / "one.nc", force=True)
-    assert (tmp_path / "one.nc").read_bytes() != before
 
 
 def contact_of(*scans, cutoff):

@@ -131,11 +131,6 @@ def z_scores(some: Doubles, others: Doubles) -> Doubles:
     return np.asarray((some.mean(axis=0) - others.mean(axis=0)) / np.sqrt(error))
 
 
-def mean_score(values: list[float], value: float, error: float) -> float:
-    """Return the score of the mean of independent values, each with a standard error."""
-    return (sum(values) / len(values) - value) / (error / sqrt(len(values)))
-
-
 # Records made by hand, right or wrong on purpose, with the face of a result file.
 Groups = Mapping[str, Mapping[str, NDArray[Any]]]
 

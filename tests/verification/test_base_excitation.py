@@ -14,15 +14,12 @@ import rubnoise
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.one_way import WORTH_A_WARNING
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.pages.report_words import in_words, motion_in_words
 from rubnoise.scenario import Scenario
 from rubnoise.simulation import draws
 from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.exact import exact
 from rubnoise.theory.motion import motion_spectrum, response
-from rubnoise.theory.sampling import motion_errors
 from tests.cli.terminal import call
 from tests.models import contents, recorded
 
@@ -154,39 +151,3 @@ def test_200_runs_have_the_exact_moments_and_spectrum(changes: list[str]) -> Non
         expected = float(motion_spectrum("displacement", model, angular[near]).mean())
         assert abs(z(density[:, near].mean(axis=1), expected)) <= 4.0
         assert abs(z(density[:, near].mean(axis=1), 1.5 * expected)) > 4.0
-
-
-def test_errors_shrink_with_the_run_and_theory_is_whole() -> None:
-    model = base().model()
-    short, long = (motion_errors(model, distance) for distance in (1e5, 4e5))
-    assert short.displacement_std == pytest.approx(2.0 * long.displacement_std, rel=1e-9)
-    assert exact(model).slider == response(model)
-    with pytest.raises(Refused, match="not driven by friction"):
-        exact(model).coupling()
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        (["pulse.shape=lens"], 'the excitation "base" of such lives has no run'),
-        (["slider.coupling=two-way"], 'the excitation "base" is known with one-way'),
-        (["interface.mean_junction_count=0.31"], "a rigid body rides on the highest"),
-        (["diameter.law=normal", "diameter.spread=10 %"], "known for equal diameters alone"),
-    ],
-)
-def test_what_has_no_run_is_refused(changes: list[str], said: str, tmp_path: Path) -> None:
-    words = [word for change in changes for word in ("--set", change)]
-    answer = call("run", str(FILE), "-o", str(tmp_path / "a.h5"), *words)
-    assert answer.code == 2
-    assert said in " ".join(answer.err.split())
-    assert not (tmp_path / "a.h5").exists()
-
-
-def test_a_base_beside_a_load_that_weighs_is_refused(tmp_path: Path) -> None:
-    words = ("interface.load=0.002 N", "interface.hardness=1 GPa", "load.height_scale=0.5 um", "load.mass=5 g")
-    text = FILE.read_text(encoding="utf-8").replace('mean_real_contact_area = "2 um^2"  # A_rm\n', "")
-    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
-    changes = [word for change in (*words, "load.damping_ratio=0.05") for word in ("--set", change)]
-    answer = call("run", str(tmp_path / "a.toml"), "-o", str(tmp_path / "a.h5"), *changes)
-    assert answer.code == 2
-    assert 'the excitation "base" is known only without a load' in " ".join(answer.err.split())

@@ -8,11 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact import births as laws
-from rubnoise.contact.births import ClusteredBirths, GammaBirths, JitteredBirths, scattered
-from rubnoise.contact.deviates import normal_quantile
 from rubnoise.contact.laws import Fixed, Spread
-from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.model import Model
 from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario
@@ -25,7 +21,7 @@ from rubnoise.theory.second_order import area_noise, autocovariance, spectral_de
 from rubnoise.theory.sizes import panels, sizes_of
 from rubnoise.theory.unit_pulse import amplitude
 from tests.models import bare, contents, recorded
-from tests.unit.scenarios import BARE, refusal
+from tests.unit.scenarios import BARE
 
 # Births that are neither random nor regular: exact figures, and 200 runs of each law beside them.
 RUNS, BOUND, LAWS = 200, 4.0, ("gamma", "bunched", "clustered", "jittered")
@@ -63,20 +59,6 @@ def test_the_spectrum_is_the_transform_of_the_covariance(births: str) -> None:
         covariance = covariance - 2.0 * np.cos(np.multiply.outer(lags, k)) @ power
     turned = 2.0 * np.cos(np.multiply.outer(WAVENUMBERS, lags)) @ (weights * covariance)
     assert turned == pytest.approx(spectral_density(run, WAVENUMBERS), rel=1e-5, abs=1e-5 * turned[0])
-
-
-def test_limits_of_the_laws() -> None:
-    k = np.geomspace(1e-7, 1e3, 50)
-    assert GammaBirths(mean_spacing=0.5, shape=1.0).excess(k) == pytest.approx(np.zeros(50), abs=1e-9)
-    far = GammaBirths(mean_spacing=0.5, shape=4.0)
-    assert far.excess(np.array([0.0, 2.1e-5])) == pytest.approx([-0.75, -0.75], abs=1e-9)
-    still = exact(contact("regular", calibration="exact", spread=Spread()))
-    moved = replace(still.model, births=JitteredBirths(mean_spacing=still.model.births.mean, jitter=1e-4))
-    assert area_cumulants(moved).std == pytest.approx(still.area.std, rel=1e-3)
-    wide = replace(still.model, births=JitteredBirths(mean_spacing=still.model.births.mean, jitter=50.0))
-    assert area_cumulants(wide).std == pytest.approx(
-        area_cumulants(contact("poisson", spread=Spread(), calibration="exact")).std, rel=0.05
-    )
 
 
 @lru_cache(maxsize=8)
@@ -163,42 +145,6 @@ def test_a_start_is_that_of_a_contact_that_always_slid(births: str, monkeypatch:
     assert np.abs(scores()).max() > BOUND
 
 
-def test_births_come_in_order_and_from_any_stretch(monkeypatch: pytest.MonkeyPatch) -> None:
-    law = ClusteredBirths(mean_spacing=0.5, cluster_size=3.0, cluster_width=2.0)
-    whole = law.between(7, -500.0, 9000.0)
-    assert (np.diff(whole) > 0.0).all()
-    begin = float(whole[4000])
-    assert law.following(7, begin, 300).tobytes() == whole[4000:4300].tobytes()
-    assert law.between(7, begin, 8000.0).tobytes() == whole[4000 : np.searchsorted(whole, 8000.0)].tobytes()
-    run = contact("clustered")
-    assert (np.diff(recorded(run, 1)["junctions"]["birth_distance"]) >= 0.0).all()
-    monkeypatch.setattr(scattered.np, "sort", lambda values: values)
-    assert not (np.diff(law.between(7, -500.0, 9000.0)) >= 0.0).all()
-
-
-def test_large_clusters_are_drawn_where_they_are_needed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """To the same bits as cells that are drawn whole, and far fewer births."""
-    law = ClusteredBirths(mean_spacing=0.5, cluster_size=300.0, cluster_width=40.0)
-    assert int(scattered._families(law, 7, 0).before[-1]) > scattered._KEPT
-    drawn = []
-    monkeypatch.setattr(scattered, "normal_quantile", lambda each: drawn.append(each.size) or normal_quantile(each))
-    found = [law.between(7, begin, begin + 2000.0) for begin in (-1000.0, 0.0, 1e6)]
-    assert sum(drawn) < 100_000
-    monkeypatch.setattr(scattered, "_KEPT", 2**30)
-    for each, begin in zip(found, (-1000.0, 0.0, 1e6), strict=True):
-        assert each.size > 500
-        assert each.tobytes() == law.between(7, begin, begin + 2000.0).tobytes()
-
-
-def test_the_largest_clusters_are_quick() -> None:
-    law = ClusteredBirths(mean_spacing=0.2, cluster_size=1e4, cluster_width=1.0)
-    assert law.following(7, 0.0, 30_000).size == 30_000
-
-
-def test_every_law_is_named_once() -> None:
-    assert list(laws.BIRTHS) == ["poisson", "regular", "gamma", "clustered", "jittered"]
-
-
 @pytest.mark.parametrize("births", LAWS)
 def test_engines_give_equal_bits(births: str) -> None:
     run = contact(births)
@@ -253,25 +199,6 @@ def test_200_runs_have_the_exact_moments(name: str) -> None:
     assert abs(z(squares, one_size)) > 4.0
 
 
-def test_a_snapshot_is_freed_of_its_bias() -> None:
-    born = scenario(VALUES).model().sizes
-    generator, n = np.random.default_rng(3), 200_000
-    seen = born.draw_length_biased(generator, n)
-    values, counts = np.unique(seen, return_counts=True)
-    wanted = values / values.sum()
-    assert np.abs(counts - n * wanted).max() <= 4.0 * sqrt(n * 0.25)
-    undone = counts / values / (counts / values).sum()
-    assert np.abs(undone - 0.25).max() < 0.01 < np.abs(counts / n - 0.25).max()
-    alive = scenario(ALIVE).model().sizes
-    assert alive.moment(2) / alive.moment(1) ** 2 == pytest.approx(23.5 / 4.0 * (1 / 4 + 1 / 5 + 1 / 6 + 1 / 8.5) / 4.0)
-
-
-def test_the_largest_size_may_be_of_any_part() -> None:
-    parts = '[{law = "fixed", mean = 9}, {law = "fixed", mean = 4}]'
-    law = scenario(f'law = "mixture"\nweights = [1, 1]\nparts = {parts}\n').model().sizes
-    assert largest_of(law) == law.support[1] > float(law.draw(np.array([1.0 - 2.0**-53]))[0])
-
-
 @pytest.mark.parametrize("table", [SMOOTH, TWO])
 def test_a_mixture_has_a_distribution(table: str) -> None:
     theory = exact(scenario(table).model())
@@ -280,24 +207,3 @@ def test_a_mixture_has_a_distribution(table: str) -> None:
     places = np.linspace(0.0, float(law.area[-1]), 200_001)
     left = 1.0 - law.cdf(places)
     assert np.trapezoid(left, places) == pytest.approx(theory.area.mean, rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ('law = "mixture"\nweights = [1]\n', 'diameter.parts: missing; the law "mixture" needs a parts'),
-        (TWO.replace("[0.7, 0.3]", "[1]"), "diameter.weights: 1 weights for 2 parts"),
-        (
-            TWO.replace("mean = 4", 'mean = 4, spread = "2 %"'),
-            'part 1: the law "fixed" takes no spread',
-        ),
-        (TWO.replace('"fixed", mean = 4', '"normal", mean = 4'), 'part 1: the law "normal" needs a spread'),
-        (TWO.replace('"fixed", mean = 4', '"empirical", mean = 4'), 'unknown value "empirical"'),
-        (TWO.replace("mean = 4", "mean = -4"), "diameter.parts: must be above 0"),
-        ('law = "empirical"\nvalues = []\n', "needs a list of 1 to 2000 diameters"),
-        ('law = "empirical"\nvalues = [1, "a"]\n', "diameter.values"),
-        ('law = "fixed"\nvalues = [1]\n', 'the law "fixed" takes no values'),
-    ],
-)
-def test_wrong_lists_are_refused(table: str, said: str) -> None:
-    assert said in refusal(BARE + "[diameter]\n" + table)

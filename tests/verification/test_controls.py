@@ -16,7 +16,6 @@ from rubnoise.analysis.findings import Comparison
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
@@ -81,12 +80,6 @@ def test_a_right_record_is_accepted(run: Model) -> None:
     assert max(abs(figure.z or 0.0) for figure in found.figures) <= found.bound
 
 
-def test_the_smooth_pulse_is_what_it_says() -> None:
-    age = np.linspace(0.0, 2.0, 200_001)
-    assert smooth(age, np.ones(1)).mean() == pytest.approx(1.0 / 3.0, rel=1e-5)
-    assert smooth(age, np.ones(1)).max() == pytest.approx(0.25 * np.pi)
-
-
 def test_a_life_mean_of_0327_is_rejected() -> None:
     found = compared("0.327", LONG, Made(area=of_0327))
     assert score(found, "real_contact_area_mean") < -REJECTED
@@ -142,14 +135,6 @@ def test_sparse_contact_of_another_pulse_is_rejected_by_the_areas_in_contact() -
     assert abs(score(found, "real_contact_area_mean")) <= found.bound
 
 
-def test_sparse_contact_of_another_rate_is_rejected_by_the_share_without_it() -> None:
-    """Where few junctions meet, one area says next to nothing of how often there is one."""
-    found = compared("sparse/births", SPARSE, Made(births=1.2))
-    assert score(found, "junction_count_zero_share") < -REJECTED
-    assert score(found, "birth_count") > REJECTED
-    assert abs(score(found, "real_contact_area_kolmogorov")) <= found.bound
-
-
 def test_sparse_contact_of_twins_is_rejected_by_the_share_without_it() -> None:
     """Births two by two: as many junctions, as many births, as large a mean, and half as often contact."""
     found = compared("sparse/twins", SPARSE, Made(together=2))
@@ -168,34 +153,8 @@ def test_sparse_contact_of_another_size_law_is_rejected_by_the_areas_in_contact(
     assert abs(score(found, "birth_count")) <= found.bound
 
 
-def test_sparse_contact_that_is_cut_off_early_is_rejected_by_the_share_without_it() -> None:
-    found = compared("sparse/1.7", SPARSE, Made(area=lambda s, d: junction_area(s / 0.85, d), lives=1.7, told=1.7))
-    assert score(found, "junction_count_zero_share") > REJECTED
-    assert abs(score(found, "birth_count")) <= found.bound
-
-
 # Right runs are called outside as rarely as is promised; `python tools/right_runs.py` makes some thousands of them.
 FEW_AT_ONCE = right_runs.KINDS["sparse"]
-EVERY = {f"{kind}, {name}": changes for kind, cases in right_runs.KINDS.items() for name, changes in cases.items()}
-
-
-@pytest.mark.parametrize("case", EVERY)
-def test_every_case_is_a_contact(case: str) -> None:
-    model = right_runs.model_of(EVERY[case])
-    assert model.distance > 0.0
-
-
-def test_cases_differ() -> None:
-    assert len({repr(right_runs.model_of(changes)) for changes in EVERY.values()}) == len(EVERY) >= 50
-    counts = {right_runs.model_of(changes).mean_junction_count for changes in FEW_AT_ONCE.values()}
-    assert counts == {0.05, 0.1, 0.2, 0.5, 1.0}
-
-
-def test_runs_of_a_case_are_counted() -> None:
-    changes = FEW_AT_ONCE["0.2 over 600 mm"]
-    count = right_runs.counted(changes, range(seed_of("right"), seed_of("right") + 3))
-    assert (count.runs, count.alarms) == (3, {})
-    assert count.scores["spectrum"] > count.scores["birth_count"] == 3
 
 
 def test_a_wrong_run_is_an_alarm(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -238,11 +197,6 @@ def test_too_many_alarms_are_an_exit_code(
     told = capsys.readouterr().out
     assert f"{2 * wrong} alarms in 2 right runs" in told
     assert "other" not in told
-
-
-def test_a_wrong_case_is_refused() -> None:
-    with pytest.raises(ScenarioRefused):
-        right_runs.model_of(["interface.mean_junction_count=-1"])
 
 
 # How often each real contact area is found in long runs, against its exact distribution.

@@ -1,214 +1,19 @@
 """Exact laws of the two-way slider, and closed forms for contacts that do not change or rise steadily."""
 
-import json
 import math
 from dataclasses import replace
-from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from rubnoise.contact.pulses import LENS, TRIANGLE
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.coupled import steps
-from rubnoise.simulation.coupled.field import LENS_SHAPE, gather
-from rubnoise.simulation.coupled.layout import SlipStart, Workspace
-from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, NODES, PLAIN, RIGHT, TABLE
 from rubnoise.simulation.state import LiveRows
-from tests.models import FIG5_SLIDER, CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
+from tests.models import among, coupled, model, oscillator_of, recorded
 from tests.oracle.coupled_slider import BREAKAWAY, FORWARD, REVERSAL, STICK, frozen
-from tests.oracle.slow_contact import Rows
-from tests.verification.scores import seed_of
 
 # Exact laws of the two-way slider: energy, the mean force, and the order in which its cells converge.
-DAMPED = Slider(mass=0.005, stiffness=300.0, damping=1.0)
-
-
-def area_so_far(u: np.ndarray) -> np.ndarray:
-    """Return int_0^u of a lens's area over d^2, u in diameters: (2/3) at the end of a life."""
-    rise = LENS.area_so_far(np.clip(np.minimum(u, 2.0 - u), 0.0, 1.0))
-    return np.where(u <= 1.0, rise, 2.0 / 3.0 - rise)
-
-
-def friction_integral(field: Rows, begin: float, end: float) -> float:
-    """Return int G ds in uN um between two distances, from the lives' own primitives."""
-    ages = [(s - field.birth) / field.diameter for s in (begin, end)]
-    return float(np.sum(field.strength * field.diameter**3 * (area_so_far(ages[1]) - area_so_far(ages[0]))))
-
-
-def slider_of(run: Model) -> tuple[Slider, float]:
-    assert run.slider is not None
-    assert run.sliding_speed is not None
-    return run.slider, run.sliding_speed
-
-
-def work_of_friction(run: Model, seed: int, found: CoupledRun) -> tuple[float, float]:
-    """Return int G |ds| and int G ds over the whole path, piece by monotone piece."""
-    field = field_of(run, seed, min(float(found.slider["distance"].min()) - 1.0, 0.0))
-    # A reversal may end in a stick, which goes on forward.
-    kinds, places = found.landmarks["kind"], found.landmarks["distance"]
-    turns = [float(s) for n, s in enumerate(places) if kinds[n] >= 2 or (kinds[n] == 0 and n and kinds[n - 1] == 2)]
-    path = [0.0, *turns, found.state.distance(found.constants)]
-    pieces = [friction_integral(field, a, b) for a, b in pairwise(path)]
-    return math.fsum(abs(piece) for piece in pieces), math.fsum(pieces)
-
-
-def mean_force_times_time(run: Model, found: CoupledRun) -> float:
-    """Return int F dt = m [x'] + c [x] + k int x dt in uN s."""
-    slider, _ = slider_of(run)
-    velocity = found.velocity
-    moved = found.state.displacement - found.start
-    return (
-        slider.mass * velocity
-        + slider.damping * moved
-        + slider.stiffness * found.state.integrals["displacement_integral"]
-    )
-
-
-def energy_gained(run: Model, found: CoupledRun) -> float:
-    slider, _ = slider_of(run)
-    velocity, x = found.velocity, found.state.displacement
-    return 0.5 * slider.mass * velocity**2 + 0.5 * slider.stiffness * (x**2 - found.start**2)
-
-
-RUNS = [
-    (model(distance=400.0), None),
-    (model(distance=400.0, slider=DAMPED), None),
-    (model(distance=600.0, count=5.0), -300.0),
-    (model(distance=800.0, count=2.0), -800.0),
-    (model(distance=300.0, speed=1e4), None),
-    (model(distance=40.0, speed=100.0), None),
-    (model(distance=300.0, speed=1e6), None),
-]
-
-
-@pytest.mark.parametrize(("run", "start"), RUNS)
-@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
-def test_energy(run: Model, start: float | None, tolerance: float) -> None:
-    """V int F dt = int G |ds| + c int x'^2 dt + [m x'^2/2 + k x^2/2]."""
-    found = coupled(run, 4, tolerance=tolerance, displacement=start)
-    slider, speed = slider_of(run)
-    along, across = work_of_friction(run, 4, found)
-    assert found.state.integrals["friction_work"] == pytest.approx(along, rel=10.0 * tolerance)
-    assert 2.0 * found.state.integrals["reverse_work"] == pytest.approx(
-        along - across, rel=10.0 * tolerance, abs=1e-10 * along
-    )
-    given = speed * mean_force_times_time(run, found)
-    stored = energy_gained(run, found)
-    taken = along + slider.damping * found.state.integrals["velocity_squared_integral"] + stored
-    assert abs(given - taken) < 10.0 * tolerance * abs(given)
-    # The drive's speed off by 1 in 10^6.
-    assert abs(given * (1.0 + 1e-6) - taken) > 10.0 * tolerance * abs(given)
-
-
-@pytest.mark.parametrize(("run", "start"), RUNS[:4])
-def test_the_mean_force(run: Model, start: float | None) -> None:
-    """<F> V T = int G ds + 2 int_(w < 0) G |ds| + c int x'^2 dt + [E]."""
-    found = coupled(run, 9, displacement=start)
-    slider, speed = slider_of(run)
-    _, across = work_of_friction(run, 9, found)
-    stored = energy_gained(run, found)
-    expected = (
-        across
-        + 2.0 * found.state.integrals["reverse_work"]
-        + slider.damping * found.state.integrals["velocity_squared_integral"]
-        + stored
-    )
-    assert speed * mean_force_times_time(run, found) == pytest.approx(expected, rel=1e-8)
-    # Time averages are not averages over distance: the dashpot's share is not small.
-    assert slider.damping * found.state.integrals["velocity_squared_integral"] > 1e-4 * abs(across)
-
-
-def starting(x: float, u: float, offset: float = 0.0) -> SlipStart:
-    return SlipStart(way=1.0, displacement=x, speed=u, growth=0.0, jerk=0.0, offset=offset)
-
-
-def test_uniform_cells_converge_by_the_sixth_power() -> None:
-    """A cell of three nodes in a force that rises evenly, against the same in many parts."""
-    constants = np.array([0.005, 300.0, 0.05, 1000.0])
-    work = np.zeros(steps.WORK)
-
-    def passed(width: float, parts: int) -> float:
-        x, u, time, force = 170.0, 4000.0, 0.0, 45000.0
-        for _ in range(parts):
-            part = width / parts
-            rise = 3000.0 * part
-            moments = (force + 0.5 * rise, rise / 6.0, 0.0)
-            u, took = steps.uniform_cell(constants, starting(x, u), part, moments, work)
-            x, time, force = x + 1000.0 * took - part, time + took, force + rise
-        return time
-
-    widths = np.array([0.4, 0.8, 1.6])
-    errors = np.array([abs(passed(width, 1) - passed(width, 64)) for width in widths])
-    orders = np.log2(errors[1:] / errors[:-1])
-    assert np.all(orders > 5.5)
-    assert errors[0] < 2e-10 * passed(0.4, 64)
-
-
-@pytest.mark.parametrize(("damping", "error"), [(20.0, 1e-9), (200.0, 1e-12), (2000.0, 1e-12)])
-def test_uniform_cells_keep_up_with_drag_however_fast_it_fades(damping: float, error: float) -> None:
-    """A cell that is up to forty times as long as drag takes to bring u to rest, against the same in many parts."""
-    constants = np.array([0.005, 0.0, damping, 1000.0])
-    work = np.zeros(steps.WORK)
-
-    def passed(width: float, parts: int, u: float, force: float) -> tuple[float, float]:
-        time, part, rise = 0.0, width / parts, 3000.0 * width / parts
-        for _ in range(parts):
-            u, took = steps.uniform_cell(constants, starting(0.0, u), part, (force + 0.5 * rise, rise / 6.0, 0.0), work)
-            time, force = time + took, force + rise
-        return u, time
-
-    u, _ = passed(0.4, 4096, 1000.0, 0.0)
-    one, many = passed(0.1, 1, u, 1200.0), passed(0.1, 4096, u, 1200.0)
-    assert abs(one[1] - many[1]) < error * many[1]
-    assert abs(one[0] - many[0]) < error * many[0]
-    # It is the drag that keeps u where it is: without, the same force would make more of it.
-    assert abs(passed(0.1, 4096, u, 1201.0)[1] - many[1]) > 1e-8 * many[1]
-
-
-def event_cell_errors(width: float) -> dict[int, tuple[float, float]]:
-    """Return by clock the relative errors of speed and time after one cell from a birth to a death."""
-    birth, diameter = np.array([0.0, -2.0 * 5.0 + width, np.inf]), np.array([5.0, 5.0, 1.0])
-    lives = (birth, diameter, 1.0 / diameter, 250.0 * diameter**2, np.maximum.accumulate(birth + 2.0 * diameter))
-    constants = np.array([0.005, 300.0, 0.05, 1000.0])
-    near, far, work = np.zeros(16), np.zeros(NODES), np.zeros(steps.WORK)
-    count = gather(lives, LENS_SHAPE, 0.0, width, TABLE, near, far, work)
-    assert count == 2
-    part = (2.0 / width, far, near, count, LENS_SHAPE)
-    workspace = Workspace(table=TABLE, work=work, powers=np.zeros(10), near=near, far=far)
-
-    def step(clock: int, x: float, u: float, offset: float, length: float) -> tuple[float, float]:
-        after, took, _ = steps.event_cell(constants, starting(x, u, offset), length, clock, part, workspace)
-        return after, took
-
-    x, u, offset, time, parts = 20.0, 3000.0, 0.0, 0.0, 64
-    for n in range(parts):
-        # Parts that grow from both ends do what the clock does; the roots are in the first and the last.
-        begin, end = (width * (3.0 - 2.0 * q) * q * q for q in (n / parts, (n + 1) / parts))
-        u, took = step(LEFT if n == 0 else RIGHT if n == parts - 1 else PLAIN, x, u, offset, end - begin)
-        x, offset, time = x + 1000.0 * took - (end - begin), end, time + took
-    found = {clock: step(clock, 20.0, 3000.0, 0.0, width) for clock in (BOTH, PLAIN)}
-    return {clock: (abs(speed / u - 1.0), abs(took / time - 1.0)) for clock, (speed, took) in found.items()}
-
-
-def test_event_cells_take_away_the_roots_of_a_birth_and_a_death() -> None:
-    """G begins and ends as s^1.5, its work as s^2.5: that is the order on a plain clock.
-
-    On the clock of both ends time has twice that order, and what is left of the root in the speed is 2e-4 of it.
-    """
-    widths = (3.2, 1.6, 0.8)
-    errors = [event_cell_errors(width) for width in widths]
-    for clock, kind, least, most in ((PLAIN, 0, 2.2, 2.6), (PLAIN, 1, 2.2, 2.6), (BOTH, 1, 4.5, 7.5)):
-        found = np.array([each[clock][kind] for each in errors])
-        orders = np.log2(found[:-1] / found[1:])
-        assert np.all((least < orders) & (orders < most)), (clock, kind, orders)
-    assert all(each[BOTH][0] < 2e-4 * each[PLAIN][0] for each in errors)
-    # A cell of Figure 5 is 0.05 um wide.
-    narrow = event_cell_errors(0.1)
-    assert max(narrow[BOTH]) < 1e-14
-    assert min(narrow[PLAIN]) > 1e-11
 
 
 @pytest.mark.parametrize("run", [model(distance=40.0), model(distance=60.0, count=5.0)])
@@ -222,31 +27,6 @@ def test_the_tolerance_is_kept(run: Model) -> None:
         errors.append(float(np.abs(found[:count] - exact[:count]).max() / np.abs(exact).max()))
         assert errors[-1] < 3.0 * tolerance
     assert errors[0] > 1e3 * errors[-1]
-
-
-def test_statistics_are_those_of_the_reference() -> None:
-    """Sixteen independent 12 s of Fig. 5 by 4 standard errors of both; the slider forgets its start in some 0.1 s."""
-    path = Path(__file__).parents[1] / "reference" / "two_way.json"
-    expected = json.loads(path.read_text(encoding="utf-8"))["fig5_V1"]
-    found = []
-    for n in range(16):
-        run = coupled(model(distance=12000.0, tick=1.0), seed_of(f"statistics/{n}"))
-        time = run.duration
-        mean = run.state.integrals["displacement_integral"] / time
-        found.append(
-            {
-                "stick_fraction": run.state.integrals["time_stuck"] / time,
-                "mean_x": mean,
-                "sticks_per_s": float((run.landmarks["kind"] == 0).sum()) / time,
-                "std_v": math.sqrt(run.state.integrals["velocity_squared_integral"] / time),
-            }
-        )
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        error = math.hypot(values.std(ddof=1) / math.sqrt(len(values)), expected[f"{name}_se"])
-        assert abs(values.mean() - expected[name]) < 4.0 * error, name
-    # One-way the same slider moves eleven times as fast.
-    assert expected["oneway_std_v"] > 10.0 * expected["std_v"]
 
 
 def test_fast_sliding_is_one_way() -> None:
@@ -308,17 +88,6 @@ def test_a_constant_force(damping: float, speed: float, start: float, landmarks:
     if damping > 0.0:
         # Static and kinetic force are the same: after one stick it never sticks again.
         assert (found["kind"] == STICK).sum() <= 1
-
-
-def test_the_force_before_and_after_a_landmark() -> None:
-    run = model(pulse=TRIANGLE, distance=4000.0)
-    found = among(run, constant(), displacement=-6800.0).landmarks
-    before, after, kind = found["force_before"] / BEARS, found["force_after"] / BEARS, found["kind"]
-    f = (FIG5_SLIDER.stiffness * found["displacement"] + FIG5_SLIDER.damping * 1000.0) / BEARS
-    assert before == pytest.approx(np.choose(kind, [before, 1.0, 1.0, -1.0]))
-    assert after == pytest.approx(np.choose(kind, [f, 1.0, -1.0, 1.0]))
-    assert np.all(np.abs(f[kind == STICK]) <= 1.0)
-    assert np.all(np.abs(f[kind > BREAKAWAY]) > 1.0)
 
 
 @pytest.mark.parametrize("slope", [0.0, 400.0, 5000.0])

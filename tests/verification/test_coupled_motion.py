@@ -7,15 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.coupled import fold
-from rubnoise.simulation.coupled.fold import CoupledMotion, constants, look_back
-from rubnoise.simulation.coupled.motion import advance
+from rubnoise.simulation.coupled.fold import CoupledMotion, constants
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
-from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.two_way import lived, past
+from rubnoise.simulation.two_way import lived
 from tests.frozen import examples
 from tests.models import UNEQUAL, CoupledRun, coupled, field_of, model, oscillator_of
 from tests.oracle import coupled_slider
@@ -187,69 +183,6 @@ def test_bits_do_not_depend_on_where_a_run_is_cut(name: str) -> None:
     assert coupled(run, 4, displacement=begin).contents() != whole.contents()
 
 
-def test_rows_behind_are_let_go_and_drawn_again() -> None:
-    """Where nothing is carried, every cell behind is drawn again, and no bit changes."""
-    run = model(distance=3000.0, count=5.0, tick=0.2)
-    asked: list[tuple[float, float]] = []
-
-    def earlier(begin: float, end: float) -> Any:
-        asked.append((begin, end))
-        return lived(run, 3, begin, end)
-
-    found = coupled(run, 3, earlier=earlier)
-    assert asked == []
-    oldest = found.state.distance(found.constants) - look_back(run)
-    assert found.state.covered <= oldest < 2500.0
-    assert (found.state.rows.birth + 2.0 * found.state.rows.diameter).min() >= oldest
-    back = coupled(model(distance=200.0, count=5.0), 3, displacement=-1500.0, earlier=earlier)
-    assert asked
-    assert asked[0][0] < float(back.slider["distance"].min()) < -1000.0
-
-
-def test_reversals_longer_than_what_is_carried_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    run = model(distance=12_000.0, count=2.0, tick=0.5)
-    carried = coupled(run, 3, pieces=40)
-    assert (carried.landmarks["kind"] == 2).sum() > 3
-    asked: list[tuple[float, float]] = []
-
-    def earlier(begin: float, end: float) -> Any:
-        asked.append((begin, end))
-        return lived(run, 3, begin, end)
-
-    assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
-    assert asked == []
-    monkeypatch.setattr(fold, "look_back", lambda _model: 0.0)
-    assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
-    assert asked
-    # Without the junctions behind, the force there would be another one.
-    nobody = coupled(run, 3, pieces=40, earlier=lambda _begin, _end: LiveRows.none())
-    assert nobody.contents() != carried.contents()
-
-
-def test_passages_are_told_once_and_none_is_left_out() -> None:
-    run = model(distance=400.0, count=5.0)
-    found = coupled(run, 6, displacement=-400.0, cells=4096)
-    lives = lived(run, 6, 0.0, run.distance)
-    born = lives.junction[lives.birth > 0.0]
-    died = lives.junction[lives.birth + 2.0 * lives.diameter <= run.distance]
-    assert np.array_equal(np.sort(found.births[0]), born)
-    assert np.array_equal(np.sort(found.deaths[0]), np.sort(died))
-    assert np.all(np.diff(found.births[1][np.argsort(found.births[0])]) > 0.0)
-    assert np.isfinite(found.deaths[1]).all()
-
-
-def test_no_more_is_told_at_once_the_longer_a_stick_is() -> None:
-    """A soft spring is stretched by 50 mm in a stick, for a slip of 0.1 mm: rows by the hundred thousand."""
-    soft = Slider(mass=0.005, stiffness=1.0, damping=0.05)
-    run = model(distance=100.0, slider=soft)
-    numbers = constants(run, 1e-9)
-    state = CoupledState.start(run, numbers, start(run, 2).live)
-    motion = CoupledMotion(run, numbers, state, partial(lived, run, 2))
-    sizes = [told.slider["time"].size for told in motion.through(lived(run, 2, 0.0, 100.0), np.inf)]
-    assert sum(sizes) > 100_000
-    assert max(sizes) <= 65_536
-
-
 def test_time_stays_sharp_however_far() -> None:
     """Rows lie at whole multiples of a tick over the speed, and the first at 0."""
     run = model(distance=500.0, speed=1e6)
@@ -258,18 +191,6 @@ def test_time_stays_sharp_however_far() -> None:
     assert rows["distance"][0] == 0.0
     assert rows["velocity"][0] == 0.0
     assert rows["displacement"][0] == run.equilibrium_displacement
-
-
-def test_a_run_without_a_junction() -> None:
-    """G = 0: the slider swings about its rest, and nothing but a passage of w = 0 can be told of it."""
-    run = model(distance=50.0, count=1e-6, start="empty")
-    found = coupled(run, 1, displacement=10.0)
-    t = found.slider["time"]
-    decay, rate = 5.0, np.sqrt(300.0 / 0.005 - 25.0)
-    expected = 10.0 * np.exp(-decay * t) * (np.cos(rate * t) + decay / rate * np.sin(rate * t))
-    assert np.abs(found.slider["displacement"] - expected).max() < 1e-8
-    assert set(found.landmarks["kind"].tolist()) <= {2, 3}
-    assert np.all(found.slider["friction_force"] == 0.0)
 
 
 @pytest.mark.parametrize("births", ["poisson", "regular"])
@@ -292,38 +213,3 @@ def test_the_past_of_a_stationary_start_is_stationary(births: str) -> None:
     assert abs(deviation) < 4.0 * error
     assert abs(np.mean(without) - expected) > 4.0 * error
     assert np.mean(np.array(counts)[:, 0]) == pytest.approx(expected, abs=4.0 * (expected / 40) ** 0.5)
-
-
-def test_the_past_does_not_depend_on_how_far_it_is_asked_for() -> None:
-    run = model(distance=10.0, strength=UNEQUAL)
-    near, far = past(run, 5, -50.0), past(run, 5, -5000.0)
-    count = len(near)
-    for one, other in ((near.birth, far.birth), (near.diameter, far.diameter), (near.strength, far.strength)):
-        assert np.array_equal(one[-50:], other[-50:])
-    assert len(far) > count
-    assert np.all(far.birth + 2.0 * far.diameter <= 0.0)
-    assert len(past(model(distance=10.0), 5, -50.0)) > 0
-
-
-def test_what_is_compiled_is_compiled_once() -> None:
-    """Arrays of another kind would cost half a minute in the middle of a run."""
-    for run in (model(distance=40.0), model(distance=40.0, pulse=TRIANGLE), model(distance=40.0, start="empty")):
-        coupled(run, 1, resumed=True)
-        coupled(run, 1, displacement=-300.0)
-    assert len(advance.signatures) == 1
-
-
-def test_what_moves_needs_a_slider_a_strength_and_a_speed() -> None:
-    with pytest.raises(ValueError, match="a slider moves where there is a strength and a sliding speed"):
-        constants(model(slider=None), 1e-9)
-    assert look_back(model(slider=None)) == 0.0
-
-
-def test_a_step_that_cannot_be_found_is_said() -> None:
-    run = model(distance=10.0)
-    numbers = constants(run, 1e-9)
-    numbers[[6, 8]] = -1.0, 0.0
-    state = CoupledState.start(run, numbers, start(run, 1).live)
-    motion = CoupledMotion(run, numbers, state, partial(lived, run, 1))
-    with pytest.raises(ArithmeticError, match="no step of the slider is right to its tolerance near 0 um, 0 s"):
-        list(motion.through(lived(run, 1, 0.0, 10.0), np.inf))

@@ -1,12 +1,10 @@
 """Runs of a slider that may leave its contact: motion in SI units, rows, bits, and faults that show."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from scipy.signal import lsim
@@ -14,18 +12,12 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 import rubnoise
-from rubnoise.analysis import reading
 from rubnoise.analysis.comparison import compare
 from rubnoise.contact.laws import Lognormal
-from rubnoise.errors import ScenarioRefused
-from rubnoise.model import Model, Slider
 from rubnoise.record.rows import ContactKind, JunctionState
-from rubnoise.scenario import loads
 from rubnoise.simulation.free.scales import Scales
 from rubnoise.theory.load import free_motion, load_motion
-from rubnoise.theory.motion import response
-from rubnoise.theory.sampling import load_errors, motion_errors
-from tests.cli.terminal import call
+from rubnoise.theory.sampling import load_errors
 from tests.models import bouncing, contents, recorded
 from tests.unit.tampering import change, scenario_of
 
@@ -138,23 +130,6 @@ def test_the_slider_along_the_surface_is_driven_by_the_force_in_the_file() -> No
     assert not np.allclose(force, 250.0 * trace["real_contact_area"])
 
 
-def test_the_force_is_that_of_each_summit_with_its_strength() -> None:
-    """F = sum of psi_i A_i over the touches of /junctions, A_i = (A_rm/N) (h_i - (s - x_i)^2 - z) from the surface."""
-    model = RUNS["unequal strengths"]
-    record = recorded(model, seed=6)
-    assert model.free is not None
-    scales, rows, z = Scales.of(model, model.free), record["junctions"], record["load"]["separation"]
-    around = scales.surface(6).around(0, 1)
-    psi = dict(zip(rows["encounter"].tolist(), rows["shear_strength"].tolist(), strict=True))
-    strength = np.array([psi.get(number, np.nan) for number in around.number.tolist()])
-    assert len(set(psi.values())) == len(psi) > 50
-    for tick in range(0, scales.surface(6).ticks, 40):
-        overlap = around.height - (tick * scales.tick - around.place) ** 2 - z[tick] / scales.height
-        areas = model.mean_real_contact_area / scales.live * overlap[overlap > 1e-9]
-        force = (strength[overlap > 1e-9] * areas).sum()
-        assert record["trace"]["friction_force"][tick] == pytest.approx(force, rel=1e-6, abs=1e-3)
-
-
 # Beside theory: momentum is exact, and a wrong weight, hardness or mass is seen.
 @pytest.mark.parametrize("name", ["restitution", "impact damping", "elastic"])
 def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
@@ -173,25 +148,6 @@ def test_the_mean_load_is_judged_by_its_scatter_over_stretches() -> None:
     t = (found.observed - found.expected) / found.standard_error
     assert found.z == pytest.approx(norm.isf(student.sf(t, 31)), rel=1e-9)
     assert abs(found.z - t) > 1e-4
-
-
-def test_mean_loads_are_those_of_whole_columns_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = RUNS["elastic"]
-    record = recorded(model, seed=8)
-    load, area = record["load"], record["trace"]["real_contact_area"]
-    assert model.free is not None
-    held, ends = model.free.held, np.arange(33) * ((area.size - 1) // 32)
-    momentum = (held.mass * load["velocity"] + held.damping * load["separation"])[ends[[0, -1]]]
-    push = float(np.diff(momentum)[0]) / load["time"][ends[-1]]
-
-    def mean(values: Any) -> float:
-        return float(np.mean([np.trapezoid(values[a : b + 1]) / (b - a) for a, b in pairwise(ends)]))
-
-    wanted = {"load_mean": mean(load["load"]) - push, "real_contact_area_mean": mean(area) - push / held.hardness}
-    for at_a_time in (reading.CHECKED_ROWS, 777, int(ends[1])):
-        monkeypatch.setattr(reading, "CHECKED_ROWS", at_a_time)
-        found = {each.name: each.observed for each in compare(model, record).figures}
-        assert found == pytest.approx(wanted, rel=1e-11)
 
 
 def test_first_order_is_the_limit_of_low_speed_and_many_contacts() -> None:
@@ -216,63 +172,6 @@ def test_first_order_is_the_limit_of_low_speed_and_many_contacts() -> None:
         off[v] = abs(found / exact - 1.0), 0.015 + 4.0 * error / exact
     assert off[0.1][0] < off[0.1][1]
     assert off[1.3][0] > off[1.3][1]
-
-
-def _elastic(v: float, length: float, tick: float, **changes: Any) -> Model:
-    """Return Figure 5 under its load, free and without loss but for the dashpot, over a length in c."""
-    c = np.sqrt(4.0 * 200.0 / np.pi / 20.0)
-    shape = {"height": 0.5, "weight": 2e5, "count": 20.0, "relative_speed": v, "restitution": 1.0, "ratio": 0.05}
-    return bouncing(**shape | {"distance": float(round(length * c)), "tick": round(tick * c, 2)} | changes)
-
-
-def _over_first_order(model: Model) -> dict[str, tuple[float, float]]:
-    """Return the spreads of two runs after a fifth over those of first order, and the error that theory gives them."""
-    assert model.free is not None
-    linear = replace(model, free=None, separation=model.free.held)
-    first, motion, rest = model.tick_count // 5, load_motion(linear), 0.8 * model.distance
-    errors = load_errors(linear, rest, from_start=False)
-    runs = [recorded(model, seed, engine="batch") for seed in (1, 2)]
-    still = model.equilibrium_displacement
-    found = {
-        "separation": (motion.separation_std, errors.separation_std, [run["load"]["separation"] for run in runs]),
-        "normal velocity": (motion.velocity_std, errors.velocity_std, [run["load"]["velocity"] for run in runs]),
-        "load": (motion.load_std, errors.load_std, [run["load"]["load"] for run in runs]),
-        "displacement": (
-            response(linear).displacement_std,
-            motion_errors(linear, rest).displacement_std,
-            [run["slider"]["displacement"] - still for run in runs],
-        ),
-    }
-    return {
-        name: (float(np.sqrt(np.mean([each[first:].var() for each in columns])) / std), error / std / np.sqrt(2.0))
-        for name, (std, error, columns) in found.items()
-    }
-
-
-@pytest.mark.parametrize(("v", "rectified"), [(0.3, False), (1.0026, True)])
-def test_first_order_has_the_displacement_of_a_soft_slider_at_low_speed_alone(v: float, *, rectified: bool) -> None:
-    """Swings at the contact resonance become slow motion, twice as much as first order has; its bound is for others."""
-    found = _over_first_order(_elastic(v, 9000.0 * v, 0.2 * min(v, 1.0)))
-    displacement, error = found.pop("displacement")
-    assert (displacement - 1.0 > 4.0 * error) == rectified
-    assert abs(displacement - (2.1 if rectified else 1.0)) < 4.0 * error * displacement
-    for ratio, scatter in found.values():
-        assert abs(ratio - 1.0) < 0.1 + 4.0 * scatter
-
-
-@pytest.mark.parametrize(("times", "quiet"), [(0.2, True), (5.0, False)])
-def test_at_a_constant_gap_only_a_stiff_slider_moves_as_in_the_paper(times: float, *, quiet: bool) -> None:
-    """Its own resonance is so many times that of the contact; momentum keeps the slow part of the force away."""
-    omega = times * np.sqrt(2e5 / 0.5 / 5e-3)
-    slider = Slider(mass=5e-3, stiffness=5e-3 * omega**2, damping=0.6 * 5e-3 * omega)
-    model = _elastic(30.0, 9000.0, 0.3, ratio=0.3, slider=slider)
-    assert model.free is not None
-    linear = replace(model, free=None, separation=model.free.held)
-    ratio, error = _over_first_order(model)["displacement"]
-    still = ratio / load_motion(linear).suppression
-    assert load_motion(linear).regime == "constant gap"
-    assert abs(ratio - 1.0) < 4.0 * error
-    assert (abs(still - 1.0) < 0.15 + 4.0 * error) == (not quiet)
 
 
 @pytest.mark.parametrize(("restitution", "limit"), [(0.7, 1.342), (0.3, 1.835)])
@@ -303,78 +202,6 @@ def test_without_any_loss_levels_grow(ratio: float, *, grows: bool) -> None:
 def _eighths(runs: list[Any]) -> Iterator[list[Any]]:
     """Return the same eighth of all runs, of one length."""
     return (list(parts) for parts in zip(*(each[: each.size // 8 * 8].reshape(8, -1) for each in runs), strict=True))
-
-
-# m = (1 + n)/2 is exact between the same two v = V/(c omega_c), which goes as V sqrt(s_0); no seed serves twice.
-def _level(model: Model, seeds: Sequence[int]) -> tuple[float, float]:
-    """Return ln of the normal velocity (root mean square over all runs) after a fifth, and its standard error."""
-    first = model.tick_count // 5
-    squares = [float(np.mean(recorded(model, seed, engine="batch")["load"]["velocity"][first:] ** 2)) for seed in seeds]
-    return 0.5 * np.log(np.mean(squares)), 0.5 * np.std(squares, ddof=1) / np.mean(squares) / np.sqrt(len(squares))
-
-
-def _exponents(runs: Iterator[int], live: float, restitution: float | None) -> tuple[float, float, float, float]:
-    """Return n and m between v of 1 and 3 with their errors; without a restitution the loss has a scale of its own."""
-    speeds, levels = (1.0, 3.0), []
-    for heights in ((5.0, 5.0), (5.0 / 3.0, 15.0)):
-        for v, height in zip(speeds, heights, strict=True):
-            loss = {"restitution": restitution} if restitution else {"growth": 0.3 * np.sqrt(height / 5.0)}
-            way = {"distance": 30_000.0 * v, "tick": 1.25, "slider": None}
-            model = bouncing(count=live, relative_speed=v, height=height, **loss, **way)
-            levels.append(_level(model, [next(runs) for _ in range(16)]))
-    (a, a_error), (b, b_error), (low, low_error), (high, high_error) = levels
-    step = np.log(3.0)
-    n, n_error = (b - a) / step, np.hypot(a_error, b_error) / step
-    return n, n_error, (high - low) / (2.0 * step), np.hypot(low_error, high_error) / (2.0 * step)
-
-
-def height_exponent(speed_exponent: float) -> float:
-    """Return m = (1 + n)/2, the exponent of height (at constant c and N) that goes with an exponent n of speed."""
-    return 0.5 * (1.0 + speed_exponent)
-
-
-def test_exponents_of_speed_and_height_belong_together() -> None:
-    """Each contact misses m = (1 + n)/2 within its error, and so do all together, whose error is half as large."""
-    runs, off = count(1), []
-    for live, restitution in ((0.05, 0.7), (0.1, 0.7), (0.1, 0.3), (0.2, 0.7), (0.1, None)):
-        n, n_error, m, m_error = _exponents(runs, live, restitution)
-        error = np.hypot(m_error, 0.5 * n_error)
-        off.append((m - height_exponent(n)) / error)
-        assert error < 0.03
-        assert m + n - 1.0 > 4.0 * np.hypot(m_error, n_error)  # what a constant separation would have
-    *exact, other = off
-    assert np.abs(exact).max() < 4.0
-    assert abs(np.sum(exact)) / 2.0 < 4.0
-    assert other < -4.0, "beta has a scale of its own"
-
-
-def test_at_the_same_v_height_is_but_a_scale() -> None:
-    """So runs of other seeds differ by chance alone; rounding takes some 2000 ticks to part these."""
-    moved = []
-    for v, height in ((1.0, 5.0), (1.0, 12.0), (1.001, 5.0)):
-        model = bouncing(count=2.0, relative_speed=v, height=height, distance=2500.0, tick=2.5)
-        assert model.free is not None
-        scales = Scales.of(model, model.free)
-        moved.append(recorded(model, seed=5)["load"]["velocity"] / (scales.height * scales.rate))
-    assert np.abs(moved[1] - moved[0]).max() < 1e-10
-    assert np.abs(moved[2] - moved[0]).max() > 1e-4
-
-
-def test_theory_knows_what_is_exact() -> None:
-    model = RUNS["restitution"]
-    known = free_motion(model)
-    assert known.relative_speed == pytest.approx(1.0)
-    assert (known.load_mean, known.live, known.restitution) == (5e4, 0.5, 0.7)
-    assert np.isnan([known.area_mean, known.force_mean, known.impact_damping]).all()
-    assert known.first_order is None
-    elastic = free_motion(RUNS["elastic"])
-    assert elastic.area_mean == pytest.approx(50.0)
-    assert elastic.force_mean == pytest.approx(250.0 * 50.0)
-    assert elastic.first_order is not None
-    assert elastic.fast_area_mean == elastic.area_mean
-    assert known.first_order is None  # a loss in the contact has another limit, with or without a dashpot
-    assert free_motion(bouncing(ratio=0.05)).first_order is None
-    assert free_motion(RUNS["impact damping"]).impact_damping == pytest.approx(0.3)
 
 
 # The file.
@@ -410,68 +237,3 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     with rubnoise.open(result) as file:
         assert set(file.compare().outside) & seen
         assert column.split("/")[0] in {check.name for check in file.verify().different}
-
-
-@pytest.mark.parametrize("left_out", [(), ("slider",), ("slider", "strength")])
-def test_exports_and_python_say_of_every_column_what_the_file_says(left_out: tuple[str, ...], tmp_path: Path) -> None:
-    strength = {} if "strength" in left_out else {"strength": {"law": "normal", "mean": "250 MPa", "spread": "20 %"}}
-    path = tmp_path / "x.h5"
-    rubnoise.run(scenario_of("diameter", *left_out, **KEYS | strength), path, seed=2).close()
-    assert call("export", str(path), "--to", "netcdf", "-o", str(tmp_path / "x.nc")).code == 0
-    with h5py.File(path) as file, h5py.File(tmp_path / "x.nc") as exported, rubnoise.open(path) as run:
-        groups = run.groups_by_name()
-        assert ("slider" in exported) == (not left_out)
-        assert ("friction_force" in exported["trace"]) == ("strength" not in left_out)
-        for name, group in exported.items():
-            assert group.attrs["long_name"] == groups[name].long_name == file[name].attrs["long_name"].decode()
-            for column in group:
-                found, wanted = group[column].attrs, file[name][column].attrs
-                assert found["long_name"] == groups[name][column].long_name == wanted["long_name"].decode()
-                assert found.get("flag_meanings", "") == wanted.get("flag_meanings", b"").decode()
-        assert "every touch of a summit" in exported["junctions"].attrs["long_name"]
-        assert "free to leave its contact" in exported["load"].attrs["long_name"]
-        assert "loses contact" in exported["landmarks"].attrs["long_name"]
-
-
-def test_areas_are_those_of_the_summits(result: Path) -> None:
-    change(result, "load/separation", lambda z: z + 0.01)
-    with rubnoise.open(result) as file:
-        assert "load" in {check.name for check in file.verify().different}
-
-
-# Refusals.
-@pytest.mark.parametrize(
-    ("table", "changes", "said"),
-    [
-        ("load", {"restitution": None}, "load.restitution: missing"),
-        ("load", {"impact_damping": "60 s/m"}, "both restitution and impact_damping are given"),
-        ("load", {"restitution": -0.1}, "too small"),
-        ("load", {"restitution": 1.1}, "too large"),
-        ("load", {"restitution": None, "impact_damping": "60 N*s/m"}, "an inverse speed is needed"),
-        ("load", {"motion": "first-order", "damping_ratio": 0.05}, 'the motion "first-order" takes no restitution'),
-        ("load", {"damping": "4 N*s/m", "damping_ratio": 0.05}, "both damping and damping_ratio are given"),
-        ("sliding", {"start": "empty"}, "free motion begins at rest"),
-        ("sliding", {"speed": None}, "sliding.speed: missing"),
-        ("interface", {"load": "0 N"}, "must be above 0"),
-        ("interface", {"mean_junction_count": 2000}, "free motion is computed up to 1000"),
-    ],
-)
-def test_what_free_motion_refuses(table: str, changes: dict[str, Any], said: str) -> None:
-    keys = KEYS | {table: KEYS[table] | changes}
-    with pytest.raises(ScenarioRefused, match=said):
-        scenario_of("diameter", "slider", **keys)
-
-
-@pytest.mark.parametrize("changes", [{"restitution": 0.0}, {"restitution": 1.0}, {"damping_ratio": 0.05}])
-def test_what_free_motion_takes(changes: dict[str, Any]) -> None:
-    scenario = scenario_of("diameter", "slider", **KEYS | {"load": KEYS["load"] | changes})
-    assert scenario.model().free is not None
-    assert loads(scenario.to_toml()).model() == scenario.model()
-
-
-def test_guests_are_refused() -> None:
-    scenario = scenario_of("diameter", "slider", **KEYS)
-    with pytest.raises(rubnoise.Refused, match="touches are known only after the motion of a block"):
-        rubnoise.simulate(scenario, intervene=lambda env, live: iter(()))
-    with pytest.raises(rubnoise.Refused, match="touches are known only after the motion of a block"):
-        rubnoise.simulate(scenario, observe=rubnoise.Observer(birth=print))

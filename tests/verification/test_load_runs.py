@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from math import log, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +12,13 @@ from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.analysis.summary import summarise
-from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.contact.laws import Lognormal
 from rubnoise.model import Model, Slider
-from rubnoise.pages.report import in_words
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import load as engine
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import THIRD, load_motion
-from rubnoise.theory.sampling import load_errors
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of
 from tests.verification.scores import BOUND, REJECTED, seed_of
@@ -112,14 +107,6 @@ def test_columns_are_what_they_say() -> None:
     assert (load["separation"][0], load["velocity"][0]) == (0.0, 0.0)
 
 
-def test_a_load_changes_nothing_at_the_mean_separation() -> None:
-    model = loaded(**SHORT)
-    under, held = recorded(model, seed=6), recorded(replace(model, separation=None), seed=6)
-    for group, columns in (("junctions", list(held["junctions"])), ("trace", ["real_contact_area", "junction_count"])):
-        for column in columns:
-            assert np.array_equal(under[group][column], held[group][column])
-
-
 # Runs beside theory, in standard errors that it gives them; every fault is seen.
 STIFF = Slider(mass=5e-3, stiffness=3e5, damping=8.0)
 LONG: dict[str, Any] = {"distance": 20_000.0, "tick": 0.1, "relative_speed": 0.5, "ratio": 0.3, "slider": STIFF}
@@ -139,21 +126,6 @@ def test_spreads_are_those_of_theory(v: float, ratio: float, strength: Any) -> N
     found = scores(loaded(**LONG | {"relative_speed": v, "ratio": ratio}, strength=strength), f"load {v} {ratio}")
     assert {"separation_std", "normal_velocity_std", "load_std", "friction_force_std", "displacement_std"} <= set(found)
     assert {name: z for name, z in found.items() if abs(z) > BOUND} == {}
-
-
-def test_errors_are_what_runs_scatter_by() -> None:
-    model = loaded(**LONG | {"distance": 3000.0})
-    errors, motion = load_errors(model, model.distance), load_motion(model)
-    runs = []
-    for n in range(64):
-        tally = Tally.of(model)
-        simulate(model, seed_of(f"scatter {n}"), tally, engine="batch")
-        runs.append([tally.moments[name].std for name in ("separation", "normal_velocity", "load")])
-    scatter = np.std(np.array(runs), axis=0, ddof=1)
-    known = np.array([errors.separation_std, errors.velocity_std, errors.load_std])
-    # The scatter of 64 runs is itself uncertain by 1/sqrt(2 * 63) = 9 %.
-    assert np.all(np.abs(scatter / known - 1.0) < BOUND / sqrt(2.0 * 63.0))
-    assert motion.separation_std == pytest.approx(np.mean(runs, axis=0)[0], abs=BOUND * known[0] / 8.0)
 
 
 def upside_down(model: Model, held: Any, cells: int) -> Any:
@@ -179,18 +151,6 @@ def test_faults_of_the_motion_are_rejected(monkeypatch: pytest.MonkeyPatch) -> N
             found = scores(model, "load, right")
         run.slider_constants.cache_clear()
         assert max(abs(found[name]) for name in ("separation_std", "load_std", "normal_velocity_std")) > REJECTED
-
-
-def test_the_mean_strength_does_not_stand_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = loaded(**LONG, strength=UNEQUAL)
-    right = engine.MovingSeparation._columns
-
-    def averaged(self: Any, sample: Any, states: Any) -> Any:
-        sample.columns["friction_force"] = model.strengths.mean * sample.columns["real_contact_area"]
-        return right(self, sample, states)
-
-    monkeypatch.setattr(engine.MovingSeparation, "_columns", averaged)
-    assert abs(scores(model, "load, mean strength")["friction_force_std"]) > REJECTED
 
 
 # The file.
@@ -224,53 +184,3 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     with rubnoise.open(result) as file:
         assert seen in file.compare().outside
         assert column.split("/")[0] in {check.name for check in file.verify().different}
-
-
-def test_third_octaves_of_a_run_are_those_of_theory(result: Path) -> None:
-    with rubnoise.open(result) as file:
-        heard, motion = heard_bands(file.reader(), file.model()), load_motion(file.model())
-        std = next(figure.observed for figure in file.summary if figure.name == "normal_velocity_std")
-    assert heard.velocity == pytest.approx(std, rel=1e-9)
-    assert heard.exact is not None
-    assert heard.frequency.size > 10
-    # The power of a band of width B over a time T scatters by 1/sqrt(B T), 10/ln(10) dB for each part of it.
-    bound = BOUND * 10.0 / log(10.0) / np.sqrt(1.5 * heard.frequency * (THIRD - 1.0 / THIRD))
-    assert np.all(np.abs(heard.level - heard.exact) < bound)
-    assert not np.all(np.abs(heard.level + 1.0 - heard.exact) < bound)
-    assert heard.whole_level == pytest.approx(motion.velocity_level, abs=1.0)
-
-
-def test_a_report_says_the_regime() -> None:
-    """And that friction is the load over the hardness, not the area, times the strength."""
-    model = loaded(**SHORT)
-    under, held = " ".join(in_words(model)), " ".join(in_words(replace(model, separation=None)))
-    assert "the regime is constant load. The slider moves 359 times less along the surface than" in under
-    assert "The friction force is the load on the junctions over their hardness times the shear strength" in under
-    assert "is held" in held
-    assert "The friction force is the area times the shear strength" in held
-
-
-def test_exponents_of_runs_belong_together() -> None:
-    """Slopes in speed at one height and in height at one speed, from runs of different seeds: m = (1 + n)/2."""
-    step, base = log(2.0), {"distance": 30_000.0, "tick": 0.1, "ratio": 0.3}
-    speed = loaded(relative_speed=1.0).sliding_speed or 0.0
-
-    def logarithm(name: str, **changes: float) -> tuple[float, float]:
-        model = loaded(**base | {"speed": speed} | changes)
-        tally = Tally.of(model)
-        simulate(model, seed_of(name), tally, engine="batch")
-        std = tally.moments["normal_velocity"].std
-        return log(std), load_errors(model, model.distance).velocity_std / std
-
-    (slow, a), (fast, b) = logarithm("slow", speed=speed / 2.0), logarithm("fast", speed=2.0 * speed)
-    (low, c), (high, d) = logarithm("low", height=0.25), logarithm("high", height=1.0)
-    n, m = (fast - slow) / (2.0 * step), (high - low) / (2.0 * step)
-    error = sqrt((a * a + b * b) / 4.0 + c * c + d * d) / (2.0 * step)
-    assert error < 0.02
-    # Over a finite step the identity holds for the secants at one product of V^2 and s_0: 2 in V is 4 in s_0.
-    exact = [
-        load_motion(loaded(**base, speed=v, height=h)).velocity_std
-        for v, h in ((speed / 2, 0.5), (2 * speed, 0.5), (speed, 0.25), (speed, 1.0))
-    ]
-    expected = log(exact[3] / exact[2]) / (2 * step) - (1.0 + log(exact[1] / exact[0]) / (2 * step)) / 2.0
-    assert abs(m - (1.0 + n) / 2.0 - expected) < BOUND * error

@@ -8,9 +8,7 @@ import pytest
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import Refused
 from rubnoise.record.rows import JunctionState
-from rubnoise.simulation import draws
 from rubnoise.simulation.observer import Observer
 from tests.models import bare, contents, model, recorded, run_to_end
 
@@ -79,20 +77,6 @@ def test_an_interrupted_life_is_told_to_its_end():
         assert diary.of(what) == places
 
 
-def test_small_blocks_tell_the_same(monkeypatch):
-    run, whole, alone = RUNS["figure 5"], Diary(), Diary()
-    recorded(run, 3, observe=whole.observer)
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    recorded(run, 3, observe=alone.observer)
-    assert alone.entries == whole.entries
-
-
-def test_who_asks_for_deaths_alone_hears_of_nothing_else():
-    run, deaths = RUNS["figure 5"], {}
-    record = recorded(run, 3, observe=Observer(death=deaths.__setitem__))
-    assert deaths == expected(run, record["junctions"])["death"]
-
-
 def two_way(run):
     return replace(run, slider=replace(run.slider, coupling="two-way"))
 
@@ -124,16 +108,6 @@ def rows_of(landmarks):
     return list(zip(*(landmarks[name].tolist() for name in ("kind", "time", "distance", "velocity")), strict=True))
 
 
-@pytest.mark.parametrize("engine", ["events", "batch"])
-@pytest.mark.parametrize("name", TWO_WAY)
-def test_landmarks_are_told_as_they_are_written(name, engine):
-    run, log = TWO_WAY[name], Log(*MOTION)
-    record = recorded(run, 3, engine=engine, observe=log.observer)
-    assert log.landmarks() == rows_of(record["landmarks"])
-    assert len(log.entries) > 5
-    assert contents(record) == contents(recorded(run, 3, engine="batch"))
-
-
 @pytest.mark.parametrize("name", TWO_WAY)
 def test_lives_and_landmarks_come_in_order_of_time(name):
     run, log = TWO_WAY[name], Log()
@@ -148,36 +122,6 @@ def test_lives_and_landmarks_come_in_order_of_time(name):
     assert np.diff(clock).min() >= -1e-9
     # Were the contact told before the slider goes through it, landmarks would come late.
     assert len({what in MOTION for what, *_ in log.entries[: len(log.entries) // 4]}) == 2
-
-
-def test_small_blocks_of_a_two_way_run_tell_the_same(monkeypatch):
-    monkeypatch.setattr(draws, "births_per_block", lambda _model: 60)
-    run, whole, alone = TWO_WAY["few, with reversals"], Log(), Log()
-    recorded(run, 3, observe=whole.observer)
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    recorded(run, 3, observe=alone.observer)
-    assert alone.entries == whole.entries
-    assert len(whole.entries) > 100
-
-
-def test_landmarks_of_a_slider_that_does_not_push_back_are_refused():
-    for name in MOTION:
-        with pytest.raises(
-            Refused, match=f'observe: {name}: only a slider .* slider.coupling = "two-way" makes it one'
-        ):
-            recorded(model(distance=20.0), observe=Log(name).observer)
-    with pytest.raises(Refused, match='births, mid-lives and deaths are events: it needs the engine "events"'):
-        recorded(TWO_WAY["figure 5"], engine="batch", observe=Log("stick", "birth").observer)
-    with pytest.raises(Refused, match="Observer: slip: 3 is no function of a time, a distance and a velocity"):
-        Observer(slip=3)
-
-
-def test_an_observer_that_fails_is_not_taken_for_the_motion():
-    def fails(*_told):
-        raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        recorded(TWO_WAY["figure 5"], observe=Observer(slip=fails))
 
 
 # The live set is what the processes make it: an interrupted junction is gone from there on, in every column.
@@ -245,29 +189,6 @@ def test_count_and_area_lose_exactly_those_junctions(pair):
     areas = [record["trace"]["real_contact_area"] for record in (whole, cut)]
     assert np.abs(areas[0] - areas[1] - missing).max() < 1e-11
     assert np.array_equal(cut["trace"]["friction_force"], 250.0 * areas[1])
-
-
-def test_the_slider_feels_it_from_there_on(pair):
-    whole, cut, when = pair
-    s, first = whole["trace"]["distance"], min(when.values())
-    difference = whole["slider"]["displacement"] - cut["slider"]["displacement"]
-    assert not difference[s < first].any()
-    assert np.abs(difference[s > first + 1.0]).max() > 0.1
-
-
-def test_a_run_with_interrupts_repeats_itself(pair):
-    _, cut, when = pair
-    assert contents(recorded(RUN, intervene=ends(when))) == contents(cut)
-
-
-def test_one_event_less_or_more_for_nobody():
-    """An intervention that does nothing changes no bit."""
-
-    def looks_on(env, live):
-        assert len(live) > 0
-        yield env.timeout(0.0)
-
-    assert contents(recorded(RUN, intervene=looks_on)) == contents(recorded(RUN))
 
 
 def test_a_junction_interrupted_in_a_later_block_is_written_again():

@@ -1,9 +1,7 @@
 """Numbers known from elsewhere: Rabinowicz's constant area, and theory to 20 or 30 digits."""
 
-import json
 from math import pi, sqrt
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,18 +9,12 @@ from scipy.special import struve
 
 import rubnoise
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.overlap import life_integral
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
-from rubnoise.simulation.draws import birth_distances, births_per_block, first_birth, start
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.live_count import length_biased_mean_diameter, mean_count
-from rubnoise.theory.motion import response
+from rubnoise.simulation.draws import births_per_block, first_birth, start
 from rubnoise.theory.sampling import standard_errors
-from rubnoise.theory.second_order import density_at_zero, spectral_density
 from tests.models import bare, recorded
-from tests.unit.theory_models import paper_model
 from tests.verification.scores import seed_of
 
 # Rabinowicz's contact: regular births of equal triangles, whose areas add up to a constant, or all but.
@@ -78,34 +70,12 @@ def test_the_scenario_is_constant_over_its_whole_run() -> None:
     assert np.abs(slider["velocity"]).max() < 1e-5
 
 
-def test_the_scenario_with_lenses_is_left_with_its_ripple() -> None:
-    area = rubnoise.simulate(rubnoise.load(ANCESTORS / "rabinowicz_lens.toml"))["trace"]["real_contact_area"]
-    assert area.std() / area.mean() == pytest.approx(ripple(20.0, LENS), rel=1e-3)
-    assert area.std() / area.mean() == pytest.approx(0.000996, rel=1e-3)
-
-
 @pytest.mark.parametrize("count", [1.0, 3.0, 7.0, 21.0])
 def test_an_odd_number_leaves_a_triangular_wave(count: float) -> None:
     # The mean square of such a wave, of height a and period D, over points h apart is off by (h^2/8) 32 a^2/D at most,
     # that is 12 (h/D)^2 of itself.
     assert ripple(count, TRIANGLE) == pytest.approx(1.0 / (sqrt(3.0) * count**2), rel=1e-9)
     assert sampled_ripple(count, TRIANGLE) == pytest.approx(1.0 / (sqrt(3.0) * count**2), rel=1e-5)
-
-
-@pytest.mark.parametrize("count", [0.5, 2.5, 6.3])
-def test_a_number_between_leaves_more(count: float) -> None:
-    assert sampled_ripple(count, TRIANGLE) == pytest.approx(ripple(count, TRIANGLE), rel=1e-5)
-
-
-@pytest.mark.parametrize("count", [1.0, 2.0, 2.5, 10.0, 20.0])
-def test_lenses_leave_a_ripple_for_every_number(count: float) -> None:
-    assert sampled_ripple(count, LENS) == pytest.approx(ripple(count, LENS), rel=1e-4)
-
-
-def test_the_ripples_that_are_told_of() -> None:
-    told = {(2.5, TRIANGLE): 0.052, (2.0, LENS): 0.074, (10.0, LENS): 0.0038, (20.0, LENS): 0.000996}
-    for (count, pulse), share in told.items():
-        assert ripple(count, pulse) == pytest.approx(share, rel=0.02)
 
 
 def test_poisson_births_of_triangles_are_far_from_constant() -> None:
@@ -123,12 +93,6 @@ def test_so_many_are_alive_at_every_tick(count: float) -> None:
     assert np.all(alive == count)
 
 
-def test_a_number_between_is_its_two_neighbours_by_turns() -> None:
-    alive = recorded(regular(2.5, tick=0.01, distance=300.0), 3)["trace"]["junction_count"]
-    assert set(alive.tolist()) == {2, 3}
-    assert alive.mean() == pytest.approx(2.5, abs=0.01)
-
-
 def test_births_lie_at_whole_multiples_of_their_spacing() -> None:
     run, seed = regular(20.0, distance=20_000.0), seed_of("multiples")
     record = recorded(run, seed)["junctions"]
@@ -139,20 +103,6 @@ def test_births_lie_at_whole_multiples_of_their_spacing() -> None:
     # Added up one by one, as random gaps are, they would have drifted by then.
     added = np.add.accumulate(np.concatenate([[first_birth(run, seed)], np.full(number[-1], run.births.mean)]))
     assert abs(added[-1] - expected[-1]) > 10 * np.spacing(expected[-1])
-
-
-def test_a_block_begins_where_the_one_before_ended() -> None:
-    run, seed = regular(20.0), seed_of("blocks")
-    before, _ = birth_distances(run, seed, 4, 0.0)
-    after, gaps = birth_distances(run, seed, 5, 0.0)
-    assert before[-1] == after[0]
-    assert np.array_equal(after[:-1] + gaps, after[1:])
-
-
-def test_an_empty_start_has_nobody_born_before() -> None:
-    rows = recorded(bare(births="regular", start="empty", distance=100.0), 5)["junctions"]
-    assert rows["birth_distance"][0] >= 0.0
-    assert not np.any(rows["state"] & JunctionState.ALIVE_AT_START)
 
 
 def starts(run: Model, seeds: int) -> tuple[list[int], list[float], list[float]]:
@@ -182,14 +132,6 @@ def test_the_start_of_regular_births_is_stationary() -> None:
     assert np.var(counts, ddof=1) < 0.7 * expected
 
 
-def test_rows_alive_at_the_start_are_in_order_and_reach_it() -> None:
-    live = start(regular(20.0, spread=Spread(relative=2.0)), 9).live
-    assert len(live) > 20
-    assert np.all(np.diff(live.birth) > 0.0)
-    assert np.all(live.birth < 0.0)
-    assert np.all(live.death > 0.0)
-
-
 def autocorrelation(lag: float) -> float:
     """Return the normalised overlap of a triangle of base 2 with itself: the cubic spline, 0 beyond 2."""
     t = abs(lag)
@@ -212,81 +154,3 @@ def test_unequal_strengths_let_the_force_vary_over_a_constant_area() -> None:
 
 
 # The theory against values computed elsewhere with 20 to 30 digits.
-REFERENCE = Path(__file__).parent.parent / "reference"
-
-
-def read(name: str) -> dict[str, Any]:
-    return json.loads((REFERENCE / name).read_text())
-
-
-def of(row: dict[str, Any]) -> Model:
-    return paper_model(
-        row["mean_real_contact_area_input"],
-        row["mean_junction_count_input"],
-        row["diameter_std"],
-        row["calibration"],
-        slider=None,
-    )
-
-
-def label(row: dict[str, Any]) -> str:
-    keys = ("calibration", "mean_real_contact_area_input", "mean_junction_count_input", "diameter_std")
-    return "-".join(f"{row[key]}" for key in keys)
-
-
-MOMENT_ROWS = read("moments.json")["rows"]
-SPECTRUM_ROWS = read("spectrum.json")["rows"]
-
-
-@pytest.mark.parametrize("row", MOMENT_ROWS, ids=label)
-def test_moments_of_area_and_count(row: dict[str, Any]) -> None:
-    model = of(row)
-    area = area_cumulants(model)
-    found = {
-        "mean_diameter_calibrated": model.calibrated_diameter,
-        "mean_life_distance": model.mean_life_distance,
-        "mean_birth_spacing": model.mean_birth_spacing,
-        "junction_count_mean": mean_count(model),
-        "area_mean": area.mean,
-        "area_std": area.std,
-        "area_skewness": area.skewness,
-        "area_excess_kurtosis": area.excess_kurtosis,
-        "length_biased_mean_diameter": length_biased_mean_diameter(model),
-    }
-    assert found == pytest.approx({key: row[key] for key in found}, rel=1e-12)
-
-
-def test_every_row_is_there_and_two_of_them_redraw() -> None:
-    assert len(MOMENT_ROWS) >= 27
-    assert sum(row["diameter_std"] > 0.5 * row["mean_diameter_calibrated"] for row in MOMENT_ROWS) == 2
-
-
-@pytest.mark.parametrize("power", range(1, 7))
-def test_life_integrals(power: int) -> None:
-    assert life_integral(power) == pytest.approx(float(read("pulse.json")["c"][str(power)]), rel=1e-15)
-
-
-@pytest.mark.parametrize("row", SPECTRUM_ROWS, ids=label)
-def test_spectral_density(row: dict[str, Any]) -> None:
-    found = spectral_density(of(row), row["wavenumber_rad_per_um"])
-    np.testing.assert_allclose(found, row["spectral_density_um4_per_rad_per_um"], rtol=1e-7)
-
-
-@pytest.mark.parametrize(("mean_count_", "density"), [(10, 65_651), (20, 23_438), (50, 6_103)])
-def test_spectral_density_at_zero(mean_count_: float, density: float) -> None:
-    assert density_at_zero(paper_model(mean_count=mean_count_)) == pytest.approx(density, abs=0.5)
-
-
-def test_slider_of_figure_5() -> None:
-    model = paper_model()
-    found = response(model)
-    assert force_cumulants(model).mean == pytest.approx(51_168.4, abs=0.05)
-    assert force_cumulants(model).std == pytest.approx(14_107.34, abs=0.005)
-    assert found.mean_displacement == pytest.approx(170.561, abs=0.0005)
-    assert found.displacement_std == pytest.approx(195.3059, abs=0.00005)
-    assert found.velocity_std == pytest.approx(47_241.1, abs=0.05)
-    assert found.one_way_validity == pytest.approx(47.2411, abs=0.00005)
-
-
-def test_slider_of_figure_5_at_a_hundred_times_the_speed() -> None:
-    assert response(paper_model(speed=100_000.0)).displacement_std == pytest.approx(22.10, abs=0.005)

@@ -3,22 +3,18 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
-from math import ceil, sqrt
+from math import ceil
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from scipy.signal import firwin, resample_poly
 
 import rubnoise
-from rubnoise.analysis.resampling import CROSSINGS, PASSED, RIPPLE, output_count, resampled
+from rubnoise.analysis.resampling import CROSSINGS, PASSED, output_count, resampled
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
-from rubnoise.errors import Refused
-from rubnoise.scenario.reading import loads
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.wave_file import STEPS
 from rubnoise.theory.load import load_motion
@@ -72,59 +68,6 @@ def _record(run: RunFile, what: str) -> np.ndarray:
     return run.column("slider", {"force": "friction_force"}.get(what, what))
 
 
-def _amplitudes(values: np.ndarray, count: int) -> np.ndarray:
-    """Return the transforms of segments, each a row, scaled so that rows of any rate compare; none at either end."""
-    starts = range(count // 2, values.size - count - count // 2, count // 2)
-    parts = np.stack([values[start : start + count] for start in starts])
-    return np.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * hann(count), axis=1) / count
-
-
-def _bands(last: int) -> list[slice]:
-    edges = np.unique(np.geomspace(3, last, BANDS + 1).astype(int))
-    return [slice(first, stop) for first, stop in pairwise(edges.tolist())]
-
-
-def _excess(heard: np.ndarray, record: np.ndarray, step: float, counts: tuple[int, int]) -> list[float]:
-    """Return by how much each band's amplitude is off, over what ripple and rounding allow."""
-    sound, seen = _amplitudes(heard, counts[0]), _amplitudes(record, counts[1])
-    segments = min(len(sound), len(seen))
-    # White rounding noise of variance step^2/12; four times its power is beyond what chance makes of it.
-    rounding = 4.0 * step**2 / 12.0 * float(np.square(hann(counts[0])).sum()) / counts[0] ** 2
-    found = []
-    for band in _bands(int(PASSED * 0.5 * min(counts))):
-        powers = [float(np.square(np.abs(each[:segments, band])).mean(axis=0).sum()) for each in (sound, seen)]
-        allowed = RIPPLE * sqrt(powers[1]) + sqrt(rounding * (band.stop - band.start))
-        found.append(abs(sqrt(powers[0]) - sqrt(powers[1])) / allowed)
-    return found
-
-
-@pytest.mark.parametrize("what", ["velocity", "force", "displacement"])
-@pytest.mark.parametrize(("speed_up", "counts"), [(1.0, (19_200, 4000)), (20.0, (1200, 5000))])
-def test_the_sound_has_the_spectrum_of_the_run(
-    run: RunFile, what: str, speed_up: float, counts: tuple[int, int]
-) -> None:
-    heard, step = _heard(run, what, speed_up)
-    assert max(_excess(heard, _record(run, what), step, counts)) < 1.0
-
-
-@pytest.mark.parametrize(("speed_up", "counts"), [(1.0, (19_200, 4000)), (20.0, (1200, 5000))])
-def test_a_sound_without_a_filter_has_another_spectrum(run: RunFile, speed_up: float, counts: tuple[int, int]) -> None:
-    _, step = _heard(run, "force", speed_up)
-    excess = _excess(_nearest(run, "force", speed_up), _record(run, "force"), step, counts)
-    assert max(excess) > 100.0
-
-
-def test_there_is_nothing_beyond_what_the_run_can_tell(run: RunFile) -> None:
-    heard, _ = _heard(run, "force", 1.0)
-    beyond = int(1.001 * 0.5 * 4000)
-    powers = [
-        np.square(np.abs(_amplitudes(each, 19_200))).mean(axis=0) for each in (heard, _nearest(run, "force", 1.0))
-    ]
-    sound, nearest = (float(power[beyond:].sum() / power.sum()) for power in powers)
-    assert sound < 1e-10
-    assert nearest > 1e-7
-
-
 def _scores(run: RunFile, heard: np.ndarray) -> list[float]:
     """Return the scores of the bands of a sound of the force, at true speed, beside the exact spectrum of the area."""
     model = rubnoise.build(SCENARIO).model()
@@ -159,101 +102,6 @@ def test_a_sound_played_a_tenth_too_fast_has_not(run: RunFile) -> None:
 
 
 # From a scenario's text to a file anyone opens: the same bytes as in memory, for thin, dense, short and empty runs.
-SCENARIO_TEXT = """
-format = 1
-title = "{name}"
-[interface]
-mean_real_contact_area = "{area} um^2"
-calibration = "exact"
-mean_junction_count = {count}
-[diameter]
-law = "{law}"
-{spread}
-[strength]
-mean = "250 MPa"
-[sliding]
-speed = "{speed} mm/s"
-distance = "{distance} um"
-start = "{start}"
-[slider]
-mass = "5 g"
-stiffness = "300 N/m"
-damping = "0.05 N*s/m"
-[output]
-tick = "{tick} um"
-"""
-
-
-def scenario(
-    name: str,
-    *,
-    area: float = 200,
-    count: float = 20,
-    spread: str = "0.2 um",
-    distance: float = 100,
-    tick: float = 0.1,
-    speed: float = 1,
-    start: str = "stationary",
-) -> str:
-    law, line = ("normal", f'spread = "{spread}"') if spread else ("fixed", "")
-    return SCENARIO_TEXT.format(
-        name=name,
-        area=area,
-        count=count,
-        law=law,
-        spread=line,
-        distance=distance,
-        tick=tick,
-        speed=speed,
-        start=start,
-    )
-
-
-RUNS = {
-    text.split('"')[1]: text
-    for text in (
-        scenario("thin", count=0.01, distance=50_000, tick=10, speed=100),
-        scenario("one in ten", count=0.1, distance=5_000, tick=5),
-        scenario("figure 5", distance=2_000),
-        scenario("a thousand", count=1_000, distance=20, tick=0.02),
-        scenario("dense", count=5_000, distance=2, tick=0.005),
-        scenario("shorter than a life", distance=0.7),
-        scenario("a single step", distance=0.19),
-        scenario("no birth", count=0.01, distance=5, start="empty"),
-        scenario("one size", spread=""),
-        scenario("spread above the mean", area=3, count=1, spread="8 um", distance=2_000, tick=0.5),
-        scenario("relative spread", spread="30 %"),
-    )
-}
-
-
-@pytest.mark.parametrize("name", RUNS)
-def test_a_file_holds_what_memory_holds(tmp_path: Path, name: str) -> None:
-    given = loads(RUNS[name])
-    record = rubnoise.simulate(given)
-    path = tmp_path / "run.h5"
-    with rubnoise.run(given, path) as run:
-        names = {group: set(columns.names) for group, columns in run.groups().items() if group != "life_curve"}
-        assert names == {group: set(columns) for group, columns in record.reader().groups.items()}
-        for group, columns in record.reader().groups.items():
-            for column, values in columns.items():
-                assert run.groups()[group][column][:].tobytes() == values.tobytes()
-        assert run.scenario.model() == given.model()
-        assert all(np.isfinite(figure.observed) for figure in run.summary)
-    with h5py.File(path, "r") as file:
-        assert file["junctions/diameter"].shape == record["junctions"]["diameter"].shape
-        assert file["trace/real_contact_area"].shape == (given.model().tick_count + 1,)
-
-
-def test_the_runs_are_what_they_are_called() -> None:
-    records = {name: rubnoise.simulate(loads(RUNS[name])) for name in ("no birth", "one size", "spread above the mean")}
-    assert records["no birth"].extent.junctions == 0
-    assert np.unique(records["one size"]["junctions"]["diameter"]).size == 1
-    law = loads(RUNS["spread above the mean"]).model()
-    assert law.calibrated_diameter < 8.0
-    assert records["spread above the mean"]["junctions"]["diameter"].min() > 0.0
-    assert loads(RUNS["shorter than a life"]).model().distance < 11.0
-    assert loads(RUNS["a single step"]).model().tick_count == 1
 
 
 def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
@@ -269,13 +117,6 @@ def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
     # Of motion as good as normal, one value in 5e8 lies beyond six standard deviations.
     assert np.abs(heard).max() < 6.0 * exact
     assert np.abs(left_out).max() > 12.0 * exact
-
-
-def test_a_run_within_the_start_of_normal_motion_is_refused(tmp_path: Path) -> None:
-    scenario = rubnoise.load(ROOT / "scenarios" / "load" / "fig5_smooth.toml", ["sliding.distance=10 um"])
-    rubnoise.run(scenario, tmp_path / "x.h5").close()
-    with open_run(tmp_path / "x.h5") as file, pytest.raises(Refused, match=r"too short: the first \d+\.\d+ um are the"):
-        Sound.of(file, "normal-velocity", rate=RATE, speed_up=1.0, seconds=None)
 
 
 def test_impacts_are_heard_when_they_happen(tmp_path: Path) -> None:

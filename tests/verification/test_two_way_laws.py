@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from math import isnan, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -14,15 +14,10 @@ from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison, Identity
-from rubnoise.analysis.summary import expected_figure
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.extent import extent
-from rubnoise.storage.forecast import rows_at_most
 from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion import response
-from rubnoise.theory.sampling import mean_force_error
 from tests.models import UNEQUAL, coupled, model, recorded
 from tests.oracle.second.balance import Path, two_way_identities
 from tests.verification.scores import Held, seed_of
@@ -107,62 +102,6 @@ def missing_square(run: Model, rows: Held) -> float:
     return float(abs(found - seen.displacement_squared_integral) / (allowed * seen.time))
 
 
-def test_the_mean_force_is_that_of_its_own_lives_to_rounding() -> None:
-    """Over a thousand um of Figure 5 the law leaves some 1e-13 of the force, where Campbell's mean leaves 2e-2."""
-    run, rows = ran("figure 5", 1e-11)
-    found = identities(run, rows)["mean_force_law"]
-    assert isinstance(found, Identity)
-    assert found.deviation < 1e-11 * balance(run, rows).mean_force
-    assert mean_force_error(run, run.distance) > 1e-2 * balance(run, rows).mean_force
-
-
-def test_runs_of_this_page_do_what_they_are_named_for() -> None:
-    kinds = {name: ran(name)[1].groups["landmarks"]["kind"] for name in RUNS}
-    assert (kinds["reversals"] == 2).any()
-    assert (kinds["figure 5"] == 0).sum() > 3
-    assert kinds["fast"].size == 0
-
-
-def test_a_reversal_behind_the_start_is_left_out_and_the_rest_is_not() -> None:
-    run, rows = ran("figure 5")
-    assert isinstance(identities(run, rows)["reverse_work"], Identity)
-    landmarks = {name: values.copy() for name, values in rows.groups["landmarks"].items()}
-    landmarks["kind"][:2], landmarks["distance"][:2] = (2, 3), (1.0, -1.0)
-    found = identities(run, Held({**rows.groups, "landmarks": landmarks}))
-    left_out = found["reverse_work"]
-    assert isinstance(left_out, LeftOut)
-    assert "behind the start" in left_out.reason
-    assert isinstance(found["energy"], Identity)
-
-
-@pytest.mark.parametrize(
-    ("column", "share", "law"),
-    [
-        ("time", 1e-7, {"sliding_distance"}),
-        ("distance", 1e-7, {"sliding_distance", "friction_work"}),
-        ("displacement", 1e-6, {"sliding_distance", "energy"}),
-        ("velocity", 1e-3, {"energy"}),
-        ("time_stuck", 1e-9, {"time_stuck"}),
-        ("displacement_integral", 1e-8, {"energy", "mean_force_law"}),
-        ("velocity_squared_integral", 1e-5, {"energy", "mean_force_law"}),
-        ("friction_work", 1e-8, {"friction_work", "energy"}),
-    ],
-)
-def test_a_changed_integral_is_rejected(column: str, share: float, law: set[str]) -> None:
-    run, rows = ran("figure 5")
-    value = float(rows.groups["balance"][column][0])
-    wrong = changed(rows, **{column: value * (1.0 + share)})
-    assert law <= broken(run, wrong)
-
-
-def test_a_wrong_integral_of_the_square_is_found_by_the_rows() -> None:
-    """No law has int x^2 dt: the rows of /slider do, within a bound that falls as the square of the tick."""
-    run, rows = ran("slow")
-    value = float(rows.groups["balance"]["displacement_squared_integral"][0])
-    assert missing_square(run, changed(rows, displacement_squared_integral=1.1 * value)) > 1.0
-    assert missing_square(run, rows) < 1.0
-
-
 @pytest.mark.parametrize("sign", [-1.0, 0.0])
 def test_a_wrong_sign_at_a_reversal_is_rejected(sign: float) -> None:
     """A reversal does its work against the motion, too: counted with another sign, or not at all, it is missing."""
@@ -184,14 +123,6 @@ def test_a_drive_one_percent_off_is_rejected(name: str) -> None:
     assert {"sliding_distance", "energy", "mean_force_law"} <= broken(run, rows)
 
 
-@pytest.mark.parametrize(("part", "share"), [("mass", 1e-3), ("stiffness", 1e-6), ("damping", 1e-4)])
-def test_another_slider_is_rejected(part: str, share: float) -> None:
-    run, rows = ran("figure 5")
-    assert run.slider is not None
-    value = getattr(run.slider, part) * (1.0 + share)
-    assert "energy" in broken(replace(run, slider=replace(run.slider, **{part: value})), rows)
-
-
 def test_another_field_is_rejected() -> None:
     """A row of /junctions that was not there when the slider moved."""
     run, rows = ran("figure 5")
@@ -199,13 +130,6 @@ def test_another_field_is_rejected() -> None:
     junctions["diameter"] = junctions["diameter"].copy()
     junctions["diameter"][100] *= 1.0 + 1e-4
     assert broken(run, Held({**rows.groups, "junctions": junctions})) == {"friction_work", "mean_force_law"}
-
-
-@pytest.mark.parametrize("value", [np.nan, 0.0, -1.0])
-def test_a_row_without_a_time_is_refused(value: float) -> None:
-    run, rows = ran("figure 5")
-    with pytest.raises(RunFileRefused, match="/balance is damaged"):
-        Path(run, changed(rows, time=value))
 
 
 WEAK = two_way(model(speed=2.5e4, slider=slider(0.5), distance=60_000.0, tick=2.0))
@@ -272,31 +196,6 @@ def test_the_weak_motion_is_the_one_way_motion_with_more_energy() -> None:
     assert weak.velocity_std / one_way.velocity_std == pytest.approx(coupling(WEAK).expected_change, rel=1e-14)
     share = WEAK.slider.damping * weak.velocity_std**2 / WEAK.sliding_speed / WEAK.slider.stiffness
     assert weak.mean_displacement - one_way.mean_displacement == pytest.approx(share, rel=1e-9)
-
-
-def test_a_single_figure_of_a_weakly_coupled_slider_is_that_of_the_law() -> None:
-    weak = weak_motion(WEAK)
-    for name in ("displacement_std", "velocity_std"):
-        assert expected_figure(WEAK, name) == getattr(weak, name)
-    assert expected_figure(WEAK, "displacement_mean") == pytest.approx(weak.mean_displacement, rel=1e-12)
-    assert expected_figure(WEAK, "displacement_mean") > response(WEAK).mean_displacement
-    strong = two_way(RUNS["figure 5"])
-    for run, name in ((WEAK, "one_way_validity"), (strong, "displacement_std"), (strong, "displacement_mean")):
-        assert isnan(expected_figure(run, name))
-
-
-@pytest.mark.parametrize("name", RUNS)
-def test_rows_of_the_slider_are_no_more_than_was_said(name: str) -> None:
-    """As many as fit into the distance and the way that the force can carry the slider ahead."""
-    run, rows = ran(name)
-    most = rows_at_most(run, extent(run, 1)).slider
-    assert most is not None
-    assert rows.rows("slider") <= most
-    assert run.slider is not None
-    assert run.sliding_speed is not None
-    deflection = 250.0 * run.stationary_mean_area / run.slider.stiffness
-    ahead = (most - run.tick_count) * run.tick
-    assert ahead < 20.0 * deflection + run.sliding_speed / run.slider.natural_angular_frequency
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,19 +10,14 @@ from scipy.special import stdtrit
 
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
 from rubnoise.analysis.summary import expected_figure, summarise
-from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.scenario.points import Case, points_of
-from rubnoise.simulation import block, draws, ticks
-from rubnoise.simulation.coupled import fold, motion
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
-from rubnoise.simulation.state import State
 from tests.architecture.sources import ROOT
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
-from tools.parts import parts_of
 from tools.studies import two_way_reference as reference
 
 # A two-way slider in whole runs: the contact of the one-way run, equal bits from both engines and after every cut.
@@ -93,82 +88,12 @@ def test_rows_are_uniform_in_time_and_landmarks_take_turns() -> None:
     assert (kind[1:] != kind[:-1]).all()
 
 
-@pytest.mark.parametrize(
-    ("births", "changes"),
-    [
-        (60, RUNS["fig5"]),
-        (60, RUNS["fig5"] | {"count": 2.0, "distance": 3000.0}),
-        # Of a contact that is empty now and then, every row is known and written at the end of some blocks.
-        (3, {"distance": 6000.0, "count": 0.2, "tick": 1.0}),
-    ],
-)
-def test_small_blocks_and_ranges_change_no_bit(
-    monkeypatch: pytest.MonkeyPatch, births: int, changes: dict[str, Any]
-) -> None:
-    monkeypatch.setattr(draws, "births_per_block", lambda _model: births)
-    run = two_way(model(**changes))
-    whole = contents(recorded(run, 3))
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 700)
-    for engine in ("events", "batch"):
-        record, state = run_to_end(run, 3, engine=engine)
-        assert state.block > 1
-        assert contents(record) == whole
-
-
-def test_rows_wait_until_their_death_has_been_passed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The rows written at the end of a block are those of junctions that all were passed; none waits without reason."""
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    run = two_way(model(distance=2000.0))
-    waiting: list[int] = []
-    step = block.next_state
-
-    def noting(setup: block.RunSetup, state: State) -> State:
-        after = step(setup, state)
-        waiting.append(len(after.motion.waiting))
-        assert after.motion.written + waiting[-1] == after.junctions
-        return after
-
-    monkeypatch.setattr("rubnoise.simulation.run.next_state", noting)
-    recorded(run, 3, engine="batch")
-    assert waiting[-1] == 0
-    assert all(0 < count < 100 for count in waiting[:-1])
-    assert len(waiting) > 3
-
-
-def test_the_tolerance_is_used() -> None:
-    run = model(distance=100.0)
-    fine, coarse = (recorded(two_way(run, tolerance=tolerance), 3)["slider"] for tolerance in (1e-11, 1e-5))
-    count = min(fine["time"].size, coarse["time"].size, 100)
-    away = np.abs(fine["displacement"][:count] - coarse["displacement"][:count]).max()
-    assert 0.0 < away < 1e-3 * np.abs(fine["displacement"]).max()
-
-
-def test_an_intervention_is_refused() -> None:
-    def process(env: Any, live: Any) -> Any:
-        yield env.timeout(1.0)
-
-    with pytest.raises(Refused, match=r'slider\.coupling = "one-way" takes interventions'):
-        recorded(two_way(model(distance=20.0)), intervene=process)
-
-
-def test_a_motion_without_a_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def lost(*_arguments: Any) -> int:
-        return motion.LOST
-
-    monkeypatch.setattr(fold, "advance", lost)
-    with pytest.raises(RubnoiseError, match=r"no step of the slider .* a larger slider.tolerance may do"):
-        recorded(two_way(model(distance=20.0)))
-
-
 # Statistics of two-way runs on fields of their own, against reference values and those of another program.
 POINTS = reference.kept()
 NAMES = [f"{1e-3 * point['speed']:g} mm/s, {point['junctions']:g}" for point in POINTS]
 FOUR_SIGMA = 1.0 - 3.1671241833119857e-05
 """Chance that a normal number lies no more than four standard deviations above its mean."""
 
-BRIEF = {(300.0, 20): 6e3, (1000.0, 20): 12e3, (10_000.0, 20): 20e3, (1000.0, 5): 20e3, (1000.0, 2): 40e3}
-"""Points for every day, by speed (um/s) and junctions, and how far (um) they run on each of so many fields."""
 FIELDS = 12
 
 
@@ -234,33 +159,8 @@ def test_two_programs_agree() -> None:
     assert list(reference.disagreements(wrong))
 
 
-def test_values_that_disagree_are_not_taken() -> None:
-    wrong = [{**point, "velocity_std": [1.05 * point["velocity_std"][0], 1.0]} for point in POINTS]
-    before = reference.KEPT.read_bytes()
-    with pytest.raises(ValueError, match=r"velocity_std at \(1000.0, 20\)"):
-        reference.keep(wrong)
-    assert reference.KEPT.read_bytes() == before
-
-
-def test_the_page_has_the_table_of_the_reference() -> None:
-    page = (ROOT / "docs" / "two-way.md").read_text(encoding="utf-8")
-    assert parts_of(page)["reference"] == f"\n{reference.shown(POINTS)}\n"
-
-
-@pytest.mark.parametrize("value", [(0.741322, 0.00152, "0.7413(15)"), (4057.83, 24.6, "4058(25)"), (2.0, 0.0, "2")])
-def test_errors_stand_in_the_last_digits(value: tuple[float, float, str]) -> None:
-    assert reference.in_digits(*value[:2]) == value[2]
-
-
 def of_figure_5() -> dict[str, Any]:
     return next(each for each in POINTS if (each["speed"], each["junctions"]) == (1000.0, 20))
-
-
-@pytest.mark.parametrize("place", BRIEF, ids=lambda place: f"{1e-3 * place[0]:g} mm/s, {place[1]}")
-def test_a_few_fields_agree_with_the_reference(place: tuple[float, int]) -> None:
-    point = next(each for each in POINTS if (each["speed"], each["junctions"]) == place)
-    found = figures_of(case_of(point, BRIEF[place]), FIELDS)
-    assert [score for score in scores(point, found) if not score.agrees] == []
 
 
 def test_another_slider_is_told_from_that_of_the_reference() -> None:

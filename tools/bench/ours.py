@@ -1,4 +1,4 @@
-"""rubnoise on the benchmark's cases: whole runs into a file, the area alone, the kernel alone."""
+"""rubnoise on the benchmark's cases: whole runs into a file, and the area alone."""
 
 from pathlib import Path
 from typing import Any
@@ -9,11 +9,6 @@ from bench.case import AREA, DAMPING, MASS, SEED, SPEED, STIFFNESS, STRENGTH, Ca
 
 def scenario(case: Case, engine: str, *, slider: bool = True, seed: int = SEED) -> rubnoise.Scenario:
     """Return a case as a scenario."""
-    return rubnoise.build(values(case, engine, slider=slider, seed=seed))
-
-
-def values(case: Case, engine: str, *, slider: bool, seed: int) -> dict[str, Any]:
-    """Return the keys of a case's scenario by table."""
     found: dict[str, Any] = {
         "format": 1,
         "title": "Benchmark",
@@ -31,7 +26,7 @@ def values(case: Case, engine: str, *, slider: bool, seed: int) -> dict[str, Any
         found["strength"] = {"law": "constant", "mean": STRENGTH}
         found["sliding"]["speed"] = SPEED
         found["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
-    return found
+    return rubnoise.build(found)
 
 
 def output(record: Any, *, slider: bool) -> Output:
@@ -50,16 +45,11 @@ def area_alone(case: Case, draws: Draws, engine: str) -> Output:
     return output(rubnoise.simulate(scenario(case, engine, slider=False, seed=draws.seed)), slider=False)
 
 
-def area_and_slider(case: Case, draws: Draws, engine: str) -> Output:
-    """Return births, the trace of the area and the motion, kept in memory."""
-    return output(rubnoise.simulate(scenario(case, engine, seed=draws.seed)), slider=True)
-
-
 def run(case: Case, draws: Draws, path: Path, engine: str) -> None:
     """Make a whole run: every table, the summary beside theory and the hashes, on disk."""
     rubnoise.run(scenario(case, engine, seed=draws.seed), path, force=True, command=["bench"]).close()
 
 
-def in_memory(case: Case, engine: str, *, slider: bool = True) -> rubnoise.Record:
+def in_memory(case: Case, engine: str) -> rubnoise.Record:
     """Return a run as a record, without a file."""
-    return rubnoise.simulate(scenario(case, engine, slider=slider))
+    return rubnoise.simulate(scenario(case, engine))

@@ -5,18 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-NAMES = (
-    "detection",
-    "family",
-    "free_cost",
-    "free_motion",
-    "inference",
-    "load",
-    "run_cost",
-    "surface_levels",
-    "surfaces",
-    "two_way",
-)
+NAMES = ("detection", "free_motion", "inference", "two_way")
 
 
 def main() -> int:
@@ -27,8 +16,7 @@ def main() -> int:
     name = sys.argv.pop(1)
     sys.argv[0] = f"studies {name}"
     sys.path[:0] = [str(ROOT), str(ROOT / "src"), str(ROOT / "tools")]  # studies use what tests and tools have
-    study = import_module(f"studies.{name}")
-    return int(getattr(study, "STUDY", study).main())
+    return int(import_module(f"studies.{name}").main())
 
 
 if __name__ == "__main__":

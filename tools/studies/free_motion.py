@@ -7,14 +7,18 @@ No table is drawn if it is off by more than four standard errors in a step of sp
 the mean load is, or the level still drifts.
 """
 
+import argparse
+import json
+import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import count
 from math import hypot, log, pi, sqrt
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from parts import table
+from parts import fill, table
 from scipy.special import stdtr
 
 from rubnoise.analysis.agreement import normal_deviate
@@ -24,9 +28,10 @@ from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.load import level as decibels
-from studies.study import Study
 from tests.models import bouncing
 
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "load.md"
+DATA: Final = PAGE.with_name("free_motion.json")
 DIAMETER: Final = 50.0
 HEIGHT: Final = 5.0
 GRAVITY: Final = 9.81e6
@@ -311,13 +316,30 @@ def made() -> Iterator[Contact]:
         yield found
 
 
-STUDY: Final = Study(
-    about=__doc__,
-    page="load.md",
-    data="free_motion.json",
-    row=Contact,
-    facts={"seed": SEED, "runs": RUNS, "diameter": DIAMETER, "height": HEIGHT, "discarded": DISCARDED},
-    make=made,
-    faults=faults,
-    tables=tables,
-)
+def kept() -> list[Contact]:
+    """Return what was found, as docs/free_motion.json has it."""
+    return [_contact(**row) for row in json.loads(DATA.read_text("utf-8"))["rows"]]
+
+
+def _contact(*, levels: list[dict[str, Any]], heights: list[list[dict[str, Any]]], **about: Any) -> Contact:
+    pairs = tuple((_level(low), _level(high)) for low, high in heights)
+    return Contact(levels=tuple(map(_level, levels)), heights=pairs, **about)
+
+
+def _level(row: dict[str, Any]) -> Level:
+    return Level(**{**row, "peaks": row["peaks"] and tuple(row["peaks"])})
+
+
+def main() -> int:
+    """Make the rows and keep them, or take those of before with --table; draw the tables unless a row is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--table", action="store_true", help="draw the tables from docs/free_motion.json")
+    if not parser.parse_args().table:
+        facts = {"seed": SEED, "runs": RUNS, "diameter": DIAMETER, "height": HEIGHT, "discarded": DISCARDED}
+        DATA.write_text(json.dumps({**facts, "rows": [asdict(each) for each in made()]}, indent=1) + "\n", "utf-8")
+    rows = kept()
+    if wrong := faults(rows):
+        print(*wrong, sep="\n", file=sys.stderr)
+        return 1
+    fill(PAGE, tables(rows))
+    return 0

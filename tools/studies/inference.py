@@ -1,11 +1,10 @@
 """Fit thousands of traces whose junctions are known: coverage, median errors, and which wrong models are noticed.
 
     .venv/bin/python tools/studies inference run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
-    .venv/bin/python tools/studies inference table FOLDER
     .venv/bin/python tools/studies inference docs FOLDER
 
-`run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints
-every cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
+`run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `docs`
+writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
 colon: right:, clean:, long:, drift:, auto:, unknown:, wrong:, round trip:, outside:. Traces of `outside:` are those of
 right_traces.py, read as a user would; `docs` keeps what they showed in docs/right_traces.json, and what every cell
 showed in docs/coverage.json.
@@ -19,7 +18,6 @@ import os
 import sys
 import time
 import tomllib
-from collections import Counter
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
@@ -295,34 +293,6 @@ def stopped(rows: list[dict[str, Any]]) -> int:
     return sum(bool(row["flags"] or row["refused"]) for row in rows)
 
 
-def table(folder: Path) -> None:
-    """Print coverage and median errors of each cell, and how many traces were flagged or refused."""
-    found = read(folder)
-    rows = []
-    for cell in cells():
-        if fits := found.get(cell.name):
-            told = (scores(fits, name) for name in QUANTITIES)
-            shown = ("" if each is None else f"{100 * each[0] / each[1]:.1f} %, {100 * each[2]:.1f} %" for each in told)
-            cpu = 1e3 * np.median([fit["cpu"] for fit in fits])
-            rows.append((cell.name, str(len(fits)), f"{cpu:.0f}", str(stopped(fits)), *shown))
-    print(markdown(("cell", "fits", "cpu ms", "flagged", *QUANTITIES), rows))
-    for kind in ("right", "clean", "drift", "auto", "unknown", "round trip", "outside"):
-        print(f"{kind}: {pooled(found, kind)}")
-    right = (row for cell in cells() if cell.kind != "wrong" for row in found.get(cell.name, []))
-    print("flags of right traces:", dict(Counter(flag for row in right for flag in row["flags"] or ())))
-
-
-def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
-    """Return the coverage of each quantity over all cells of a kind, and how many were flagged."""
-    rows = [row for cell in cells() if cell.kind == kind for row in found.get(cell.name, [])]
-    parts = []
-    for name in QUANTITIES:
-        score = scores(rows, name)
-        if score is not None:
-            parts.append(f"{name} {100 * score[0] / score[1]:.1f} % of {score[1]}")
-    return ", ".join([*parts, f"flagged or refused {stopped(rows)} of {len(rows)}"])
-
-
 def document(folder: Path) -> None:
     """Write the tables of the study into docs/inference.md."""
     found = read(folder)
@@ -443,7 +413,7 @@ def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
 def main() -> int:
     """Read the command and do it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("run", "table", "docs"))
+    parser.add_argument("what", choices=("run", "docs"))
     parser.add_argument("folder", type=Path)
     parser.add_argument("--traces", type=int, default=300)
     parser.add_argument("--jobs", type=int, default=2)
@@ -452,5 +422,5 @@ def main() -> int:
     if asked.what == "run":
         run(asked.folder, asked.traces, asked.jobs, asked.only)
     else:
-        {"docs": document, "table": table}[asked.what](asked.folder)
+        document(asked.folder)
     return 0

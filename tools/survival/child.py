@@ -1,20 +1,15 @@
-"""Copies of this process in which commands are carried out, with limits, and killed: nothing has to be loaded again.
-
-A copy tells where it is by lines in a pipe. What it told before it was killed is a witness that depends on no file.
-"""
+"""Copies of this process in which commands are carried out, with limits, and killed: nothing has to be loaded again."""
 
 import faulthandler
 import os
 import resource
-import select
 import signal
 import sys
 import tempfile
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, NoReturn
 from unittest.mock import patch
@@ -27,7 +22,7 @@ MEMORY_BYTES = 1 << 30
 """Beside what the program has loaded."""
 
 FAILED = 99
-"""Exit code of a task that raised something; it tells what."""
+"""Exit code of a task that raised something."""
 
 FAILURES = {
     "Traceback": "Traceback",
@@ -36,22 +31,15 @@ FAILURES = {
 }
 """What the program never says, by what is behind it."""
 
-Tell = Callable[[str], None]
-Task = Callable[[Tell], int | None]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ending:
-    """How a copy ended: exit code, or the negative number of a signal; what it printed; whether time ran out.
-
-    ``seconds`` passed since its begin, ``cpu`` of them it worked.
-    """
+    """How a copy ended: exit code, or minus a signal; what it printed; seconds since it began; whether time ran out."""
 
     code: int
     out: str
     err: str
     seconds: float
-    cpu: float
     hung: bool
 
     def fault(self, *codes: int) -> str:
@@ -66,43 +54,22 @@ class Ending:
 
 @dataclass(slots=True, kw_only=True)
 class Child:
-    """A copy of this process that carries out a task; ``told`` are the lines that came so far."""
+    """A copy of this process that carries out a task."""
 
     number: int
-    pipe: int
     out: BinaryIO
     err: BinaryIO
     began: float
-    told: list[str] = field(default_factory=list)
-    _rest: bytes = b""
 
     @classmethod
-    def begin(cls, task: Task, *, memory: int | None = None) -> "Child":
+    def begin(cls, task: Callable[[], int], *, memory: int | None = None) -> "Child":
         """Start one; it may take so many bytes of memory beside what is loaded."""
         out, err = (tempfile.TemporaryFile() for _ in range(2))  # noqa: SIM115  (closed when it is read)
-        receiving, sending = os.pipe()
         began = time.monotonic()
         number = os.fork()
         if number == 0:
-            os.close(receiving)
-            _carry_out(task, sending, out, err, memory)
-        os.close(sending)
-        os.set_blocking(receiving, False)
-        return cls(number=number, pipe=receiving, out=out, err=err, began=began)
-
-    def wait_for(self, word: str, seconds: float) -> bool:
-        """Wait until a line begins with a word; return whether one came before the time was up, or the copy ended."""
-        deadline = time.monotonic() + seconds
-        while self.last(word) < 0:
-            left = deadline - time.monotonic()
-            if left <= 0 or not select.select([self.pipe], [], [], left)[0] or not self._receive():
-                return False
-        return True
-
-    def last(self, word: str) -> int:
-        """Return the number in the last line that begins with a word; -1 for none."""
-        numbers = [int(line.split()[1]) for line in self.told if line.startswith(f"{word} ")]
-        return numbers[-1] if numbers else -1
+            _carry_out(task, out, err, memory)
+        return cls(number=number, out=out, err=err, began=began)
 
     def send(self, number: int) -> None:
         """Send it a signal; one that has ended takes no notice."""
@@ -111,45 +78,24 @@ class Child:
     def end(self, seconds: float = LONGEST_SECONDS) -> Ending:
         """Wait for its end; so many seconds after its begin end it, and its own children."""
         hung = False
-        while not (found := os.wait4(self.number, os.WNOHANG))[0]:
-            self._receive()
+        while not (found := os.waitpid(self.number, os.WNOHANG))[0]:
             if hung := time.monotonic() > self.began + seconds:
                 with suppress(ProcessLookupError):
                     os.killpg(self.number, signal.SIGKILL)
-                found = os.wait4(self.number, 0)
+                found = os.waitpid(self.number, 0)
                 break
             time.sleep(0.001)
-        ended = time.monotonic()
-        while self._receive():
-            pass
-        os.close(self.pipe)
-        _, status, usage = found
         return Ending(
-            code=os.waitstatus_to_exitcode(status),
+            code=os.waitstatus_to_exitcode(found[1]),
             out=_text(self.out),
             err=_text(self.err),
-            seconds=ended - self.began,
-            cpu=usage.ru_utime + usage.ru_stime,
+            seconds=time.monotonic() - self.began,
             hung=hung,
         )
 
-    def _receive(self) -> bool:
-        """Take what is in the pipe; return whether there was any."""
-        try:
-            came = os.read(self.pipe, 1 << 16)
-        except BlockingIOError:
-            return False
-        *lines, self._rest = (self._rest + came).split(b"\n")
-        self.told += [line.decode() for line in lines]
-        return bool(came)
 
-
-def _carry_out(task: Task, sending: int, out: BinaryIO, err: BinaryIO, memory: int | None) -> NoReturn:
+def _carry_out(task: Callable[[], int], out: BinaryIO, err: BinaryIO, memory: int | None) -> NoReturn:
     code = FAILED
-
-    def tell(line: str) -> None:
-        os.write(sending, f"{line}\n".encode())
-
     try:
         os.setpgid(0, 0)
         faulthandler.disable()
@@ -162,11 +108,11 @@ def _carry_out(task: Task, sending: int, out: BinaryIO, err: BinaryIO, memory: i
             resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
         # Where Python's streams were replaced, as pytest does, they would not hear of it.
         with os.fdopen(1, "w", closefd=False) as sys.stdout, os.fdopen(2, "w", closefd=False) as sys.stderr:
-            code = task(tell) or 0
+            code = task()
     except KeyboardInterrupt:
         code = 128 + signal.SIGINT  # it came before the command had begun
-    except BaseException:  # noqa: BLE001  (whatever it is, it is told)
-        tell(f"failed {' '.join(traceback.format_exc().split())[-1500:]}")
+    except BaseException as problem:  # noqa: BLE001  (whatever it is, it is told)
+        os.write(2, f"{type(problem).__name__}: {problem}\n".encode())
     finally:
         os._exit(code)
 
@@ -179,7 +125,7 @@ def _text(file: BinaryIO) -> str:
 
 def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Ending:
     """Carry out a task in a copy of this process; it returns an exit code."""
-    return Child.begin(lambda _: task(), memory=memory).end(seconds)
+    return Child.begin(task, memory=memory).end(seconds)
 
 
 def called(words: Sequence[str], folder: Path, *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Ending:

@@ -138,7 +138,7 @@ def _filled(outcome: Outcome, folder: Path, story: Story, turn: int, seed: int) 
     for each in folder.iterdir():
         each.unlink()
     story.write(folder, older=older)
-    child = Child.begin(lambda _: command(story.words("--force"), folder), memory=MEMORY_BYTES)
+    child = Child.begin(lambda: command(story.words("--force"), folder), memory=MEMORY_BYTES)
     time.sleep(random.uniform(0.0, 0.6))
     _fill(folder / "other")
     ending = child.end()

@@ -13,7 +13,7 @@ PATIENCE = 120.0
 
 def begin(story: Story, folder: Path, *more: str) -> Child:
     """Start a run in a copy of this process."""
-    return Child.begin(lambda _: command(story.words(*more), folder))
+    return Child.begin(lambda: command(story.words(*more), folder))
 
 
 def kills(count: int, seed: int, stories: Sequence[Story] = LONG) -> Outcome:

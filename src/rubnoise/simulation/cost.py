@@ -1,7 +1,4 @@
-"""The forecast of the memory of a run, from a few measured constants.
-
-`tools/studies run_cost` measures runs of many kinds, and how far these forecasts are off.
-"""
+"""The forecast of the memory of a run, from a few measured constants."""
 
 from collections.abc import Mapping
 from typing import Final

@@ -61,14 +61,6 @@ def area_alone(case: Case, draws: Draws) -> Output:
     return Output(area=superpose(case, birth, diameter)[0], birth=birth, death=birth + 2.0 * diameter)
 
 
-def area_and_slider(case: Case, draws: Draws) -> Output:
-    """Return births, the trace of the area and the motion."""
-    birth, diameter = draws.rows()
-    area, _ = superpose(case, birth, diameter)
-    displacement, _ = slider(case, area)
-    return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)
-
-
 def run(case: Case, draws: Draws, path: Path) -> Output:
     """Make area and motion, and write them."""
     birth, diameter = draws.rows()

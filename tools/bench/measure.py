@@ -1,0 +1,267 @@
+"""What the benchmark measures: CPU time, memory and start-up, each after every tool's runs were found right."""
+
+import json
+import os
+import platform
+import re
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple, dataclass
+from functools import partial
+from importlib import import_module
+from importlib.metadata import version
+from itertools import count
+from math import inf
+from pathlib import Path
+
+from bench import checks
+from bench.case import Case, Drawn, Draws, Output
+from bench.checks import OURS, Verdict, Wrong
+from bench.clock import Task, Timing, interleaved
+
+PACKAGES = ("numpy", "scipy", "numba", "simpy", "h5py", "superposed-pulses")
+FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
+TICKS_PER_LIFE = 20.0
+"""Of the runs whose memory is taken: few, so that a disk holds ten million junctions."""
+
+LONGEST = 1_000_000
+"""Junctions beyond which only rubnoise is asked for memory: what holds everything at once would need gigabytes."""
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """One way to do it: its name, its function in a module of bench, how many junctions it is given in one repeat.
+
+    most: the junctions of the longest run that it is asked for; engine: of ours.
+    """
+
+    name: str
+    module: str
+    function: str
+    junctions: int
+    most: float = inf
+    engine: str = ""
+
+    def call(self, case: Case, draws: Draws, *path: Path) -> Output | None:
+        """Make a run, into a file where there is a path; its library is loaded here and not before."""
+        function = getattr(import_module(f"bench.{self.module}"), self.function)
+        return function(case, draws, *path, **({"engine": self.engine} if self.engine else {}))
+
+    def case(self, share: float, mean_count: float = 20.0, ticks_per_life: float = 221.0) -> Case:
+        """Return a case of at most twice the ticks that it has at 20 junctions and 221 ticks a life."""
+        junctions = round(share * self.junctions)
+        ticks = junctions * 221.0 / 20.0
+        return Case(mean_count, ticks_per_life, min(junctions, round(2.0 * ticks * mean_count / ticks_per_life)))
+
+
+def _ours(function: str) -> tuple[Entrant, ...]:
+    return tuple(Entrant(f"{OURS}{engine}", "ours", function, 100_000, engine=engine) for engine in ("batch", "events"))
+
+
+RUNS = (
+    *_ours("run"),
+    Entrant("numba loops, RK4", "peers.numba_loops", "run", 100_000),
+    Entrant("superposed-pulses, lsim", "peers.superposed", "run", 10_000, 100_000),
+    Entrant("naive NumPy, lsim", "peers.naive_numpy", "run", 10_000, 100_000),
+    Entrant("naive SimPy, RK4", "peers.naive_simpy", "run", 5_000, 10_000),
+)
+"""Tools that make a whole run: births, area, force, slider, and a file of it all."""
+
+AREAS = (
+    *_ours("area_alone"),
+    Entrant("numba loops", "peers.numba_loops", "area_alone", 100_000),
+    Entrant("superposed-pulses", "peers.superposed", "area_alone", 20_000),
+    Entrant("naive NumPy", "peers.naive_numpy", "area_alone", 20_000),
+)
+"""Tools that make births and the trace of the area, in memory."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Repeats, the share of its junctions that each tool is given, and the points of growth and memory."""
+
+    repeats: int
+    growth_repeats: int
+    share: float
+    counts: tuple[float, ...]
+    ticks: tuple[float, ...]
+    lengths: tuple[int, ...]
+    memory: tuple[int, ...]
+
+
+FULL = Plan(
+    repeats=21,
+    growth_repeats=3,
+    share=1.0,
+    counts=(10.0, 100.0, 1000.0),
+    ticks=(10.0, 30.0, 220.0, 2200.0),
+    lengths=(10_000, 100_000, 1_000_000),
+    memory=(100, 100_000, 1_000_000, 10_000_000),
+)
+QUICK = Plan(
+    repeats=3,
+    growth_repeats=1,
+    share=0.2,
+    counts=(10.0, 100.0),
+    ticks=(30.0, 220.0),
+    lengths=(1_000, 10_000),
+    memory=(100_000,),
+)
+
+Growth = dict[str, dict[float, Timing]]
+"""By entrant, then by the number that grows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Results:
+    """Verdicts on correctness, timings by entrant, and what else was measured; ``machine`` as two lines of text."""
+
+    machine: tuple[str, str]
+    verdicts: tuple[Verdict, ...]
+    runs: dict[str, Timing]
+    areas: dict[str, Timing]
+    growth: dict[str, Growth]
+    memory: dict[str, dict[int, float]]
+    waits: dict[str, tuple[float, float]]
+
+    def faults(self) -> Iterator[str]:
+        """Yield a sentence for everything that was computed wrong, or was timed and never checked."""
+        for verdict in self.verdicts:
+            yield from verdict.faults()
+        checked = {(verdict.part, verdict.name) for verdict in self.verdicts}
+        for part, timings in (("runs", self.runs), ("areas", self.areas)):
+            yield from (f"{part}, {name}: never checked" for name in timings if (part, name) not in checked)
+
+
+def measured(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Results:
+    """Measure everything, in a folder for files; raises Wrong before any time is taken if a tool is wrong."""
+    path = folder / "run.h5"
+    tell("correctness: each tool makes small runs")
+    verdicts = tuple(_verdicts(folder, checks.cases(plan.counts, plan.ticks)))
+    if faults := [fault for verdict in verdicts for fault in verdict.faults()]:
+        raise Wrong(*faults)
+    tell("whole runs, and the area alone")
+    whole, bare = timed(RUNS, plan, path), timed(AREAS, plan)
+    tell("growth")
+    grow = partial(_growth, plan, path)
+    growth = {
+        "count": grow(plan.counts, lambda each, count: each.case(plan.share, mean_count=count)),
+        "ticks": grow(plan.ticks, lambda each, ticks: each.case(plan.share, ticks_per_life=ticks)),
+        "length": grow(plan.lengths, lambda each, length: Case(junctions=int(length)) if length <= each.most else None),
+    }
+    tell("memory and start-up")
+    memory = {
+        each.name: {n: _peak(each, n, folder) for n in plan.memory if n <= LONGEST or each.name.startswith(OURS)}
+        for each in RUNS
+    }
+    return Results(
+        machine=machine(),
+        verdicts=verdicts,
+        runs=whole,
+        areas=bare,
+        growth=growth,
+        memory=memory,
+        waits=waits(folder, min(plan.repeats, 5)),
+    )
+
+
+def _verdicts(folder: Path, wanted: Sequence[Case]) -> Iterator[Verdict]:
+    for case in wanted:
+        known = checks.truth(case)
+        for entrant in RUNS:
+            entrant.call(case, known.given(), folder / "check.h5")
+            yield checks.judged("runs", entrant.name, checks.written(folder / "check.h5"), known)
+    known = checks.truth(wanted[0])
+    for entrant in AREAS:
+        made = entrant.call(known.case, known.given()) or Output()
+        yield checks.judged("areas", entrant.name, made, known)
+
+
+def _task(entrant: Entrant, case: Case, path: Path | None) -> Task:
+    """Return a run as a task, in units of junctions; each repeat has a seed of its own and writes a new file."""
+    seeds = count(1)
+
+    def call() -> None:
+        entrant.call(case, Drawn(case, seed=next(seeds)), *([path] if path else []))
+
+    return Task(call, case.junctions, partial(path.unlink, missing_ok=True) if path else lambda: None)
+
+
+def timed(entrants: Sequence[Entrant], plan: Plan, path: Path | None = None) -> dict[str, Timing]:
+    """Return the timings of all tools on the contact of Figure 5, each after a run that loads and compiles."""
+    for each in entrants:
+        _task(each, Case(junctions=100), path).call()
+    return interleaved({each.name: _task(each, each.case(plan.share), path) for each in entrants}, plan.repeats)
+
+
+def _growth(
+    plan: Plan, path: Path, points: Sequence[float], case_of: Callable[[Entrant, float], Case | None]
+) -> Growth:
+    found: Growth = {each.name: {} for each in RUNS}
+    for point in points:
+        cases = {each: case_of(each, point) for each in RUNS}
+        tasks = {each.name: _task(each, case, path) for each, case in cases.items() if case}
+        for name, timing in interleaved(tasks, plan.growth_repeats).items():
+            found[name][point] = timing
+    return found
+
+
+def _peak(entrant: Entrant, junctions: int, folder: Path) -> float:
+    """Return the most memory of a whole run in a process of its own, in 1e6 bytes."""
+    command = [sys.executable, "-m", "bench.measure", json.dumps(astuple(entrant)), str(junctions), str(folder)]
+    return float(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
+
+
+def peak_of(entrant: Entrant, junctions: int, folder: Path) -> None:
+    """Make one run in this process and print its peak."""
+    case, path = Case(ticks_per_life=TICKS_PER_LIFE, junctions=junctions), folder / "peak.h5"
+    entrant.call(case, Drawn(case, seed=1), path)
+    path.unlink()
+    status = Path("/proc/self/status")
+    if status.exists():  # ru_maxrss of a child begins with what its parent had, this does not
+        line = next(line for line in status.read_text(encoding="utf-8").splitlines() if line.startswith("VmHWM"))
+        print(float(line.split()[1]) * 1024.0 / 1e6)
+    else:
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+
+
+def waits(folder: Path, repeats: int) -> dict[str, tuple[float, float]]:
+    """Return what a user waits for, on the clock and of the processor (s): the best of some new processes."""
+    program, whole = str(Path(sys.executable).with_name("rubnoise")), str(folder / "whole.h5")
+    run = [program, "run", str(FIGURE_5), "--force", "-q", f"--output={whole}"]
+    short = [*run, "--set=sliding.distance=100 um"]
+    # As a user has it: Python keeps what it has compiled, and libraries begin with a thread for each processor.
+    plain = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE" and not k.endswith("_NUM_THREADS")}
+    subprocess.run(run, check=True, env=plain)
+    wanted: dict[str, tuple[list[str], dict[str, str]]] = {
+        "rubnoise --help": ([program, "--help"], plain),
+        "rubnoise report, Figure 5": ([program, "report", whole, "--force", f"--output={folder / 'page.html'}"], plain),
+        "rubnoise run, 0.1 mm of Figure 5": (short, plain),
+    }
+    found = {name: min(_waited(*each) for _ in range(repeats)) for name, each in wanted.items()}
+    nothing_kept = {**plain, "NUMBA_CACHE_DIR": str(folder / "compiled")}
+    return {**found, "the same with nothing compiled before": _waited(short, nothing_kept)}
+
+
+def _waited(command: list[str], variables: dict[str, str]) -> tuple[float, float]:
+    begin, before = time.perf_counter(), os.times()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=variables)
+    after = os.times()
+    return time.perf_counter() - begin, sum(after[2:4]) - sum(before[2:4])
+
+
+def machine() -> tuple[str, str]:
+    """Return a line on the processor and one on the versions; nothing names whose machine it is."""
+    listing = Path("/proc/cpuinfo")
+    model = re.search(r"^model name\s*:\s*(.+)$", listing.read_text(), re.MULTILINE) if listing.exists() else None
+    versions = [f"Python {platform.python_version()}", *(f"{name} {version(name)}" for name in PACKAGES)]
+    busy = f"load average {os.getloadavg()[0]:.1f}"
+    here = f"{model[1].strip() if model else platform.processor()}, {os.cpu_count()} cores"
+    return f"{here}, {platform.system()} on {platform.machine()}, {busy}", ", ".join(versions)
+
+
+if __name__ == "__main__":
+    peak_of(Entrant(*json.loads(sys.argv[1])), int(sys.argv[2]), Path(sys.argv[3]))
