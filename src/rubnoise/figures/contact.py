@@ -1,7 +1,7 @@
 """The contact from above: junctions as pairs of circles, each pair at its own place."""
 
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -61,6 +61,7 @@ class Stage:
         axes.set_yticks([])
         for side in ("left", "bottom"):
             axes.spines[side].set_visible(False)
+        _add_scale_bar(axes, self.width, self.height)
         _add_key(axes, self.largest_area)
 
     def draw(self, axes: "Axes") -> None:
@@ -166,6 +167,15 @@ def _height(cells: int, columns: int, spread: float) -> float:
     Places are ``spread`` times as high as those of centred passes.
     """
     return max((ceil(cells / columns) + MARGINS[2]) * spread * CELL[1], _columns_width(columns) * CELL[0] / ASPECT)
+
+
+def _add_scale_bar(axes: "Axes", width: float, height: float) -> None:
+    """Draw a bar of 1, 2 or 5 times a power of ten below the stage, an eighth of its width at most."""
+    power = 10.0 ** floor(log10(0.125 * width))
+    length = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= 0.125 * width)
+    below = -0.05 * height
+    axes.plot([0.0, length], [below, below], color=INK, lw=2.5, clip_on=False, solid_capstyle="butt")
+    axes.text(1.2 * length, below, f"{length:g} µm", va="center")
 
 
 def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> None:
