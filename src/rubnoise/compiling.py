@@ -17,7 +17,7 @@ SOURCES = (
     "simulation/coupled/*.py",
     "simulation/free/*.py",
     "simulation/kernel.py",
-    "simulation/slider.py",
+    "simulation/linear.py",
     "surface/*.py",
 )
 """Files that are compiled into functions of other files."""

@@ -19,6 +19,7 @@ from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.simulation import draws
+from rubnoise.simulation.block import Block, Visit
 from rubnoise.simulation.junctions import Processes
 from rubnoise.simulation.state import LiveRows
 from rubnoise.storage.reader import open_run
@@ -172,11 +173,11 @@ def test_an_intervention_knows_nothing_of_blocks(scenario: Scenario) -> None:
 def test_a_clock_made_anew_in_a_block_would_be_seen(scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     play = Processes.__call__
 
-    def forgetful(self: Processes, **block: Any) -> LiveRows:
-        if block["state"].block > 0:
-            self._env = Environment(block["state"].begin)
+    def forgetful(self: Processes, block: Block, visit: Visit) -> LiveRows:
+        if block.state.block > 0:
+            self._env = Environment(block.state.begin)
             self._start()
-        return play(self, **block)
+        return play(self, block, visit)
 
     monkeypatch.setattr(Processes, "__call__", forgetful)
     places: list[float] = []

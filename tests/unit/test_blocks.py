@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 from rubnoise.model import Model
-from rubnoise.simulation import draws
 from rubnoise.simulation import ticks as module
 from rubnoise.simulation.draws import (
-    BlockBirths,
-    CountedBirths,
-    births_by_block,
+    birth_distances,
     blocks_drawn_at_once,
+    count_births,
     draw_blocks,
     first_birth,
     start,
@@ -21,63 +19,24 @@ from rubnoise.simulation.state import State
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, tick_ranges
 from tests.models import bare
 
-# Births between their being counted and their being played.
 RUN = bare(distance=3_000.0, tick=1.0)
-BIRTHS = (np.arange(3.0), np.ones(2))
-PLACE = (0, 0.5, 16)
 
 
-def test_births_are_looked_at_often_and_taken_once() -> None:
-    kept = CountedBirths()
-    assert kept.look(RUN, 1, PLACE) is None
-    kept.keep(RUN, 1, PLACE, BIRTHS)
-    for _ in range(2):
-        assert kept.look(replace(RUN), 1, PLACE) is BIRTHS
-    assert kept.take(RUN, 1, PLACE) is BIRTHS
-    assert kept.take(RUN, 1, PLACE) is kept.look(RUN, 1, PLACE) is None
-
-
-def test_another_run_or_place_has_other_births() -> None:
-    kept = CountedBirths()
-    kept.keep(RUN, 1, PLACE, BIRTHS)
-    for run, seed, place in ((RUN, 2, PLACE), (replace(RUN, tick=0.5), 1, PLACE), (RUN, 1, (1, 0.5, 16))):
-        assert kept.look(run, seed, place) is kept.take(run, seed, place) is None
-    kept.keep(RUN, 2, PLACE, (BIRTHS[1], BIRTHS[0]))
-    assert kept.look(RUN, 1, PLACE) is None
-    assert kept.look(RUN, 2, PLACE) is not None
-
-
-def test_no_more_are_kept_than_fit() -> None:
-    kept = CountedBirths()
-    for block in range(draws._MOST_KEPT + 5):
-        kept.keep(RUN, 1, (block, 0.5, 16), BIRTHS)
-    found = [kept.look(RUN, 1, (block, 0.5, 16)) is not None for block in range(draws._MOST_KEPT + 5)]
-    assert found == [True] * draws._MOST_KEPT + [False] * 5
-
-
-def test_a_run_is_played_from_what_was_counted_to_the_same_bits() -> None:
-    begin, together = first_birth(RUN, 7), blocks_drawn_at_once(RUN, 0)
-    assert draws._counted.take(RUN, 7, (0, begin, together)) is None
+def test_a_run_is_played_from_what_was_counted() -> None:
+    count, begin, together = count_births(RUN, 7), first_birth(RUN, 7), blocks_drawn_at_once(RUN, 0)
+    counted = birth_distances(RUN, 7, 0, begin, together)
     drawn = draw_blocks(RUN, 7, 0, begin, together)
-    assert len(drawn) == sum(births_by_block(RUN, 7))
-    assert draws._counted.look(RUN, 7, (0, begin, together)) is not None
-    played = draw_blocks(RUN, 7, 0, begin, together)
-    assert draws._counted.look(RUN, 7, (0, begin, together)) is None
-    for name in ("birth", "gaps", "diameter", "strength"):
-        assert np.array_equal(getattr(drawn, name), getattr(played, name))
-    assert (drawn.blocks, drawn.next_birth) == (played.blocks, played.next_birth)
+    assert len(drawn) == count
+    assert np.shares_memory(drawn.birth, counted)
+    with pytest.raises(ValueError, match="read-only"):
+        drawn.birth[0] = 1.0
 
 
 # Panels cover every tick once, whatever the block and however large they may be.
-def block_up_to(next_birth: float) -> BlockBirths:
-    none = np.empty(0)
-    return BlockBirths(birth=none, gaps=none, diameter=none, strength=none, blocks=1, next_birth=next_birth)
-
-
 def covered(run: Model, begin: State, next_birth: float, cells: int = 1) -> list[int]:
     return [
         tick
-        for tick_range in tick_ranges(run, begin, block_up_to(next_birth), cells)
+        for tick_range in tick_ranges(run, begin.ticks, next_birth, cells)
         for tick in range(tick_range.first, tick_range.end)
     ]
 
@@ -116,7 +75,7 @@ def test_ticks_and_births_are_told_apart_to_the_last_bit(tick: float) -> None:
     for i in (1, 3, 7, 999, 123_457):
         at = float(i) * tick
         for birth, last in ((np.nextafter(at, 0.0), i - 1), (at, i - 1), (np.nextafter(at, np.inf), i)):
-            found = list(tick_ranges(run, BEGIN, block_up_to(float(birth)), 1))
+            found = list(tick_ranges(run, BEGIN.ticks, float(birth), 1))
             assert found[-1].end - 1 == last
 
 
@@ -124,7 +83,5 @@ def test_ticks_and_births_are_told_apart_to_the_last_bit(tick: float) -> None:
 def test_panels_are_no_larger_than_allowed_and_cover_all(monkeypatch: pytest.MonkeyPatch, cells: int) -> None:
     monkeypatch.setattr(module, "LARGEST_TICK_RANGE", 128)
     assert covered(SHORT_RUN, BEGIN, 11.0, cells) == list(range(101))
-    sizes = [
-        tick_range.end - tick_range.first for tick_range in tick_ranges(SHORT_RUN, BEGIN, block_up_to(11.0), cells)
-    ]
+    sizes = [tick_range.end - tick_range.first for tick_range in tick_ranges(SHORT_RUN, BEGIN.ticks, 11.0, cells)]
     assert max(sizes) == min(max(128 // cells, 1), 101)

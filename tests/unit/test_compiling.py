@@ -45,7 +45,7 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
 
     assert output() == ["0", "0.0"]
     assert output() == ["1", "0.0"]
-    other = package / "simulation" / "slider.py"
+    other = package / "simulation" / "linear.py"
     other.write_text(other.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     hits, _ = output()
     assert hits == "0"

@@ -19,7 +19,7 @@ from rubnoise.errors import Refused
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
-from rubnoise.simulation import draws, kernel, slider, ticks
+from rubnoise.simulation import draws, kernel, linear, ticks
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import LiveJunctions
 from rubnoise.simulation.observer import Observer
@@ -285,7 +285,14 @@ def test_rows_are_written_once_and_in_order():
 
 
 # Every kernel is compiled for one kind of arrays only: a second kind would cost seconds in the middle of a run.
-KERNELS = (kernel.add_areas, kernel.add_cells, kernel.add_values, kernel.count_changes, slider.advance_slider)
+KERNELS = (
+    kernel.add_areas,
+    kernel.add_cells,
+    kernel.add_values,
+    kernel.count_changes,
+    linear.add_pushes,
+    linear.advance,
+)
 KINDS_OF_RUNS = (
     model(distance=600.0, tick=0.5),
     model(distance=30.0, tick=0.5, speed=20.0),

@@ -20,7 +20,7 @@ from rubnoise.pages.report import in_words
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
-from rubnoise.simulation import load as engine
+from rubnoise.simulation import linear as engine
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.load import THIRD, load_motion
 from rubnoise.theory.sampling import load_errors
@@ -156,40 +156,41 @@ def test_errors_are_what_runs_scatter_by() -> None:
     assert motion.separation_std == pytest.approx(np.mean(runs, axis=0)[0], abs=BOUND * known[0] / 8.0)
 
 
-def upside_down(model: Model, held: Any, cells: int) -> Any:
+def upside_down(model: Model) -> Any:
     """P - W has the wrong sign: the slider falls where many junctions meet."""
-    right = engine.load_propagator(model, held, cells)
+    right = engine.slider_constants(model)
+    assert right is not None
     gains = right.gains.copy()
-    gains[2:] *= -1.0
+    gains[:2] *= -1.0
     return replace(right, gains=gains)
 
 
-def undamped(model: Model, held: Any, cells: int) -> Any:
+def undamped(model: Model) -> Any:
     """The damping is left out of the motion."""
-    return engine.load_propagator(model, replace(held, damping=1e-3 * held.damping), cells)
+    held = model.separation
+    assert held is not None
+    return engine.slider_constants(replace(model, separation=replace(held, damping=1e-3 * held.damping)))
 
 
 def test_faults_of_the_motion_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     model = loaded(**LONG)
     assert all(abs(z) <= BOUND for z in scores(model, "load, right").values())
     for fault in (upside_down, undamped):
-        run.slider_constants.cache_clear()
         with monkeypatch.context() as patch:
-            patch.setattr(run, "load_propagator", fault)
+            patch.setattr(run, "slider_constants", fault)
             found = scores(model, "load, right")
-        run.slider_constants.cache_clear()
         assert max(abs(found[name]) for name in ("separation_std", "load_std", "normal_velocity_std")) > REJECTED
 
 
 def test_the_mean_strength_does_not_stand_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
     model = loaded(**LONG, strength=UNEQUAL)
-    right = engine.MovingSeparation._columns
+    right = engine.LinearMotion.through
 
-    def averaged(self: Any, sample: Any, states: Any) -> Any:
+    def averaged(self: Any, sample: Any) -> Any:
         sample.columns["friction_force"] = model.strengths.mean * sample.columns["real_contact_area"]
-        return right(self, sample, states)
+        return right(self, sample)
 
-    monkeypatch.setattr(engine.MovingSeparation, "_columns", averaged)
+    monkeypatch.setattr(engine.LinearMotion, "through", averaged)
     assert abs(scores(model, "load, mean strength")["friction_force_std"]) > REJECTED
 
 

@@ -17,8 +17,7 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation.run import slider_constants
-from rubnoise.simulation.slider import propagator
+from rubnoise.simulation.linear import propagator, slider_constants, under_force
 from rubnoise.theory.sizes import panels
 from tests.models import UNEQUAL, bare, model, recorded
 from tests.oracle.second import slips, sums, two_way
@@ -184,7 +183,7 @@ def test_an_area_keeps_its_digits_at_birth_and_death() -> None:
 @pytest.mark.parametrize("width", [1e-4, 0.1, 5.0])
 def test_a_step_of_the_slider_is_that_of_another_derivation(damping: float, width: float) -> None:
     slider = Slider(mass=0.005, stiffness=300.0, damping=damping)
-    found, right = cell_motion(slider, 1000.0, width), propagator(slider, 1000.0, width)
+    found, right = cell_motion(slider, 1000.0, width), propagator(under_force(slider), 1000.0, width)
     assert np.abs(found.free - np.eye(2) - right.transition)[0, 0] < 1e-14
     assert np.allclose(found.free - np.eye(2), right.transition, rtol=1e-9, atol=1e-14)
     largest = np.abs(right.gains).max(axis=1, keepdims=True)

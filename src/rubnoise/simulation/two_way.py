@@ -36,16 +36,8 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
     block, place, number = first.block, first.next_birth, first.junctions
     while place < end and place <= model.distance:
         births = draw_blocks(model, seed, block, place, blocks_drawn_at_once(model, block))
-        count = len(births)
-        rows = LiveRows(
-            junction=np.arange(number, number + count, dtype=np.int64),
-            birth=births.birth,
-            diameter=births.diameter,
-            strength=births.strength,
-            departure=np.full(count, np.inf),
-        )
-        found.append(_between(rows, begin, end))
-        block, place, number = block + births.blocks, births.next_birth, number + count
+        found.append(_between(births.rows(number), begin, end))
+        block, place, number = block + births.blocks, births.next_birth, number + len(births)
     if begin < 0.0 and model.start == "stationary":
         found.append(_between(past(model, seed, begin), begin, end))
     together = found[0]
@@ -99,11 +91,12 @@ def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
 class TwoWayState:
     """What a block of a two-way run passes to the next.
 
-    landmarks, written: rows of /landmarks and of /junctions so far; waiting: the junctions whose rows are not written
-    yet; times (2, rows): when the slider first passed their births and deaths (s), nan before that.
+    slider, landmarks, written: rows of /slider, /landmarks and /junctions so far; waiting: the junctions whose rows are
+    not written yet; times (2, rows): when the slider first passed their births and deaths (s), nan before that.
     """
 
     motion: CoupledState
+    slider: int = 0
     landmarks: int = 0
     written: int = 0
     waiting: LiveRows = field(default_factory=LiveRows.none)
@@ -131,13 +124,8 @@ class TwoWayMotion:
             self._write_junctions(LiveRows.none(), self._times)
         self._constants = numbers
         self._motion = CoupledMotion(model, numbers, past.motion, partial(lived, model, seed))
-        self._slider = Appender(sink, "slider", state.slider_rows)
+        self._slider = Appender(sink, "slider", past.slider)
         self._landmarks = Appender(sink, "landmarks", past.landmarks)
-
-    @property
-    def slider_rows(self) -> int:
-        """Rows of /slider so far."""
-        return self._slider.rows
 
     def through(self, rows: LiveRows, known: float) -> None:
         """Move the slider until it needs the field beyond ``known`` (um), and write its rows.
@@ -162,6 +150,7 @@ class TwoWayMotion:
     def state(self) -> TwoWayState:
         """The state from which the next block continues."""
         return TwoWayState(
+            slider=self._slider.rows,
             landmarks=self._landmarks.rows,
             written=self._written,
             waiting=self._waiting,
