@@ -230,16 +230,6 @@ for words in (["check", "../given/slider.toml", "--json"], ["run", "../given/sli
         main()
 print("loaded:", *sorted({"h5py", "matplotlib", "numba", "pandas"} & set(sys.modules)))
 """
-KEPT_CODE = """
-import sys
-import rubnoise
-rubnoise.simulate("../given/slider.toml")
-print(*sorted({"numba.np.arraymath", "numba.np.linalg"} & set(sys.modules)))
-import numba
-print(numba.njit(lambda a: (a * a).sum())(__import__("numpy").array([3.0, 4.0])))
-"""
-
-
 CLOSED = ([0], [1], [2], [1, 2], [0, 1, 2])
 CLOSING = """
 import os, sys
@@ -283,12 +273,6 @@ def test_streams_that_are_closed_keep_nothing_from_being_written_and_read(here: 
 
 def test_questions_about_a_scenario_load_no_compiler_and_no_file_format(here: Path) -> None:
     assert _told(QUESTIONS)[-1] == "loaded:"
-
-
-def test_kept_code_is_loaded_without_what_compiles(here: Path) -> None:
-    """Others may compile after it as before."""
-    _told(KEPT_CODE)  # which keeps the code, where none is kept yet
-    assert _told(KEPT_CODE) == ["", "25.0"]
 
 
 # A run that its process is not allowed to make is refused before its first event, by the keys to change.
