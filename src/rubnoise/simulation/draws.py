@@ -23,9 +23,6 @@ _MOST_KEPT = 24
 _PAIRS = 1024
 """Points of a square that are drawn at a time."""
 
-_LOOKED_AT_ONCE = 65_536
-"""Births before the start that are checked at a time."""
-
 _DRAWN_AT_ONCE = 24_576
 """Births drawn at once: enough to make arrays worth their overhead, few enough for the processor's cache."""
 
@@ -205,15 +202,8 @@ def start(model: Model, seed: int) -> State:
 
 
 def _stationary_rows(model: Model, seed: int) -> LiveRows:
-    births, offset = model.births, None
-    if isinstance(births, RegularBirths):
-        birth, diameter = _alive_of_regular(model, births, seed)
-    elif isinstance(births, GammaBirths | ScatteredBirths):
-        birth, diameter = _alive_of_past(model, seed)
-    elif model.pulse.offset == "none":
-        birth, diameter = _alive_of_poisson(model, seed)
-    else:
-        birth, diameter, offset = _alive_off_centre(model, seed)
+    has_past = isinstance(model.births, RegularBirths | GammaBirths | ScatteredBirths)
+    birth, diameter, offset = _alive_of_past(model, seed) if has_past else _alive_at_random(model, seed)
     return LiveRows(
         junction=np.arange(birth.size, dtype=np.int64),
         birth=birth,
@@ -225,19 +215,19 @@ def _stationary_rows(model: Model, seed: int) -> LiveRows:
     )
 
 
-def _alive_off_centre(model: Model, seed: int) -> tuple[Doubles, Doubles, Doubles]:
-    """Return births, diameters and offsets (um) of the junctions alive at the start, if passes miss the centre line.
+def _alive_at_random(model: Model, seed: int) -> tuple[Doubles, Doubles, Doubles | None]:
+    """Return births, diameters and offsets (um) of the junctions alive at the start, if births are Poisson.
 
-    Their number is Poisson(lam E[life]), and their diameters have a density proportional to d f(d). The centre of one
-    asperity is uniform in the disc of radius d about the other. Its coordinate across the motion is the offset, so that
-    long lives are found more often, and the age is uniform over the life.
+    Their number is Poisson(lam E[life]), their diameters have a density proportional to d f(d), and their ages are
+    uniform over the life. Where passes miss the centre line, the centre of one asperity is uniform in the disc of
+    radius d about the other. Its coordinate across the motion is the offset, so that long lives are found more often.
     """
     count = _poisson(seed, model.mean_live_junctions)
     diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
-    offset = diameter * _across_a_disc(seed, count)
+    offset = None if model.pulse.offset == "none" else diameter * _across_a_disc(seed, count)
     birth = -(2.0 * half_life(diameter, offset)) * uniforms(seed, Stream.START_AGES, 0, count)
     order = np.argsort(birth, kind="stable")
-    return birth[order], diameter[order], offset[order]
+    return birth[order], diameter[order], None if offset is None else offset[order]
 
 
 def _across_a_disc(seed: int, count: int) -> Doubles:
@@ -250,50 +240,24 @@ def _across_a_disc(seed: int, count: int) -> Doubles:
     return np.concatenate(found)[:count]
 
 
-def _alive_of_poisson(model: Model, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters (um) of the junctions alive at the start, if births are Poisson.
-
-    Their number is Poisson(lam E[2d]), their diameters have a density proportional to d f(d), and their ages are
-    uniform on [0, 2d].
-    """
-    count = _poisson(seed, 2.0 * model.birth_rate * model.sizes.moment(1))
-    diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
-    birth = -(2.0 * diameter) * uniforms(seed, Stream.START_AGES, 0, count)
-    order = np.argsort(birth, kind="stable")
-    return birth[order], diameter[order]
-
-
-def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters (um) of the junctions alive at the start, if births are regular.
-
-    The births before the start have the same spacing, and diameters from the usual law. A junction is alive if its
-    life reaches beyond the start. All births within the longest possible life before the start are checked in batches.
-    """
-    first, source = first_birth(model, seed), generator(seed, Stream.START_DIAMETERS)
-    count = ceil(2.0 * largest_of(model.sizes) / births.mean_spacing) + 1
-    found = [(np.empty(0), np.empty(0))]
-    for begin in range(1, count + 1, _LOOKED_AT_ONCE):
-        number = np.arange(begin, min(begin + _LOOKED_AT_ONCE, count + 1))
-        birth, diameter = births.places(first, -number), model.sizes.draw(source.random(number.size))
-        alive = birth + 2.0 * diameter > 0.0
-        found.append((birth[alive], diameter[alive]))
-    birth, diameter = (np.concatenate(column)[::-1] for column in zip(*found, strict=True))
-    return birth, diameter
-
-
-def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles]:
+def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles, None]:
     """Return births and diameters (um) of the junctions that are born before the start and die after it."""
     birth, diameter = backward(model, seed, -2.0 * largest_of(model.sizes))
     alive = birth + 2.0 * diameter > 0.0
-    return birth[alive][::-1], diameter[alive][::-1]
+    return birth[alive][::-1], diameter[alive][::-1], None
 
 
 def backward(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
     """Return births (um) before the start, latest first, back to ``begin`` or beyond, and a diameter (um) for each.
 
-    Read backward, the gaps of a renewal process have the same law, except the gap around the start, which is longer.
+    Regular births continue at their spacing. Read backward, the gaps of a renewal process have the same law, except the
+    gap around the start, which is longer.
     """
     births, count = model.births, births_per_block(model)
+    if isinstance(births, RegularBirths):
+        number = np.arange(1, ceil(-begin / births.mean_spacing) + 2)
+        source = generator(seed, Stream.START_DIAMETERS)
+        return births.places(first_birth(model, seed), -number), model.sizes.draw(source.random(number.size))
     if isinstance(births, ScatteredBirths):
         places = [births.between(seed, begin, float(np.nextafter(0.0, -1.0)))[::-1]]
     else:

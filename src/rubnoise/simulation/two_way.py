@@ -7,12 +7,11 @@ known, and all later rows wait behind it. Waiting rows are carried from block to
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import ceil, inf
+from math import inf
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
@@ -20,10 +19,10 @@ from rubnoise.record.rows import junction_columns, junction_states, natural_deat
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.state import CoupledState
-from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, first_birth, start
+from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, start
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.streams import Stream, generator, uniforms
+from rubnoise.streams import Stream, uniforms
 
 
 def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
@@ -55,8 +54,7 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
     have one past, from which the start also takes its live junctions. A contact that starts empty has no past.
     """
     longest = 2.0 * largest_of(model.sizes)
-    draw = _regular if isinstance(model.births, RegularBirths) else backward
-    birth, diameter = draw(model, seed, begin - longest)
+    birth, diameter = backward(model, seed, begin - longest)
     dead = np.flatnonzero(birth + 2.0 * diameter <= 0.0)
     if model.strengths is None:
         strength = np.ones(birth.size)
@@ -70,17 +68,6 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
         strength=strength[latest],
         departure=np.full(dead.size, np.inf),
     )
-
-
-def _regular(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
-    """Return births (um) back to ``begin``, latest first, with diameters: the start takes its junctions from them."""
-    births = model.births
-    if not isinstance(births, RegularBirths):
-        raise TypeError("births at one spacing are wanted")
-    count = ceil(-begin / births.mean_spacing) + 1
-    number = np.arange(1, count + 1)
-    birth = births.places(first_birth(model, seed), -number)
-    return birth, model.sizes.draw(generator(seed, Stream.START_DIAMETERS).random(count))
 
 
 def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
