@@ -8,13 +8,15 @@ their force, for /slider and /load. The sink takes all rows; if the run is writt
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.overlap import max_area
 from rubnoise.model import Model
-from rubnoise.record.rows import junction_columns, junction_states
+from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Sink
 from rubnoise.simulation.area import sample
 from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks
@@ -118,28 +120,50 @@ def _write_junctions(run: RunSetup, state: State, rows: LiveRows, natural: Doubl
     written = 0 if state.block == 0 else carried
     if len(rows) > written or state.block == 0:
         first = 0 if state.block == 0 else state.junctions
-        _write_rows(run, first, rows.part(written, len(rows)), natural[written:])
+        run.sink.write("junctions", first, junction_columns(run.model, rows.part(written, len(rows))))
     since = np.isinf(state.live.departure) & (rows.departure[:carried] < natural[:carried])
     for row in np.flatnonzero(since[:written]).tolist():
-        _write_rows(run, int(rows.junction[row]), rows.part(row, row + 1), natural[row : row + 1])
+        run.sink.write("junctions", int(rows.junction[row]), junction_columns(run.model, rows.part(row, row + 1)))
 
 
-def _write_rows(run: RunSetup, first: int, rows: LiveRows, natural: Doubles) -> None:
-    # Only junctions alive at the start have a birth with a minus sign, even if it is -0.0.
-    at_start = np.signbit(rows.birth)
-    columns = junction_columns(
-        first_row=first,
-        birth=rows.birth,
-        diameter=rows.diameter,
-        strength=None if run.model.strengths is None else rows.strength,
-        natural=natural,
-        departure=rows.departure,
-        state=junction_states(natural, rows.departure, at_start, run.model.distance),
-        speed=run.model.sliding_speed,
-        offset=rows.offset,
-        peak=None if rows.offset is None else peak_areas(run.model.pulse.shape, rows.diameter, rows.offset),
+def junction_columns(model: Model, rows: LiveRows) -> dict[str, NDArray[Any]]:
+    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s).
+
+    A row that was ended early has its real death and life; every other row has death = birth + 2d, also beyond the run.
+    """
+    half, natural, departure = rows.half_life, rows.natural_death, rows.departure
+    early = departure < natural
+    death, life = natural, 2.0 * half
+    if early.any():
+        death = np.where(early, departure, natural)
+        life = np.where(early, death - rows.birth, life)
+    columns: dict[str, NDArray[Any]] = {
+        "junction": rows.junction,
+        "birth_distance": rows.birth,
+        "death_distance": death,
+        "life_distance": life,
+        "diameter": rows.diameter,
+    }
+    if rows.offset is None:
+        columns["max_area"] = max_area(rows.diameter)
+    else:
+        columns["lateral_offset"] = rows.offset
+        columns["max_area"] = peak_areas(model.pulse.shape, rows.diameter, rows.offset)
+    if model.strengths is not None:
+        columns["shear_strength"] = rows.strength
+    if model.sliding_speed is not None:
+        columns["birth_time"] = rows.birth / model.sliding_speed
+        columns["death_time"] = death / model.sliding_speed
+    bits = (
+        # Only junctions alive at the start have a birth with a minus sign, even if it is -0.0.
+        (JunctionState.ALIVE_AT_START, np.signbit(rows.birth)),
+        (JunctionState.ALIVE_AT_END, np.minimum(departure, natural) > model.distance),
+        (JunctionState.ENDED_EARLY, early),
     )
-    run.sink.write("junctions", first, columns)
+    columns["state"] = np.zeros(len(rows), dtype=np.uint8)
+    for bit, of_whom in bits:
+        columns["state"] |= of_whom.view(np.uint8) * np.uint8(bit)
+    return columns
 
 
 def _carried(rows: LiveRows, natural: Doubles, last_tick: float) -> LiveRows:

@@ -15,8 +15,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
-from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
+from rubnoise.simulation.block import junction_columns
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, start
@@ -176,7 +176,7 @@ class TwoWayMotion:
     def _write_known(self) -> None:
         """Write the waiting rows up to the first one with unknown times; write all of them if the run is over."""
         waiting, (birth, death) = self._waiting, self._times
-        beyond = natural_death(waiting.birth, waiting.diameter) > self._model.distance
+        beyond = waiting.natural_death > self._model.distance
         known = ~np.isnan(death) | (beyond & (np.signbit(waiting.birth) | ~np.isnan(birth)))
         count = len(waiting) if self._motion.finished or known.all() else int(np.argmin(known))
         if count:
@@ -185,16 +185,5 @@ class TwoWayMotion:
             self._written += count
 
     def _write_junctions(self, rows: LiveRows, times: Doubles) -> None:
-        natural = natural_death(rows.birth, rows.diameter)
-        state = junction_states(natural, rows.departure, np.signbit(rows.birth), self._model.distance)
-        columns = junction_columns(
-            first_row=self._written,
-            birth=rows.birth,
-            diameter=rows.diameter,
-            strength=rows.strength,
-            natural=natural,
-            departure=rows.departure,
-            state=state,
-            speed=self._model.sliding_speed,
-        )
+        columns = junction_columns(self._model, rows)
         self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})
