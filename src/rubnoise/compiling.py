@@ -7,7 +7,7 @@ from functools import cache
 from hashlib import blake2b
 from pathlib import Path
 from shutil import rmtree
-from tempfile import TemporaryFile
+from tempfile import NamedTemporaryFile
 from typing import Any, Final
 
 from numba import config, extending, float64, njit
@@ -105,7 +105,7 @@ def _folder() -> Path | None:
         root = Path(_CONFIG.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         folder = root / f"rubnoise-{state}"
         folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryFile(dir=folder) as file:
+        with NamedTemporaryFile(dir=folder) as file:  # which makes the folder the newest
             file.write(bytes(65_536))  # whether there is room
     except (OSError, RuntimeError) as problem:  # RuntimeError: there is no home
         text = "compiled code cannot be kept, and each process compiles it again: "

@@ -153,7 +153,7 @@ def test_a_full_disk_keeps_no_code(doubling: Path, monkeypatch: pytest.MonkeyPat
     def full(**_how: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(compiling, "TemporaryFile", full)
+    monkeypatch.setattr(compiling, "NamedTemporaryFile", full)
     with pytest.warns(compiling.CodeNotKept, match="No space left on device"):
         assert [_hits(doubling), _hits(doubling)] == [0, 0]
 

@@ -7,7 +7,7 @@ motion through one tick range after another. What a cell does to it is three mom
 from dataclasses import dataclass
 from functools import lru_cache
 from math import fsum
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -143,10 +143,15 @@ def propagator(system: LinearSystem, speed: float, tick: float, cells_per_tick: 
     )
 
 
+_AT_ONCE: Final = 4096
+"""Cells that are moved through at a time: what pushes in them stays in the processor's cache."""
+
+
 @compiled_bare
-def add_pushes(gains: Doubles, moments: Doubles, push: Doubles) -> None:
-    """Add to ``push`` (2, cells) what the moments (3, cells) of each cell add to a position and its velocity."""
-    means, slopes, bends = moments[0], moments[1], moments[2]
+def add_pushes(gains: Doubles, moments: Doubles, first: int, push: Doubles) -> None:
+    """Add to ``push`` (2, some) what the moments (3, cells) from a cell on add to a position and its velocity."""
+    end = first + push.shape[1]
+    means, slopes, bends = moments[0][first:end], moments[1][first:end], moments[2][first:end]
     for row in range(2):
         mean, slope, bend, total = gains[row, 0], gains[row, 1], gains[row, 2], push[row]
         for cell in range(len(total)):
@@ -154,9 +159,10 @@ def add_pushes(gains: Doubles, moments: Doubles, push: Doubles) -> None:
 
 
 @compiled_bare
-def advance(push: Doubles, transition: Doubles, states: Doubles) -> None:
-    """Step a position and its velocity through cells: states (2, cells + 1) has those before the first in column 0."""
-    positions, velocities, pushes, kicks = states[0], states[1], push[0], push[1]
+def advance(push: Doubles, transition: Doubles, first: int, states: Doubles) -> None:
+    """Step a position and its velocity through cells from ``first`` on: states (2, cells + 1) are before the cells."""
+    pushes, kicks = push[0], push[1]
+    positions, velocities = states[0][first:], states[1][first:]
     x, v = positions[0], velocities[0]
     x_from_x, x_from_v, v_from_x, v_from_v = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     for cell in range(len(pushes)):
@@ -195,7 +201,7 @@ class LinearMotion:
     def through(self, sample: Sample) -> dict[str, Columns]:
         """Move through the cells of a tick range; return the columns of /trace, /slider and /load at its ticks."""
         every, trace = self._constants.cells_per_tick, dict(sample.columns)
-        states = self._moved(sample)[:, ::every]
+        states = np.ascontiguousarray(self._moved(sample)[:, ::every])
         self.state = states[:, -1].copy()
         states = states[:, states.shape[1] - trace["distance"].size :]
         moved: dict[str, Columns] = {"trace": trace}
@@ -214,25 +220,30 @@ class LinearMotion:
         driving = [sample.area if drive == "area" else sample.force for drive in system.drives]
         moments = [each for each in driving if each is not None]
         size, cells = len(self.state), moments[0].moments.shape[1]
-        states = np.empty((size, cells + 1))
+        states = np.zeros((size, cells + 1))
         states[:, 0] = self.state
-        transition, every_gain = self._constants.transition, self._constants.gains
-        for body in range(0, size, 2):
-            pair, push = slice(body, body + 2), np.zeros((2, cells))
-            for number, (drive, mean) in enumerate(zip(moments, system.means, strict=True)):
-                gains = every_gain[pair, 3 * number : 3 * number + 3] * drive.unit
-                add_pushes(gains, drive.moments, push)
-                push -= gains[:, :1] * mean
-            for other in range(body):
-                push += transition[pair, other : other + 1] * states[other, :-1]
-            advance(push, np.ascontiguousarray(transition[pair, pair]), states[pair])
+        transition, units = self._constants.transition, np.repeat([each.unit for each in moments], 3)
+        gains = (self._constants.gains * units).reshape(size // 2, 2, len(moments), 3)
+        steady = np.add.accumulate(-gains[..., 0] * system.means, axis=2)[..., -1]
+        coupling = np.zeros((2, 3))
+        coupling[:, :2] = transition[2:, :2] if size > 2 else 0.0
+        for first in range(0, cells, _AT_ONCE):
+            for body in range(size // 2):
+                pair, count = slice(2 * body, 2 * body + 2), min(_AT_ONCE, cells - first)
+                push = np.repeat(steady[body], count).reshape(2, count)
+                for number, drive in enumerate(moments):
+                    if gains[body, :, number].any():
+                        add_pushes(gains[body, :, number].copy(), drive.moments, first, push)
+                if body:
+                    add_pushes(coupling, states, first, push)
+                advance(push, transition[pair, pair].copy(), first, states[pair])
         return states
 
     def _of_slider(self, trace: Columns, displacement: Doubles, velocity: Doubles) -> Columns:
         columns = {"time": trace["distance"] / self._model.sliding_speed, "distance": trace["distance"]}
         if "friction_force" in trace:
             columns["friction_force"] = trace["friction_force"]
-        columns |= {"displacement": displacement.copy(), "velocity": velocity.copy()}
+        columns |= {"displacement": displacement, "velocity": velocity}
         slider = self._model.slider
         if slider is not None and self._model.base_per_area:
             base = self._model.base_per_area * trace["real_contact_area"]
@@ -250,8 +261,8 @@ class LinearMotion:
         np.divide(alone * area, live, out=overlap, where=live > 0.0)
         return {
             "time": trace["distance"] / model.sliding_speed,
-            "separation": separation.copy(),
-            "velocity": velocity.copy(),
+            "separation": separation,
+            "velocity": velocity,
             "load": held.hardness * area - held.stiffness * separation,
             "live_overlap": overlap,
         }
