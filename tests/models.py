@@ -224,15 +224,8 @@ def coupled(
         born, known, reached = LiveRows.none(), np.inf, 0.0 if block == 0 else place
         if place <= model.distance:
             births = draw_blocks(model, seed, block, place, blocks or blocks_drawn_at_once(model, block))
-            count = len(births)
-            born = LiveRows(
-                junction=np.arange(junctions, junctions + count, dtype=np.int64),
-                birth=births.birth,
-                diameter=births.diameter,
-                strength=births.strength,
-                departure=np.full(count, np.inf),
-            )
-            block, place, junctions = block + births.blocks, births.next_birth, junctions + count
+            born = births.rows(junctions)
+            block, place, junctions = block + births.blocks, births.next_birth, junctions + len(births)
             known = place if place <= model.distance else np.inf
         shares = np.arange(1, pieces) / pieces
         borders = (reached + shares * (min(known, model.distance) - reached)).tolist()

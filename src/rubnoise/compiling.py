@@ -1,15 +1,17 @@
 """How the kernels are compiled: without fastmath, to machine code that is kept on disk."""
 
+import os
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
-from functools import cache, partial
+from functools import cache
 from hashlib import blake2b
 from pathlib import Path
+from shutil import rmtree
+from tempfile import NamedTemporaryFile
 from typing import Any, Final
 
-from numba import extending, float64, njit
-from numba.core.runtime.nrt import rtsys
+from numba import config, extending, float64, njit
+from numba.core import event
 
 SOURCES = (
     "compiling.py",
@@ -17,10 +19,12 @@ SOURCES = (
     "simulation/coupled/*.py",
     "simulation/free/*.py",
     "simulation/kernel.py",
-    "simulation/slider.py",
+    "simulation/linear.py",
     "surface/*.py",
 )
 """Files that are compiled into functions of other files."""
+
+_CONFIG: Final[Any] = config
 
 _DIVISION: Final = "numpy"
 """A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
@@ -71,77 +75,71 @@ def compiled_for_speed(function: Any) -> Any:
 
 
 def _kept(function: Any, **how: Any) -> Any:
-    """Compile with numba's own cache, which checks a function's own file, and let it check `SOURCES` too."""
+    """Compile with numba's cache in our own folder; the folder is set only meanwhile, for other kernels have theirs."""
+    folder = _folder()
+    if folder is None:
+        return njit(error_model=_DIVISION, **how)(function)
+    theirs = _CONFIG.CACHE_DIR
+    _CONFIG.CACHE_DIR = str(folder)
     try:
-        kernel: Any = njit(cache=True, error_model=_DIVISION, **how)(function)
-    except RuntimeError:
-        # Installed read-only for a user without a home folder: the code can't be kept, so each process compiles again.
-        kernel = njit(error_model=_DIVISION, **how)(function)
-        kernel._cache.load_overload = _nothing_kept  # noqa: SLF001  (numba has no public way)
-        return kernel
-    kept = kernel._cache  # noqa: SLF001
-    kept._cache_file._source_stamp = kept._cache_file._source_stamp, _stamp()  # noqa: SLF001
-    kept.load_overload = partial(_kept_code, kept)
-    kept.save_overload = partial(_keep, kept.save_overload, kept.cache_path)
-    return kernel
-
-
-BEFORE_COMPILING: Final[set[Callable[[], object]]] = set()
-"""What is called before a kernel is compiled; if its code is kept, nothing is."""
-
-
-def _kept_code(kept: Any, signature: Any, context: Any) -> Any:
-    """Return the kept code of a function; None if there is none, and the function must be compiled.
-
-    numba's own way begins with loading whatever it can compile, a third of a second that kept code does without.
-    """
-    rtsys.initialize(context)
-    try:
-        found = kept._load_overload(signature, context)  # noqa: SLF001
-    except Exception:  # noqa: BLE001  (a pickle that was cut off, or that names what is gone, raises almost anything)
-        found = None
-        with suppress(OSError):
-            kept.flush()
-    return _nothing_kept() if found is None else found
-
-
-def _nothing_kept(*_asked: object) -> None:
-    for prepare in BEFORE_COMPILING:
-        prepare()
+        return njit(cache=True, error_model=_DIVISION, **how)(function)
+    finally:
+        _CONFIG.CACHE_DIR = theirs
 
 
 class CodeNotKept(UserWarning):
     """Machine code cannot be kept, so each process compiles it again."""
 
 
-def _keep(save: Callable[[Any, Any], None], folder: str, signature: Any, code: Any) -> None:
-    """Keep code for later processes; if the disk fails, this process still uses the code, and warns once."""
+@cache
+def _folder() -> Path | None:
+    """Return the folder of machine code, made if need be; None, with a warning, if it cannot be written.
+
+    numba sees whether a kernel's own file has changed, but not the functions that are compiled into it. So each state
+    of `SOURCES` has its own folder, in that of NUMBA_CACHE_DIR or of the user's caches, and three of them are kept.
+    """
+    package = Path(__file__).parent
+    files = sorted(path for pattern in SOURCES for path in package.glob(pattern))
+    state = blake2b(b"".join(path.read_bytes() for path in files), digest_size=8).hexdigest()
     try:
-        save(signature, code)
-    except OSError as problem:
-        if not _NOT_KEPT:
-            reason = problem.strerror or problem
-            text = f"compiled code cannot be kept, and each process compiles it again: {folder}: {reason}"
-            warnings.warn(text, CodeNotKept, stacklevel=1)
-        _NOT_KEPT.append(folder)
-
-
-_NOT_KEPT: Final[list[str]] = []
+        root = Path(_CONFIG.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        folder = root / f"rubnoise-{state}"
+        folder.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder) as file:  # which makes the folder the newest
+            file.write(bytes(65_536))  # whether there is room
+    except (OSError, RuntimeError) as problem:  # RuntimeError: there is no home
+        text = "compiled code cannot be kept, and each process compiles it again: "
+        warnings.warn(f"{text}{getattr(problem, 'strerror', None) or problem}", CodeNotKept, stacklevel=1)
+        return None
+    for old in sorted(root.glob("rubnoise-*"), key=lambda path: -path.stat().st_mtime)[3:]:
+        rmtree(old, ignore_errors=True)
+    return folder
 
 
 def is_kept(kernel: Any) -> bool:
-    """Whether the code of a function in its present form is kept for later processes."""
-    with suppress(Exception):  # an index that was cut off, as above
-        return bool(kernel._cache._cache_file._load_index())  # noqa: SLF001
-    return False
+    """Whether code of a function is kept for later processes."""
+    return any(Path(kernel.stats.cache_path or "").glob(f"*.{kernel.__name__}-*.nbi"))
 
 
-@cache
-def _stamp() -> str:
-    """Return a hash of the files whose functions are compiled into those of others."""
-    folder = Path(__file__).parent
-    files = sorted(path for pattern in SOURCES for path in folder.glob(pattern))
-    return blake2b(b"".join(path.read_bytes() for path in files)).hexdigest()
+def before_compiling(call: Callable[[], object]) -> None:
+    """Call a function whenever a kernel is compiled in this process; kept code is not."""
+    listeners: Any = event
+    listeners.register("numba:compile", _Compiling(call))
+
+
+class _Compiling(event.Listener):
+    """Calls a function when numba begins to compile."""
+
+    def __init__(self, call: Callable[[], object]) -> None:
+        self._call = call
+
+    def on_start(self, event: object) -> None:
+        """Call it."""
+        del event
+        self._call()
+
+    def on_end(self, event: object) -> None:
+        """Do nothing."""
 
 
 def inlined(function: Any) -> Any:

@@ -240,7 +240,10 @@ ALLOWED = {
     "simulation/kernel.py lobatto np.linalg": "of constants, within what a computed column may differ",
     "simulation/kernel.py _lens_series **": "of constants, within what a computed column may differ",
     "simulation/kernel.py _lens_series np.cumprod": "likewise",
-    "simulation/extent.py extent sum": "of whole numbers",
+    **{
+        f"simulation/linear.py propagator {each}": "of constants, within what a computed column may differ"
+        for each in ("@", "np.einsum", "scipy.linalg.expm", "scipy.linalg.matrix_balance")
+    },
 }
 """Where such an operation stands, and why no stored bit comes from it."""
 

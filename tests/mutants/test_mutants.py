@@ -104,7 +104,7 @@ def test_a_small_score_is_no_kill() -> None:
     ("file", "feeds"),
     [
         ("simulation/kernel.py", True),
-        ("simulation/slider.py", True),
+        ("simulation/linear.py", True),
         ("compiling.py", True),
         ("simulation/run.py", False),
         ("contact/pulses.py", False),

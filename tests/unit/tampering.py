@@ -11,14 +11,16 @@ import xxhash
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.record.rows import junction_columns
 from rubnoise.scenario import Scenario, build
+from rubnoise.simulation.block import junction_columns
+from rubnoise.simulation.state import LiveRows
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.objects import read_attributes
 from rubnoise.storage.reader import RunFile, open_run, read_provenance, read_summary
 from rubnoise.storage.schema import HASH, ROOT, Feature
 from tests.format.runs import BARE, describe, random_rows, write_run
 from tests.format.runs import EVERYTHING as EVERY_FEATURE
+from tests.models import model
 
 # Result files of every kind, and values in them changed behind the back of their hashes.
 EVERYTHING: dict[str, dict[str, Any]] = {
@@ -117,7 +119,6 @@ BIRTH = np.array([-9.0, -3.0, 2.0, 4.0, 6.0, 6.0, 20.0, 28.0])
 DIAMETER = np.array([5.0, 4.0, 6.0, 5.0, 4.0, 5.0, 5.0, 7.0])
 STRENGTH = np.array([250.0, 250.0, 100.0, 300.0, 250.0, 250.0, 250.0, 250.0])
 DEPARTURE = np.array([np.inf, np.inf, np.inf, 8.0, 12.0, 11.0, np.inf, np.inf])
-STATE = np.array([1, 1, 0, 4, 4, 4, 0, 2], dtype=np.uint8)
 """Row 3 is ended before mid-life, row 4 after it, row 5 at mid-life; 0 peaks before the record and 7 after it."""
 
 
@@ -126,15 +127,21 @@ def lives_file(path: Path, features: frozenset[Feature] = EVERY_FEATURE, compres
     description = describe(BIRTH.size, 5, features=features, compression=compression)
     description = replace(description, scenario_resolved={"sliding": {"distance": f"{RECORD_END} um"}})
     rows: dict[str, Mapping[str, NDArray[Any]]] = dict(random_rows(description))
-    rows["junctions"] = junction_columns(
-        first_row=0,
-        birth=BIRTH,
-        diameter=DIAMETER,
-        strength=STRENGTH if "strength" in features else None,
-        natural=BIRTH + 2.0 * DIAMETER,
-        departure=DEPARTURE,
-        state=STATE,
+    contact = model(
+        slider=None,
+        distance=RECORD_END,
+        strength=250.0 if "strength" in features else None,
         speed=SPEED if "speed" in features else None,
+    )
+    rows["junctions"] = junction_columns(
+        contact,
+        LiveRows(
+            junction=np.arange(BIRTH.size),
+            birth=BIRTH,
+            diameter=DIAMETER,
+            strength=STRENGTH,
+            departure=DEPARTURE,
+        ),
     )
     write_run(path, description, {name: dict(columns) for name, columns in rows.items()})
     return open_run(path)

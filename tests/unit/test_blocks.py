@@ -5,19 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.simulation.draws import (
-    BlockBirths,
-    start,
-)
+from rubnoise.simulation.draws import start
 from rubnoise.simulation.ticks import tick_ranges
 from tests.models import bare
-
-
-# Panels cover every tick once, whatever the block and however large they may be.
-def block_up_to(next_birth: float) -> BlockBirths:
-    none = np.empty(0)
-    return BlockBirths(birth=none, gaps=none, diameter=none, strength=none, blocks=1, next_birth=next_birth)
-
 
 SHORT_RUN = bare(distance=10.0, tick=0.1)
 BEGIN = start(SHORT_RUN, 1)
@@ -30,5 +20,5 @@ def test_ticks_and_births_are_told_apart_to_the_last_bit(tick: float) -> None:
     for i in (1, 3, 7, 999, 123_457):
         at = float(i) * tick
         for birth, last in ((np.nextafter(at, 0.0), i - 1), (at, i - 1), (np.nextafter(at, np.inf), i)):
-            found = list(tick_ranges(run, BEGIN, block_up_to(float(birth)), 1))
+            found = list(tick_ranges(run, BEGIN.ticks, float(birth), 1))
             assert found[-1].end - 1 == last

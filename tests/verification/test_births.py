@@ -141,7 +141,7 @@ def test_a_start_is_that_of_a_contact_that_always_slid(births: str, monkeypatch:
         return [z_of(first, theory.count_mean), z_of(np.square(away), theory.count_variance)]
 
     assert np.abs(scores()).max() <= BOUND
-    monkeypatch.setattr(draws, "_alive_of_past", draws._alive_of_poisson)
+    monkeypatch.setattr(draws, "_alive_of_past", draws._alive_at_random)
     assert np.abs(scores()).max() > BOUND
 
 

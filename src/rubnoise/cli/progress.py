@@ -223,9 +223,9 @@ def on_terminal() -> bool:
 
 def announce_compilation() -> None:
     """Print a message, once, when this process begins to compile kernels without kept machine code."""
-    from rubnoise.compiling import BEFORE_COMPILING
+    from rubnoise.compiling import before_compiling
 
-    BEFORE_COMPILING.add(_say_compiling)
+    before_compiling(_say_compiling)
 
 
 def announce_compilation_by_workers() -> None:

@@ -3,11 +3,10 @@
 import os
 import sys
 import time
-from contextlib import suppress
 from pathlib import Path
 from shlex import quote
 from shutil import which
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -80,7 +79,6 @@ def command(
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
     from numba.core.event import TimingListener, install_listener
 
-    prepare_kernels()
     doubts = _doubts(scenario, quiet=quiet)
     if not quiet:
         announce_compilation()
@@ -168,29 +166,3 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
         for doubt in doubts:
             print(remark(f"warning: {doubt}"), file=sys.stderr)
     return doubts
-
-
-_BLAS = "scipy.linalg.cython_blas"
-
-
-def prepare_kernels() -> None:
-    """Prepare the compilation of kernels without loading SciPy's linear algebra, which none of them calls.
-
-    Only for our own process: compiled functions of other people could not multiply matrices in it.
-    """
-    from rubnoise.compiling import BEFORE_COMPILING
-
-    BEFORE_COMPILING.add(_load_without_linear_algebra)
-
-
-def _load_without_linear_algebra() -> None:
-    """Load numba's array functions without the linear algebra that they import."""
-    if "numba.np.arraymath" in sys.modules or _BLAS in sys.modules:
-        return
-    modules: dict[str, Any] = sys.modules
-    modules[_BLAS] = None  # so that its import fails, as where there is no SciPy
-    try:
-        with suppress(ImportError):
-            import numba.np.arraymath  # noqa: F401
-    finally:
-        del modules[_BLAS]

@@ -18,8 +18,9 @@ from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
+from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import simulate, slider_constants
+from rubnoise.simulation.run import simulate
 from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
@@ -91,12 +92,6 @@ def describe(
             intervention=intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene),
         ),
     )
-
-
-def named_constants(model: Model) -> dict[str, float]:
-    """Return the rounded constants of the slider's exact step by name; none without a slider."""
-    constants = slider_constants(model)
-    return {} if constants is None else constants.named()
 
 
 def play(

@@ -1,7 +1,6 @@
 """The sum of the live junctions: real contact area, count and force at the ticks of a range, and over its cells."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,13 +28,11 @@ class Sample:
     """The columns of /trace for a range of ticks, and what drives a motion through the cells that end at them.
 
     area, force: their moments (um^2 um, uN um), None if nothing moves. At the first tick of the run no cell ends.
-    ``moved``: the columns of /load and /slider, after `MovingSeparation` has moved through the range.
     """
 
     columns: Columns
     area: CellMoments | None = None
     force: CellMoments | None = None
-    moved: Mapping[str, Columns] = field(default_factory=dict)
 
 
 def sample(model: Model, rows: LiveRows, tick_range: TickRange, cells_per_tick: int) -> Sample:

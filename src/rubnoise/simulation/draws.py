@@ -1,9 +1,8 @@
 """The random draws of a run: the junctions alive at the start, and the births of every block."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, fsum
+from math import ceil
 from typing import cast
 
 import numpy as np
@@ -18,66 +17,25 @@ from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import Stream, generator, uniforms
 
-Births = tuple[Doubles, Doubles]
-"""Birth distances and the gaps between them (um)."""
-
-Place = tuple[int, float, int]
-"""Which births are drawn at once: their first block, its first birth (um), and the number of blocks."""
-
 _MOST_KEPT = 24
 """Largest number of draws kept: a few megabytes, enough for all births of a run of half a million junctions."""
-
-
-class CountedBirths:
-    """A cache of the first births of the run that was counted last; playing the run takes each entry out once."""
-
-    def __init__(self) -> None:
-        """Start without births."""
-        self._kept: tuple[tuple[Model, int] | None, dict[Place, Births]] = (None, {})
-
-    def look(self, model: Model, seed: int, place: Place) -> Births | None:
-        """Return the births of a place, or None if they are not kept."""
-        run, births = self._kept
-        return births.get(place) if run == (model, seed) else None
-
-    def keep(self, model: Model, seed: int, place: Place, births: Births) -> None:
-        """Keep births, unless many of this run are kept already; births of another run are dropped."""
-        if self._kept[0] != (model, seed):
-            # One assignment, so that another thread never finds a run with the births of another run.
-            self._kept = ((model, seed), {})
-        kept = self._kept[1]
-        if len(kept) < _MOST_KEPT:
-            kept[place] = births
-
-    def take(self, model: Model, seed: int, place: Place) -> Births | None:
-        """Remove the births of a place and return them, or None if they are not kept."""
-        run, births = self._kept
-        return births.pop(place, None) if run == (model, seed) else None
-
 
 _PAIRS = 1024
 """Points of a square that are drawn at a time."""
 
-_LOOKED_AT_ONCE = 65_536
-"""Births before the start that are checked at a time."""
-
 _DRAWN_AT_ONCE = 24_576
 """Births drawn at once: enough to make arrays worth their overhead, few enough for the processor's cache."""
-
-_counted = CountedBirths()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockBirths:
     """The births of some blocks within the run: distances (um), diameters (um), strengths (MPa; ones without a law).
 
-    gaps (um): from each birth to the next; blocks: their number; next_birth (um): the first birth of the block after
-    them, which may lie beyond the run. offset: distance of each pass from the centre line (um), with a sign; None if
-    all pass through both centres.
+    blocks: their number; next_birth (um): the first birth of the block after them, which may lie beyond the run.
+    offset: distance of each pass from the centre line (um), with a sign; None if all pass through both centres.
     """
 
     birth: Doubles
-    gaps: Doubles
     diameter: Doubles
     strength: Doubles
     blocks: int
@@ -87,6 +45,17 @@ class BlockBirths:
     def __len__(self) -> int:
         """Return the number of births."""
         return self.birth.size
+
+    def rows(self, first: int) -> LiveRows:
+        """Return the junctions with their row numbers from ``first`` on; none has left."""
+        return LiveRows(
+            junction=np.arange(first, first + len(self), dtype=np.int64),
+            birth=self.birth,
+            diameter=self.diameter,
+            strength=self.strength,
+            departure=np.full(len(self), np.inf),
+            offset=self.offset,
+        )
 
 
 def births_per_block(model: Model) -> int:
@@ -107,22 +76,28 @@ def _around(births: BirthLaw, seed: int) -> tuple[float, float]:
     return cast("GapLaw", births).around(uniforms(seed, Stream.FIRST_BIRTH, 0, 2))
 
 
-def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> tuple[Doubles, Doubles]:
-    """Return the births of some blocks, then the first birth of the block after them, and the gaps between them (um).
+def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> Doubles:
+    """Return the births of some blocks, then the first birth of the block after them (um).
 
     Each birth is the one before plus its gap, as an event clock adds: never ``begin`` plus a sum of gaps. Regular
     births lie at whole multiples of their spacing from the first birth of the run; ``begin`` is not used for them.
     Scattered births are drawn about their centres and sorted.
     """
-    count = births_per_block(model)
+    return _birth_distances(model, seed, block, begin, blocks, births_per_block(model))
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _birth_distances(model: Model, seed: int, block: int, begin: float, blocks: int, count: int) -> Doubles:
+    """Return them for ``count`` births a block; they are kept, because a run counts its births before it plays them."""
     if isinstance(model.births, ScatteredBirths):
-        birth = model.births.following(seed, begin, blocks * count + 1)
-        return birth, np.diff(birth)
-    if isinstance(model.births, RegularBirths):
-        birth = model.births.places(first_birth(model, seed), block * count + np.arange(blocks * count + 1))
-        return birth, np.diff(birth)
-    gaps = _drawn(model, seed, Stream.GAPS, block, blocks)
-    return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
+        births = model.births.following(seed, begin, blocks * count + 1)
+    elif isinstance(model.births, RegularBirths):
+        births = model.births.places(first_birth(model, seed), block * count + np.arange(blocks * count + 1))
+    else:
+        gaps = _drawn(model, seed, Stream.GAPS, block, blocks)
+        births = np.add.accumulate(np.concatenate([[begin], gaps]))
+    births.flags.writeable = False
+    return births
 
 
 def blocks_drawn_at_once(model: Model, block: int) -> int:
@@ -182,14 +157,12 @@ def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
 def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> BlockBirths:
     """Return those births of a block, or of several that are drawn at once, that lie within the run."""
     births = births_per_block(model)
-    counted = _counted.take(model, seed, (block, begin, blocks))
-    birth, gaps = counted or birth_distances(model, seed, block, begin, blocks)
+    birth = birth_distances(model, seed, block, begin, blocks)
     first = birth[: blocks * births : births]
     blocks = max(int(np.searchsorted(first, model.distance, side="right")), 1)
     count = min(int(np.searchsorted(birth, model.distance, side="right")), blocks * births)
     return BlockBirths(
         birth=birth[:count],
-        gaps=gaps[:count],
         diameter=_drawn(model, seed, Stream.DIAMETERS, block, blocks)[:count],
         strength=_drawn(model, seed, Stream.STRENGTHS, block, blocks)[:count],
         blocks=blocks,
@@ -211,58 +184,26 @@ def _both_ways(uniform: Doubles) -> Doubles:
     return (2.0 * uniform - 1.0) + 2.0**-53
 
 
-def births_by_block(model: Model, seed: int) -> Iterator[int]:
-    """Yield the number of births within the run for each block that has any, counted from the gaps alone."""
-    births = births_per_block(model)
-    block, begin = 0, first_birth(model, seed)
+def count_births(model: Model, seed: int) -> int:
+    """Return the number of births within the run, counted from the gaps alone."""
+    block, begin, count = 0, first_birth(model, seed), 0
     while begin <= model.distance:
         blocks = blocks_drawn_at_once(model, block)
-        place = (block, begin, blocks)
-        counted = _counted.look(model, seed, place) or birth_distances(model, seed, *place)
-        _counted.keep(model, seed, place, counted)
-        birth, _ = counted
-        left = min(int(np.searchsorted(birth, model.distance, side="right")), blocks * births)
-        while left > 0:
-            yield min(left, births)
-            left -= births
+        birth = birth_distances(model, seed, block, begin, blocks)
+        count += int(np.searchsorted(birth[:-1], model.distance, side="right"))
         block, begin = block + blocks, float(birth[-1])
+    return count
 
 
 def start(model: Model, seed: int) -> State:
     """Return the state before the first block: a stationary contact has live junctions, an empty one has none."""
     live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()
-    return State(
-        slider_rows=0,
-        block=0,
-        begin=0.0,
-        next_birth=first_birth(model, seed),
-        junctions=len(live),
-        ticks=0,
-        live=live,
-        displacement=model.equilibrium_displacement,
-        velocity=_carried_velocity(model, live),
-    )
-
-
-def _carried_velocity(model: Model, live: LiveRows) -> float:
-    """Return the carried velocity (um/s) of a slider at rest (`SliderMotion`): 0, or -c y/m over a base at y."""
-    if model.slider is None or model.base_per_area == 0.0:
-        return 0.0
-    risen = np.minimum(-live.birth, live.birth + 2.0 * live.diameter)
-    area = fsum((0.25 * np.pi * live.diameter * risen).tolist())
-    return -model.slider.damping / model.slider.mass * model.base_per_area * area
+    return State(next_birth=first_birth(model, seed), junctions=len(live), live=live)
 
 
 def _stationary_rows(model: Model, seed: int) -> LiveRows:
-    births, offset = model.births, None
-    if isinstance(births, RegularBirths):
-        birth, diameter = _alive_of_regular(model, births, seed)
-    elif isinstance(births, GammaBirths | ScatteredBirths):
-        birth, diameter = _alive_of_past(model, seed)
-    elif model.pulse.offset == "none":
-        birth, diameter = _alive_of_poisson(model, seed)
-    else:
-        birth, diameter, offset = _alive_off_centre(model, seed)
+    has_past = isinstance(model.births, RegularBirths | GammaBirths | ScatteredBirths)
+    birth, diameter, offset = _alive_of_past(model, seed) if has_past else _alive_at_random(model, seed)
     return LiveRows(
         junction=np.arange(birth.size, dtype=np.int64),
         birth=birth,
@@ -274,19 +215,19 @@ def _stationary_rows(model: Model, seed: int) -> LiveRows:
     )
 
 
-def _alive_off_centre(model: Model, seed: int) -> tuple[Doubles, Doubles, Doubles]:
-    """Return births, diameters and offsets (um) of the junctions alive at the start, if passes miss the centre line.
+def _alive_at_random(model: Model, seed: int) -> tuple[Doubles, Doubles, Doubles | None]:
+    """Return births, diameters and offsets (um) of the junctions alive at the start, if births are Poisson.
 
-    Their number is Poisson(lam E[life]), and their diameters have a density proportional to d f(d). The centre of one
-    asperity is uniform in the disc of radius d about the other. Its coordinate across the motion is the offset, so that
-    long lives are found more often, and the age is uniform over the life.
+    Their number is Poisson(lam E[life]), their diameters have a density proportional to d f(d), and their ages are
+    uniform over the life. Where passes miss the centre line, the centre of one asperity is uniform in the disc of
+    radius d about the other. Its coordinate across the motion is the offset, so that long lives are found more often.
     """
     count = _poisson(seed, model.mean_live_junctions)
     diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
-    offset = diameter * _across_a_disc(seed, count)
+    offset = None if model.pulse.offset == "none" else diameter * _across_a_disc(seed, count)
     birth = -(2.0 * half_life(diameter, offset)) * uniforms(seed, Stream.START_AGES, 0, count)
     order = np.argsort(birth, kind="stable")
-    return birth[order], diameter[order], offset[order]
+    return birth[order], diameter[order], None if offset is None else offset[order]
 
 
 def _across_a_disc(seed: int, count: int) -> Doubles:
@@ -299,50 +240,24 @@ def _across_a_disc(seed: int, count: int) -> Doubles:
     return np.concatenate(found)[:count]
 
 
-def _alive_of_poisson(model: Model, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters (um) of the junctions alive at the start, if births are Poisson.
-
-    Their number is Poisson(lam E[2d]), their diameters have a density proportional to d f(d), and their ages are
-    uniform on [0, 2d].
-    """
-    count = _poisson(seed, 2.0 * model.birth_rate * model.sizes.moment(1))
-    diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
-    birth = -(2.0 * diameter) * uniforms(seed, Stream.START_AGES, 0, count)
-    order = np.argsort(birth, kind="stable")
-    return birth[order], diameter[order]
-
-
-def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[Doubles, Doubles]:
-    """Return births and diameters (um) of the junctions alive at the start, if births are regular.
-
-    The births before the start have the same spacing, and diameters from the usual law. A junction is alive if its
-    life reaches beyond the start. All births within the longest possible life before the start are checked in batches.
-    """
-    first, source = first_birth(model, seed), generator(seed, Stream.START_DIAMETERS)
-    count = ceil(2.0 * largest_of(model.sizes) / births.mean_spacing) + 1
-    found = [(np.empty(0), np.empty(0))]
-    for begin in range(1, count + 1, _LOOKED_AT_ONCE):
-        number = np.arange(begin, min(begin + _LOOKED_AT_ONCE, count + 1))
-        birth, diameter = births.places(first, -number), model.sizes.draw(source.random(number.size))
-        alive = birth + 2.0 * diameter > 0.0
-        found.append((birth[alive], diameter[alive]))
-    birth, diameter = (np.concatenate(column)[::-1] for column in zip(*found, strict=True))
-    return birth, diameter
-
-
-def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles]:
+def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles, None]:
     """Return births and diameters (um) of the junctions that are born before the start and die after it."""
     birth, diameter = backward(model, seed, -2.0 * largest_of(model.sizes))
     alive = birth + 2.0 * diameter > 0.0
-    return birth[alive][::-1], diameter[alive][::-1]
+    return birth[alive][::-1], diameter[alive][::-1], None
 
 
 def backward(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
     """Return births (um) before the start, latest first, back to ``begin`` or beyond, and a diameter (um) for each.
 
-    Read backward, the gaps of a renewal process have the same law, except the gap around the start, which is longer.
+    Regular births continue at their spacing. Read backward, the gaps of a renewal process have the same law, except the
+    gap around the start, which is longer.
     """
     births, count = model.births, births_per_block(model)
+    if isinstance(births, RegularBirths):
+        number = np.arange(1, ceil(-begin / births.mean_spacing) + 2)
+        source = generator(seed, Stream.START_DIAMETERS)
+        return births.places(first_birth(model, seed), -number), model.sizes.draw(source.random(number.size))
     if isinstance(births, ScatteredBirths):
         places = [births.between(seed, begin, float(np.nextafter(0.0, -1.0)))[::-1]]
     else:

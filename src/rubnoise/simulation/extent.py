@@ -4,7 +4,7 @@ from typing import Final, Literal
 
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
-from rubnoise.simulation.draws import births_by_block, start
+from rubnoise.simulation.draws import count_births, start
 
 Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
@@ -28,7 +28,7 @@ def extent(model: Model, seed: int) -> Extent:
     if model.birth_rate * model.distance > WORTH_COMPILING:
         import numba  # noqa: F401  (if it is loaded, deviates are compiled)
     return Extent(
-        junctions=start(model, seed).junctions + sum(births_by_block(model, seed)),
+        junctions=start(model, seed).junctions + count_births(model, seed),
         ticks=ticks,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way else 0,

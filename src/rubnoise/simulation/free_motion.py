@@ -22,7 +22,7 @@ from rubnoise.simulation.free import contacts as held
 from rubnoise.simulation.free import motion as columns
 from rubnoise.simulation.free.fold import FreeContact, FreeRows, FreeRun, FreeState
 from rubnoise.simulation.free.scales import Scales
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import State
 
 _NUMBER, _BIRTH, _DEATH, _OVERLAP, _SHARE = range(5)
 _ROWS: Final = 5
@@ -77,21 +77,12 @@ class _Block:
         known, waiting = self._known(touches, final=final)
         self._write_junctions(known)
         landmarks = self._write_landmarks(rows)
-        last = rows.ticks[:, -1]
-        x, v = self._along(last[columns.TICK_X], last[columns.TICK_U])
         past = _Past(landmarks=landmarks, waiting=waiting, motion=self._run.state)
         return State(
             block=state.block + 1,
-            begin=self._origin(state.block + 1),
             next_birth=self._origin(state.block + 1),
             junctions=state.junctions + known.shape[1],
             ticks=state.ticks + rows.ticks.shape[1],
-            live=LiveRows.none(),
-            slider_rows=state.slider_rows + rows.ticks.shape[1] * (model.slider is not None),
-            displacement=float(x),
-            velocity=float(v),
-            separation=float(self._scales.height * last[columns.TICK_Z]),
-            separation_velocity=float(self._scales.height * self._scales.rate * last[columns.TICK_W]),
             motion=past,
         )
 

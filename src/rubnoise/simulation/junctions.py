@@ -1,25 +1,24 @@
 """The contact as SimPy processes: junctions are born, live for 2d of sliding, and die.
 
 Distance is the clock: ``env.now`` is the sliding distance in um, within its rounding. Only births, deaths and observed
-mid-lives are events. The aggregator and the slider wake once per tick range, and compute it from exactly the junctions
-that have joined and left by then. No row is computed from the clock, but for lives that an interrupt ends.
+mid-lives are events. The aggregator wakes once per tick range, and computes it from exactly the junctions that have
+joined and left by then. No row is computed from the clock, but for lives that an interrupt ends.
 """
 
 from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
-from simpy import Environment, Interrupt, Process, Store
+from simpy import Environment, Interrupt, Process
 from simpy.events import ProcessGenerator, Timeout
 
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
-from rubnoise.simulation.area import Sample
-from rubnoise.simulation.draws import BlockBirths
+from rubnoise.simulation.block import Block, Visit
 from rubnoise.simulation.intervention import Intervention, joined
 from rubnoise.simulation.live_set import LiveSet
 from rubnoise.simulation.observer import Notifier, OnLife
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import TickRange
 
 Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
@@ -72,31 +71,16 @@ def births(
 
 
 def aggregate(
-    env: Environment,
-    tick_ranges: Sequence[TickRange],
-    samples: Store | None,
-    block_end: Process,
-    sample: Callable[[TickRange, LiveRows], Sample],
-    live: LiveSet,
+    env: Environment, tick_ranges: Sequence[TickRange], block_end: Process, visit: Visit, live: LiveSet
 ) -> ProcessGenerator:
-    """Wake once per tick range, after all events up to its last tick, and sample the live set at its ticks.
+    """Wake once per tick range, after all events up to its last tick, and visit its ticks with the live set.
 
     It wakes half a tick late, so that a birth or death at exactly that tick has happened, whatever the queue's order.
-    What it finds goes to ``samples`` if a slider waits for it, and is not kept otherwise.
     """
     for tick_range in tick_ranges:
         yield block_end if tick_range is tick_ranges[-1] else until(env, tick_range.wake)
-        rows = live.rows()
-        found = sample(tick_range, rows)
-        if samples is not None:
-            yield samples.put((tick_range, rows, found))
+        visit(tick_range, live.rows())
     yield block_end
-
-
-def slide(count: int, samples: Store, move: Callable[[TickRange, LiveRows, Sample], None]) -> ProcessGenerator:
-    """Wait until a tick range has been sampled, then move the slider through it."""
-    for _ in range(count):
-        move(*(yield samples.get()))
 
 
 class Processes:
@@ -110,33 +94,18 @@ class Processes:
         self._life: Life = junction if notifier is None else partial(observed_junction, notifier=notifier)
         self._start = None if intervene is None else lambda: joined(intervene, model.pulse, self._env, self._live)
 
-    def __call__(
-        self,
-        *,
-        state: State,
-        births_of_block: BlockBirths,
-        born: LiveRows,
-        tick_ranges: Sequence[TickRange],
-        run_end: float,
-        sample: Callable[[TickRange, LiveRows], Sample],
-        move: Callable[[TickRange, LiveRows, Sample], None] | None,
-    ) -> LiveRows:
+    def __call__(self, block: Block, visit: Visit) -> LiveRows:
         """Play one block; return its rows at its end, carried ones first."""
-        env, live, notifier = self._env, self._live, self._notifier
-        live.begin(state.live, born, state.begin)
+        env, live, notifier, state = self._env, self._live, self._notifier, block.state
+        live.begin(state.live, block.born, state.begin)
         if state.block == 0:
             self._begin(state.live, state.begin)
-        end = min(births_of_block.next_birth, run_end)
         told = None if notifier is None else notifier.birth
-        block_end = env.process(births(env, live, born, end, self._life, told))
-        samples = None if move is None else Store(env, capacity=1)
-        last = env.process(aggregate(env, tick_ranges, samples, block_end, sample, live))
-        if samples is not None and move is not None:
-            last = env.process(slide(len(tick_ranges), samples, move))
-        env.run(until=env.all_of([block_end, last]))
+        block_end = env.process(births(env, live, block.born, block.end, self._life, told))
+        env.run(until=env.process(aggregate(env, block.tick_ranges, block_end, visit, live)))
         rows = live.rows()
         if notifier is not None:
-            notifier.end_block(rows, end)
+            notifier.end_block(rows, block.end)
         return rows
 
     def _begin(self, alive: LiveRows, distance: float) -> None:

@@ -3,7 +3,7 @@
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache, partial
+from functools import partial
 
 from rubnoise.errors import Refused
 from rubnoise.model import FreeSeparation, Model
@@ -14,24 +14,9 @@ from rubnoise.simulation.draws import start
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.junctions import Processes, play_touches
-from rubnoise.simulation.load import load_propagator
+from rubnoise.simulation.linear import slider_constants
 from rubnoise.simulation.observer import Notifier, Observer
-from rubnoise.simulation.slider import Propagator, propagator
 from rubnoise.simulation.state import State
-from rubnoise.simulation.ticks import cells_per_tick
-
-
-@lru_cache(maxsize=8)
-def slider_constants(model: Model) -> Propagator | None:
-    """Return the constants of the exact step of slider and separation; None if the run does not use this step."""
-    if model.sliding_speed is None or model.is_two_way or model.free is not None:
-        return None
-    cells = cells_per_tick(model)
-    if model.separation is not None:
-        return load_propagator(model, model.separation, cells)
-    if model.slider is None:
-        return None
-    return propagator(model.slider, model.sliding_speed, model.tick, cells)
 
 
 def finished(model: Model, state: State) -> bool:
@@ -73,7 +58,7 @@ def simulate(
         notifier=notifier,
     )
     step = partial(next_state, run) if model.free is None else _free_step(run, model.free, engine)
-    state = start(model, seed) if model.free is None else State.at_rest(model)
+    state = start(model, seed) if model.free is None else State()
     with _collecting_by_blocks() as collect:
         while not finished(model, state):
             state = step(state)

@@ -1,20 +1,16 @@
 """The state that one block of a run passes to the next: explicit and frozen."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import Any, Final
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
-from rubnoise.model import Model
 
 _NOTHING = np.empty(0)
-
-MOVING: Final = ("displacement", "velocity", "separation", "separation_velocity")
-"""Fields of a state that hold the motion, if the sliding distance does not depend on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,39 +80,21 @@ class LiveRows:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class State:
-    """The state of a run between two blocks.
+    """The state of a run between two blocks; at first no rows and no ticks are finished.
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
-    far; ticks: ticks finished so far; live: the rows that are
-    carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s): those of a one-way slider at
-    the last tick; separation (um) and its velocity (um/s): those at the last tick, if the separation moves under its
-    load; motion: the state of two-way or free motion, None before its first block.
+    far; ticks: ticks finished so far; live: the rows that are carried; motion: what moves, at the last tick, None
+    before the first block.
     """
 
-    block: int
-    begin: float
-    next_birth: float
-    junctions: int
-    ticks: int
-    live: LiveRows
-    slider_rows: int
-    displacement: float
-    velocity: float
-    separation: float = 0.0
-    separation_velocity: float = 0.0
+    block: int = 0
+    next_birth: float = 0.0
+    junctions: int = 0
+    ticks: int = 0
+    live: LiveRows = field(default_factory=LiveRows.none)
     motion: Any = None
 
-    @classmethod
-    def at_rest(cls, model: Model) -> "State":
-        """Return the state before the first block of free motion: z = z' = 0, and no rows."""
-        return cls(
-            block=0,
-            begin=0.0,
-            next_birth=0.0,
-            junctions=0,
-            ticks=0,
-            live=LiveRows.none(),
-            slider_rows=0,
-            displacement=model.equilibrium_displacement,
-            velocity=0.0,
-        )
+    @property
+    def begin(self) -> float:
+        """Where the next block begins, in um."""
+        return self.next_birth if self.block else 0.0

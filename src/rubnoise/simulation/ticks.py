@@ -7,8 +7,6 @@ from math import ceil, hypot
 
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.draws import BlockBirths
-from rubnoise.simulation.state import State
 
 TARGET = 3e-10
 """Error that the rule for cells allows, relative to the largest displacement. The rule is an upper envelope: the median
@@ -128,11 +126,11 @@ class TickRange:
         return self.last_distance + 0.5 * self.tick
 
 
-def tick_ranges(model: Model, state: State, births: BlockBirths, cells_per_tick: int) -> Iterator[TickRange]:
-    """Yield the tick ranges of these blocks, up to the next block's first birth or the end of the run."""
-    end = first_tick_at_or_after(model, births.next_birth)
+def tick_ranges(model: Model, begin: int, next_birth: float, cells_per_tick: int) -> Iterator[TickRange]:
+    """Yield the ranges of ticks from ``begin`` up to the next block's first birth (um) or the end of the run."""
+    end = first_tick_at_or_after(model, next_birth)
     size = max(LARGEST_TICK_RANGE // cells_per_tick, 1)
-    for first in range(state.ticks, end, size):
+    for first in range(begin, end, size):
         yield TickRange(first=first, end=min(first + size, end), tick=model.tick)
 
 

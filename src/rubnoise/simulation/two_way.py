@@ -7,23 +7,22 @@ known, and all later rows wait behind it. Waiting rows are carried from block to
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import ceil, inf
+from math import inf
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
-from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
+from rubnoise.simulation.block import junction_columns
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.state import CoupledState
-from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, first_birth, start
+from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, start
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.streams import Stream, generator, uniforms
+from rubnoise.streams import Stream, uniforms
 
 
 def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
@@ -36,16 +35,8 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
     block, place, number = first.block, first.next_birth, first.junctions
     while place < end and place <= model.distance:
         births = draw_blocks(model, seed, block, place, blocks_drawn_at_once(model, block))
-        count = len(births)
-        rows = LiveRows(
-            junction=np.arange(number, number + count, dtype=np.int64),
-            birth=births.birth,
-            diameter=births.diameter,
-            strength=births.strength,
-            departure=np.full(count, np.inf),
-        )
-        found.append(_between(rows, begin, end))
-        block, place, number = block + births.blocks, births.next_birth, number + count
+        found.append(_between(births.rows(number), begin, end))
+        block, place, number = block + births.blocks, births.next_birth, number + len(births)
     if begin < 0.0 and model.start == "stationary":
         found.append(_between(past(model, seed, begin), begin, end))
     together = found[0]
@@ -63,8 +54,7 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
     have one past, from which the start also takes its live junctions. A contact that starts empty has no past.
     """
     longest = 2.0 * largest_of(model.sizes)
-    draw = _regular if isinstance(model.births, RegularBirths) else backward
-    birth, diameter = draw(model, seed, begin - longest)
+    birth, diameter = backward(model, seed, begin - longest)
     dead = np.flatnonzero(birth + 2.0 * diameter <= 0.0)
     if model.strengths is None:
         strength = np.ones(birth.size)
@@ -80,17 +70,6 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
     )
 
 
-def _regular(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
-    """Return births (um) back to ``begin``, latest first, with diameters: the start takes its junctions from them."""
-    births = model.births
-    if not isinstance(births, RegularBirths):
-        raise TypeError("births at one spacing are wanted")
-    count = ceil(-begin / births.mean_spacing) + 1
-    number = np.arange(1, count + 1)
-    birth = births.places(first_birth(model, seed), -number)
-    return birth, model.sizes.draw(generator(seed, Stream.START_DIAMETERS).random(count))
-
-
 def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
     return rows.at(np.flatnonzero((rows.birth < end) & (rows.birth + 2.0 * rows.diameter > begin)))
 
@@ -99,11 +78,12 @@ def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
 class TwoWayState:
     """What a block of a two-way run passes to the next.
 
-    landmarks, written: rows of /landmarks and of /junctions so far; waiting: the junctions whose rows are not written
-    yet; times (2, rows): when the slider first passed their births and deaths (s), nan before that.
+    slider, landmarks, written: rows of /slider, /landmarks and /junctions so far; waiting: the junctions whose rows are
+    not written yet; times (2, rows): when the slider first passed their births and deaths (s), nan before that.
     """
 
     motion: CoupledState
+    slider: int = 0
     landmarks: int = 0
     written: int = 0
     waiting: LiveRows = field(default_factory=LiveRows.none)
@@ -131,13 +111,8 @@ class TwoWayMotion:
             self._write_junctions(LiveRows.none(), self._times)
         self._constants = numbers
         self._motion = CoupledMotion(model, numbers, past.motion, partial(lived, model, seed))
-        self._slider = Appender(sink, "slider", state.slider_rows)
+        self._slider = Appender(sink, "slider", past.slider)
         self._landmarks = Appender(sink, "landmarks", past.landmarks)
-
-    @property
-    def slider_rows(self) -> int:
-        """Rows of /slider so far."""
-        return self._slider.rows
 
     def through(self, rows: LiveRows, known: float) -> None:
         """Move the slider until it needs the field beyond ``known`` (um), and write its rows.
@@ -162,6 +137,7 @@ class TwoWayMotion:
     def state(self) -> TwoWayState:
         """The state from which the next block continues."""
         return TwoWayState(
+            slider=self._slider.rows,
             landmarks=self._landmarks.rows,
             written=self._written,
             waiting=self._waiting,
@@ -200,7 +176,7 @@ class TwoWayMotion:
     def _write_known(self) -> None:
         """Write the waiting rows up to the first one with unknown times; write all of them if the run is over."""
         waiting, (birth, death) = self._waiting, self._times
-        beyond = natural_death(waiting.birth, waiting.diameter) > self._model.distance
+        beyond = waiting.natural_death > self._model.distance
         known = ~np.isnan(death) | (beyond & (np.signbit(waiting.birth) | ~np.isnan(birth)))
         count = len(waiting) if self._motion.finished or known.all() else int(np.argmin(known))
         if count:
@@ -209,16 +185,5 @@ class TwoWayMotion:
             self._written += count
 
     def _write_junctions(self, rows: LiveRows, times: Doubles) -> None:
-        natural = natural_death(rows.birth, rows.diameter)
-        state = junction_states(natural, rows.departure, np.signbit(rows.birth), self._model.distance)
-        columns = junction_columns(
-            first_row=self._written,
-            birth=rows.birth,
-            diameter=rows.diameter,
-            strength=rows.strength,
-            natural=natural,
-            departure=rows.departure,
-            state=state,
-            speed=self._model.sliding_speed,
-        )
+        columns = junction_columns(self._model, rows)
         self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})

@@ -1,0 +1,268 @@
+"""Motions that the contact drives and that do not change it: slider, base and load, as one linear system.
+
+From top to bottom: the equations, the exact step through a cell, whose constants are a matrix exponential, and the
+motion through one tick range after another. What a cell does to it is three moments of the area or of the force.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import fsum
+from typing import Final, Literal
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.compiling import compiled_bare, fused
+from rubnoise.model import Model, Separation, Slider
+from rubnoise.record.sink import Columns
+from rubnoise.simulation.area import Sample
+from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.ticks import cells_per_tick
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearSystem:
+    """Equations of motion y' = rates y + inputs (f - means) of positions (um) and velocities (um/s), body by body.
+
+    No body moves those before it. drives: the sum over all lives that each column of ``inputs`` is for, the area in
+    um^2 or the force in uN; means: the part of it that does not drive.
+    """
+
+    rates: Doubles
+    inputs: Doubles
+    drives: tuple[Literal["area", "force"], ...]
+    means: tuple[float, ...]
+
+
+def linear_system(model: Model) -> LinearSystem | None:
+    """Return the equations of separation and slider; None if nothing moves, or if its motion changes the contact."""
+    if model.sliding_speed is None or model.is_two_way or model.free is not None:
+        return None
+    if model.separation is not None:
+        return under_load(model, model.separation)
+    if model.slider is None:
+        return None
+    return over_base(model.slider, model.base_per_area) if model.base_per_area else under_force(model.slider)
+
+
+def under_force(slider: Slider) -> LinearSystem:
+    """Return m x'' + c x' + k x = F under the friction force."""
+    inputs = np.array([[0.0], [1.0 / slider.mass]])
+    return LinearSystem(rates=_alone(slider), inputs=inputs, drives=("force",), means=(0.0,))
+
+
+def over_base(slider: Slider, lift: float) -> LinearSystem:
+    """Return m x'' + c x' + k x = c y' + k y over a base y = lift A.
+
+    The slope of y is not needed if the second number is u = x' - c y/m, the velocity that the slider carries:
+    x' = u + (c/m) y, u' = -(k/m) x - (c/m) u + (k/m - c^2/m^2) y.
+    """
+    dashpot = slider.damping / slider.mass
+    inputs = lift * np.array([[dashpot], [slider.stiffness / slider.mass - dashpot * dashpot]])
+    return LinearSystem(rates=_alone(slider), inputs=inputs, drives=("area",), means=(0.0,))
+
+
+def under_load(model: Model, held: Separation) -> LinearSystem:
+    """Return m z'' + c z' + (W/s_0) z = H (A - A_rm), and m x'' + c x' + k x = sum of psi A - E[psi] A_rm z/s_0."""
+    mean, push = model.mean_real_contact_area, held.hardness / held.mass
+    rises, slider = _alone(held.oscillator), model.slider
+    if slider is None:
+        return LinearSystem(rates=rises, inputs=np.array([[0.0], [push]]), drives=("area",), means=(mean,))
+    rates, inputs = np.zeros((4, 4)), np.zeros((4, 2))
+    rates[:2, :2], rates[2:, 2:] = rises, _alone(slider)
+    rates[3, 0] = -force_lost(model, held) / slider.mass
+    inputs[1, 0], inputs[3, 1] = push, 1.0 / slider.mass
+    return LinearSystem(rates=rates, inputs=inputs, drives=("area", "force"), means=(mean, 0.0))
+
+
+def force_lost(model: Model, held: Separation) -> float:
+    """Return what the friction force loses for each um by which the separation grows, in uN."""
+    return 0.0 if model.strengths is None else model.strengths.mean * model.mean_real_contact_area / held.height_scale
+
+
+def _alone(slider: Slider) -> Doubles:
+    return np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Propagator:
+    """Constants of a step through a cell: the state grows by transition @ state + gains @ (moments of the cell).
+
+    transition: the free motion over a cell minus the identity, so that rounding does not shift the phase of a lightly
+    damped slider; gains: for each sum that drives the motion three columns, factors of its Legendre moments over the
+    distance, int f P_i(2y - 1) ds.
+    """
+
+    system: LinearSystem
+    transition: Doubles
+    gains: Doubles
+    cells_per_tick: int
+
+
+@lru_cache(maxsize=8)
+def slider_constants(model: Model) -> Propagator | None:
+    """Return the constants of the exact step of slider and separation; None if the run does not use this step."""
+    system, speed = linear_system(model), model.sliding_speed
+    return None if system is None or speed is None else propagator(system, speed, model.tick, cells_per_tick(model))
+
+
+def named_constants(model: Model) -> dict[str, float]:
+    """Return all of them by their names in a result, `transition_01` for row 0, column 1; none without a motion."""
+    constants = slider_constants(model)
+    if constants is None:
+        return {}
+    named = {"cells_per_tick": float(constants.cells_per_tick)}
+    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
+        named |= {f"{name}_{row}{column}": float(value) for (row, column), value in np.ndenumerate(matrix)}
+    return named
+
+
+def propagator(system: LinearSystem, speed: float, tick: float, cells_per_tick: int = 1) -> Propagator:
+    """Return the constants of y' = rates y + inputs f at a speed (um/s) for ticks (um) of ``cells_per_tick`` cells.
+
+    With h the time of a cell and M = rates h, int_0^1 exp(M (1 - y)) y^n dy = n! phi_(n+1)(M). These stand side by side
+    in the exponential of a larger matrix (Al-Mohy and Higham 2011, doi:10.1137/100788860), and exp(M) - 1 is
+    M phi_1(M). Powers of two make the rows and columns of M alike before.
+    """
+    from scipy.linalg import expm, matrix_balance  # takes long to load, and only motions need it
+
+    size, step = len(system.rates), tick / speed / cells_per_tick
+    moved = step * system.rates
+    balanced, (scale, _) = matrix_balance(moved, permute=False, separate=True)
+    chain = np.eye(4 * size, k=size)
+    chain[:size, :size] = balanced
+    blocks = expm(chain)[:size].reshape(size, 4, size) * scale[:, None, None] / scale
+    first, second, third = blocks[:, 1], blocks[:, 2], blocks[:, 3]
+    legendre = np.stack([first, 3.0 * (2.0 * second - first), 5.0 * (12.0 * third - 6.0 * second + first)])
+    gains = np.einsum("iab,bc->aci", legendre, system.inputs) / speed
+    return Propagator(
+        system=system,
+        transition=moved @ first,
+        gains=gains.reshape(size, -1),
+        cells_per_tick=cells_per_tick,
+    )
+
+
+_AT_ONCE: Final = 4096
+"""Cells that are moved through at a time: what pushes in them stays in the processor's cache."""
+
+
+@compiled_bare
+def add_pushes(gains: Doubles, moments: Doubles, first: int, push: Doubles) -> None:
+    """Add to ``push`` (2, some) what the moments (3, cells) from a cell on add to a position and its velocity."""
+    end = first + push.shape[1]
+    means, slopes, bends = moments[0][first:end], moments[1][first:end], moments[2][first:end]
+    for row in range(2):
+        mean, slope, bend, total = gains[row, 0], gains[row, 1], gains[row, 2], push[row]
+        for cell in range(len(total)):
+            total[cell] += mean * means[cell] + slope * slopes[cell] + bend * bends[cell]
+
+
+@compiled_bare
+def advance(push: Doubles, transition: Doubles, first: int, states: Doubles) -> None:
+    """Step a position and its velocity through cells from ``first`` on: states (2, cells + 1) are before the cells."""
+    pushes, kicks = push[0], push[1]
+    positions, velocities = states[0][first:], states[1][first:]
+    x, v = positions[0], velocities[0]
+    x_from_x, x_from_v, v_from_x, v_from_v = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
+    for cell in range(len(pushes)):
+        # Two short chains of operations for each, which the processor computes at the same time.
+        next_x = fused(x_from_x, x, x) + fused(x_from_v, v, pushes[cell])
+        v = fused(v_from_v, v, v) + fused(v_from_x, x, kicks[cell])
+        x = next_x
+        positions[cell + 1] = x
+        velocities[cell + 1] = v
+
+
+def begin(model: Model, live: LiveRows) -> Doubles:
+    """Return the state at the start: at rest, with the slider at the model's displacement.
+
+    Over a base at y the slider carries the velocity -c y/m (`over_base`).
+    """
+    separation = [] if model.separation is None else [0.0, 0.0]
+    if model.slider is None:
+        return np.array(separation)
+    velocity = 0.0
+    if model.base_per_area:
+        risen = np.minimum(-live.birth, live.birth + 2.0 * live.diameter)
+        area = fsum((0.25 * np.pi * live.diameter * risen).tolist())
+        velocity = -model.slider.damping / model.slider.mass * model.base_per_area * area
+    return np.array([*separation, model.equilibrium_displacement, velocity])
+
+
+class LinearMotion:
+    """Slider and separation as they move through a run; ``state`` is that at the last finished tick."""
+
+    def __init__(self, model: Model, constants: Propagator, state: State) -> None:
+        """Continue from a state of a run."""
+        self._model, self._constants = model, constants
+        self.state: Doubles = begin(model, state.live) if state.motion is None else state.motion
+
+    def through(self, sample: Sample) -> dict[str, Columns]:
+        """Move through the cells of a tick range; return the columns of /trace, /slider and /load at its ticks."""
+        every, trace = self._constants.cells_per_tick, dict(sample.columns)
+        states = np.ascontiguousarray(self._moved(sample)[:, ::every])
+        self.state = states[:, -1].copy()
+        states = states[:, states.shape[1] - trace["distance"].size :]
+        moved: dict[str, Columns] = {"trace": trace}
+        held = self._model.separation
+        if held is not None:
+            if "friction_force" in trace:
+                trace["friction_force"] = trace["friction_force"] - force_lost(self._model, held) * states[0]
+            moved["load"] = self._of_load(trace, states[0], states[1])
+        if self._model.slider is not None:
+            moved["slider"] = self._of_slider(trace, states[-2], states[-1])
+        return moved
+
+    def _moved(self, sample: Sample) -> Doubles:
+        """Return the states before and after every cell; each body is moved by the contact and those before it."""
+        system = self._constants.system
+        driving = [sample.area if drive == "area" else sample.force for drive in system.drives]
+        moments = [each for each in driving if each is not None]
+        size, cells = len(self.state), moments[0].moments.shape[1]
+        states = np.zeros((size, cells + 1))
+        states[:, 0] = self.state
+        transition, units = self._constants.transition, np.repeat([each.unit for each in moments], 3)
+        gains = (self._constants.gains * units).reshape(size // 2, 2, len(moments), 3)
+        steady = np.add.accumulate(-gains[..., 0] * system.means, axis=2)[..., -1]
+        coupling = np.zeros((2, 3))
+        coupling[:, :2] = transition[2:, :2] if size > 2 else 0.0
+        for first in range(0, cells, _AT_ONCE):
+            for body in range(size // 2):
+                pair, count = slice(2 * body, 2 * body + 2), min(_AT_ONCE, cells - first)
+                push = np.repeat(steady[body], count).reshape(2, count)
+                for number, drive in enumerate(moments):
+                    if gains[body, :, number].any():
+                        add_pushes(gains[body, :, number].copy(), drive.moments, first, push)
+                if body:
+                    add_pushes(coupling, states, first, push)
+                advance(push, transition[pair, pair].copy(), first, states[pair])
+        return states
+
+    def _of_slider(self, trace: Columns, displacement: Doubles, velocity: Doubles) -> Columns:
+        columns = {"time": trace["distance"] / self._model.sliding_speed, "distance": trace["distance"]}
+        if "friction_force" in trace:
+            columns["friction_force"] = trace["friction_force"]
+        columns |= {"displacement": displacement, "velocity": velocity}
+        slider = self._model.slider
+        if slider is not None and self._model.base_per_area:
+            base = self._model.base_per_area * trace["real_contact_area"]
+            # Over a base the state carries x' - c y/m.
+            columns |= {"base_displacement": base, "velocity": velocity + slider.damping / slider.mass * base}
+        return columns
+
+    def _of_load(self, trace: Columns, separation: Doubles, velocity: Doubles) -> Columns:
+        model, held = self._model, self._model.separation
+        if held is None:
+            raise ValueError("no load holds the separation")
+        area, live = trace["real_contact_area"], trace["junction_count"].astype(np.float64)
+        alone = held.height_scale * model.mean_junction_count / model.mean_real_contact_area
+        overlap = np.full(live.size, np.nan)
+        np.divide(alone * area, live, out=overlap, where=live > 0.0)
+        return {
+            "time": trace["distance"] / model.sliding_speed,
+            "separation": separation,
+            "velocity": velocity,
+            "load": held.hardness * area - held.stiffness * separation,
+            "live_overlap": overlap,
+        }
