@@ -16,6 +16,7 @@ from rubnoise.analysis.agreement import (
 )
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import (
     LARGEST_TAIL_SKEWNESS,
     NORMAL,
@@ -24,8 +25,7 @@ from rubnoise.analysis.findings import (
     tail_of,
     tail_of_squares,
 )
-from rubnoise.analysis.moments import FEWEST_LIVES
-from rubnoise.analysis.summary import missing_for_motion, summarise
+from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model

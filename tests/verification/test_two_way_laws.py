@@ -13,8 +13,8 @@ import pytest
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.findings import Comparison, Identity
-from rubnoise.analysis.summary import expected_figure
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider

@@ -30,11 +30,10 @@ from rubnoise.analysis.findings import (
 )
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
-from rubnoise.analysis.moments import covariance_errors, needed_for_mean, over_ticks
+from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_for_mean, over_ticks, slowest_decay
 from rubnoise.analysis.records import RecordTooShort, longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
-from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
 from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model

@@ -5,8 +5,8 @@ from math import isnan
 from pathlib import Path
 from typing import Any, Final
 
+from rubnoise.analysis.moments import missing_for_motion
 from rubnoise.analysis.one_way import one_way_warnings
-from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.layout import ONE_WAY_ALONE, LineWords, grouped, line, lines, number, remark, too_short_for_motion
 from rubnoise.cli.load import format_load, load_as_json, load_notes, load_warnings
 from rubnoise.errors import Refused

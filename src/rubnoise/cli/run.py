@@ -148,7 +148,7 @@ def program() -> str:
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     """Return the reasons why the result will be doubtful or too short, and print them before the run."""
-    from rubnoise.analysis.summary import missing_for_motion
+    from rubnoise.analysis.moments import missing_for_motion
     from rubnoise.cli.load import load_as_json, load_warnings
     from rubnoise.theory.exact import exact
     from rubnoise.theory.motion import response

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.answer import Answer, LeftOut
+from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.reading import Ahead
-from rubnoise.analysis.summary import summarise
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.record.reader import HashedReader, Reader, Rows, column_chunks
