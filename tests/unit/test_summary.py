@@ -8,13 +8,11 @@ import pytest
 
 from rubnoise.analysis.agreement import (
     Agreement,
-    as_json,
     family_wise_bound,
     from_attributes,
     normal_deviate,
     outside,
 )
-from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import (
@@ -26,6 +24,7 @@ from rubnoise.analysis.findings import (
     tail_of_squares,
 )
 from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
+from rubnoise.answer import LeftOut
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
@@ -257,17 +256,16 @@ def test_whole_numbers_are_figures_too() -> None:
     ]
 
 
-def test_json_has_the_score() -> None:
-    assert as_json([FULL, ALONE]) == {
-        "real_contact_area_mean": {"observed": 206.0, "expected": 204.0, "standard_error": 0.5, "z": 4.0},
-        "events": {"observed": 73084.0, "expected": None, "standard_error": None, "z": None},
-    }
+def test_a_row_of_an_answer_has_the_score_and_the_unit() -> None:
+    row = {"value": 206.0, "unit": "um^2", "exact": 204.0, "error": 0.5, "z": 4.0}
+    assert FULL.row("summary").to_json() == row
+    assert ALONE.row("summary").to_json() == {"value": 73084.0}
 
 
 def test_a_deviate_stands_for_the_score_of_a_law_that_is_not_normal() -> None:
     figure = Agreement(name="count", observed=0.0, expected=20.0, standard_error=20.0**0.5, deviate=-5.9)
     assert figure.z == -5.9
-    assert as_json([figure])["count"]["z"] == -5.9
+    assert figure.row("births").z == -5.9
 
 
 @pytest.mark.parametrize(
@@ -367,6 +365,6 @@ def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     record = recorded(run, 1010)
     found = compare(run, record)
     assert found.outside == ()
-    assert "real_contact_area_mean" in {each.name for each in found.omitted}
+    assert "real_contact_area_mean" in found.left_out
     mean = float(record["trace"]["real_contact_area"].mean())
     assert mean - run.stationary_mean_area > 8.0 * mean_area_error(run)

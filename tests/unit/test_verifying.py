@@ -242,7 +242,7 @@ FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
 def test_a_right_folder_is_verified(folder: Path) -> None:
     found = verify_sweep(folder, 2)
     assert [check.name for check in found.checks] == ["index", "names", "runs"]
-    assert (found.different, list(found.omitted)) == ([], [])
+    assert (found.different, found.left_out) == ([], {})
     assert min(check.values for check in found.checks) > 0
 
 
@@ -260,7 +260,7 @@ def test_an_unfinished_run_and_files_of_others_are_left_out_by_name(folder: Path
     (folder / "notes.txt").touch()
     found = verify_sweep(folder)
     assert found.different == []
-    assert [each.name for each in found.omitted] == [f"runs/{runs(folder)[0].name}.part", "notes.txt"]
+    assert list(found.left_out) == [f"runs/{runs(folder)[0].name}.part", "notes.txt"]
 
 
 @pytest.mark.parametrize("other", ["empty", "file", "missing"])
@@ -275,7 +275,7 @@ def test_of_many_strays_ten_are_named_and_the_others_counted(folder: Path) -> No
     for number in range(14):
         (folder / f"stray_{number:02}").touch()
         (folder / "runs" / f"stray_{number:02}.h5.part").touch()
-    left_out = [each.name for each in verify_sweep(folder).omitted]
+    left_out = list(verify_sweep(folder).left_out)
     assert [name for name in left_out if name.startswith("stray")] == [f"stray_{number:02}" for number in range(10)]
     assert {"4 more of others", "4 more of runs/*.part"} <= set(left_out)
     assert len(left_out) == 22

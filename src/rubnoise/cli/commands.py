@@ -16,7 +16,7 @@ from typing import Any, TextIO
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from rubnoise.cli.layout import printable
+from rubnoise.answer import printable
 
 _TAG = re.compile(r"(\\*)(\[[a-z#/@][^\[]*?\])")
 """What the library that draws help takes for a style or a colour, and leaves out: `[sweep]`."""

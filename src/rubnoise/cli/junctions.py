@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from rubnoise.answer import printable
 from rubnoise.cli.junction import state_names
-from rubnoise.cli.layout import grouped, groups_that_fit, json_text, number, printable
+from rubnoise.cli.layout import grouped, groups_that_fit, json_text, number
 from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.errors import Refused
 

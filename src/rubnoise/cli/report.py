@@ -27,7 +27,8 @@ def command(
 
     Example: rubnoise report fig5.h5 -o fig5_report.html
     """
-    from rubnoise.cli.layout import sentence, size
+    from rubnoise.answer import size
+    from rubnoise.cli.layout import sentence
     from rubnoise.cli.loading import finished_run
     from rubnoise.cli.progress import stoppable
     from rubnoise.pages.report import run_report, sweep_report

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import rubnoise
-from rubnoise.cli.layout import sentence, size
+from rubnoise.answer import size
+from rubnoise.cli.layout import sentence
 from rubnoise.cli.options import PageFile, ReplaceFile
 
 if TYPE_CHECKING:

@@ -29,7 +29,8 @@ def command(
 
     Example: rubnoise view fig5.h5 --from 1mm --to 2mm
     """
-    from rubnoise.cli.layout import sentence, size
+    from rubnoise.answer import size
+    from rubnoise.cli.layout import sentence
     from rubnoise.cli.loading import finished_run
     from rubnoise.cli.plot import distance
     from rubnoise.figures.stretch import Stretch

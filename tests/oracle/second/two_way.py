@@ -6,9 +6,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.landmarks import first_landmark
 from rubnoise.analysis.reading import Ahead
+from rubnoise.answer import LeftOut
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows, chunks
