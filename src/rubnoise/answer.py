@@ -153,7 +153,7 @@ class Answer:
 
     def to_text(self, width: int = WIDTH) -> str:
         """Return the answer as lines for a terminal of a width."""
-        lines = [fill(printable(self.title), width, subsequent_indent="  ", break_long_words=False)]
+        lines = [printable(self.title)]
         tables = {table.name: table for table in self.tables}
         for part, rows in groupby(self.rows, key=lambda row: row.part):
             lines += _part_lines(part, list(rows), width)
@@ -226,7 +226,7 @@ def _part_lines(part: str, rows: Sequence[Row], width: int) -> Iterator[str]:
     if part:
         yield ""
         over = "".join(f"{name:>{BESIDE[name][0]}}" for name in heads)
-        yield (f"{part.replace('_', ' '):<{LABEL}}" + (f"{'value':>{NUMBER}}{over}" if heads else "")).rstrip()
+        yield from _above_or_beside(part.replace("_", " "), f"{'value':>{NUMBER}}{over}" if heads else "", width)
     for row in rows:
         yield from _row_lines(row, heads, width)
 
@@ -243,11 +243,16 @@ def _row_lines(row: Row, heads: Sequence[str], width: int) -> Iterator[str]:
         label += f" ({row.unit})" if row.unit else ""
         cells = "".join(f"{_cell(name, getattr(row, name)):>{BESIDE[name][0]}}" for name in heads)
         number = f"{shown(row.value):>{NUMBER}}{cells}{' *' if row.fails else ''}"
-        if len(label) >= LABEL:  # a long name stands above its numbers
-            yield label
-            label = ""
-        yield f"{label:<{LABEL}}{number}".rstrip()
+        yield from _above_or_beside(label, number, width)
         yield from [_sentence(row.note, width, "    ")] if row.note else []
+
+
+def _above_or_beside(label: str, numbers: str, width: int) -> list[str]:
+    """Return a label and its numbers in one line, or the label above them if it is long or the terminal narrow."""
+    if len(label) < LABEL and LABEL + len(numbers) <= width:
+        return [f"{label:<{LABEL}}{numbers}".rstrip()]
+    indent = max(min(LABEL, width - len(numbers)), 0)
+    return [label, *([" " * indent + numbers] if numbers else [])]
 
 
 def _table_lines(table: Table) -> Iterator[str]:

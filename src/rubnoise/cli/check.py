@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.answer import printable
-from rubnoise.cli.layout import about, grouped, groups_that_fit, json_text, line, width
+from rubnoise.cli.layout import about, as_wide_text, grouped, groups_that_fit, json_text, line
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.errors import RubnoiseError
 
@@ -60,7 +60,7 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, d
         known = derivation.derived(found, title, warned=not quiet)
         rows, notes = (*known.rows, *derivation.cost(found)), (*known.notes, *derivation.missing_resources(found, file))
         known = replace(known, rows=rows, notes=notes)
-        return "scenarios", known.to_json(), known.to_text(width()).splitlines()
+        return "scenarios", known.to_json(), as_wide_text(known).splitlines()
     answer = sweep_table_as_json(found)
     return "sweeps", answer, [f"{file}: ok", *format_sweep_table(answer)]
 

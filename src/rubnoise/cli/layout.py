@@ -137,4 +137,10 @@ def json_text(answer: Any, *, indent: int | None = None) -> str:
 
 def show(answer: Answer, *, as_json: bool, as_csv: bool = False) -> None:
     """Print an answer as one JSON object, as CSV, or as text as wide as the terminal."""
-    print(as_json_text(answer) if as_json else answer.to_csv() if as_csv else answer.to_text(width()))
+    print(as_json_text(answer) if as_json else answer.to_csv() if as_csv else as_wide_text(answer))
+
+
+def as_wide_text(answer: Answer) -> str:
+    """Return an answer as text as wide as the terminal."""
+    title, _, rest = answer.to_text(width()).partition("\n")
+    return f"{sentence(title)}\n{rest}"
