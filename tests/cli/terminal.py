@@ -83,6 +83,20 @@ class Answer:
         """Return standard output as the one JSON object that it is."""
         return json.loads(self.out)
 
+    def values(self) -> Any:
+        """Return the same with the value of each row in place of the row."""
+        return values_of(self.json())
+
+
+ROW = {"value", "unit", "exact", "error", "z", "note"}
+
+
+def values_of(told: Any) -> Any:
+    """Return an answer in JSON with the value of each row in place of the row; None where it has no value."""
+    if not isinstance(told, dict):
+        return told
+    return told.get("value") if told and set(told) <= ROW else {name: values_of(item) for name, item in told.items()}
+
 
 def call(*arguments: str | Path) -> Answer:
     """Call the command line in this process; neither stream is a terminal."""

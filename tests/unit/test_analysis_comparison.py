@@ -51,7 +51,7 @@ def names(found: Comparison) -> set[str]:
 
 
 def reason(found: Comparison, name: str) -> str:
-    return next(each.reason for each in found.omitted if each.name == name)
+    return found.left_out[name]
 
 
 @pytest.mark.parametrize("name", RIGHT)
@@ -201,7 +201,7 @@ def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> No
     assert "junction_count_zero_share" in names(compare(longer, recorded(longer, engine="batch")))
     assert "real_contact_area_kolmogorov" in names(found)
     # Of a denser contact nothing is said: the share is below a thousandth.
-    assert "junction_count_zero_share" not in {each.name for each in compared("figure 5").omitted}
+    assert "junction_count_zero_share" not in compared("figure 5").left_out
 
 
 def test_scores_of_many_right_runs_are_unit_normals() -> None:

@@ -1,6 +1,5 @@
 """Watching a run and stepping into it from Python: observers and interventions, as a person would have them."""
 
-import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -84,7 +83,8 @@ def test_what_an_intervention_ends_is_ended_early_and_verifies(scenario: Scenari
         assert deaths.size == 30
         assert run.provenance["intervention"] == f"{__name__}.largest_goes"
         assert contents(run) == contents(rubnoise.simulate(scenario, intervene=largest_goes))
-    assert json.loads(call("info", tmp_path / "x.h5", "--json").out)["intervention"] == f"{__name__}.largest_goes"
+    told = call("info", tmp_path / "x.h5", "--json").json()["intervention"]
+    assert told["value"] == f"{__name__}.largest_goes"
     assert re.search(r"^ +intervention +\S+\.largest_goes$", call("info", tmp_path / "x.h5").out, re.MULTILINE)
     with open_run(tmp_path / "x.h5") as file:
         found = verify(file, regenerate=3)

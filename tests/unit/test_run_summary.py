@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
 from rubnoise.analysis.run_summary import CURVES, RunLayout, RunSummary, SummarySink, curve_theory
-from rubnoise.analysis.summary import summarise
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model

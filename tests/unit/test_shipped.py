@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rubnoise
+from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio
-from rubnoise.analysis.summary import expected_figure
 from rubnoise.record.tally import Tally
 from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario import Scenario

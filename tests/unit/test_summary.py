@@ -12,6 +12,7 @@ from rubnoise.analysis.agreement import (
     normal_deviate,
 )
 from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.findings import (
     NORMAL,
     Tail,
@@ -19,8 +20,7 @@ from rubnoise.analysis.findings import (
     tail_of,
     tail_of_squares,
 )
-from rubnoise.analysis.moments import FEWEST_LIVES
-from rubnoise.analysis.summary import missing_for_motion, summarise
+from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
 from rubnoise.contact.laws import Exponential, Gamma, Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
@@ -224,6 +224,14 @@ def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     record = recorded(run, 1010)
     found = compare(run, record)
     assert found.outside == ()
-    assert "real_contact_area_mean" in {each.name for each in found.omitted}
+    assert "real_contact_area_mean" in found.left_out
     mean = float(record["trace"]["real_contact_area"].mean())
     assert mean - run.stationary_mean_area > 8.0 * mean_area_error(run)
+
+
+def test_a_row_of_an_answer_has_the_score_and_the_unit() -> None:
+    row = {"value": 206.0, "unit": "um^2", "exact": 204.0, "error": 0.5, "z": 4.0}
+    assert FULL.row("summary").to_json() == row
+    assert Agreement(name="events", observed=73084.0, expected=None, standard_error=None).row("summary").to_json() == {
+        "value": 73084.0
+    }

@@ -66,7 +66,7 @@ def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, na
     path = fresh(kept, tmp_path, name)
     found = asked(path, 3)
     assert [str(check.first) for check in found.different] == []
-    assert (list(found.omitted), found.remark) == ([], "")
+    assert (found.left_out, found.remark) == ({}, "")
     with h5py.File(path) as file:
         groups = {group for group in file if len(file[group])}
     assert {check.name for check in found.checks} == ALIKE | groups
@@ -205,7 +205,7 @@ def test_a_file_without_a_scenario_is_told(result: Path, text: str) -> None:
     tell(result, "provenance", "scenario_resolved", text or " ")
     found = asked(result, 1)
     assert [check.name for check in found.different] == ["structure"]
-    assert [each.name for each in found.omitted] == ["everything else"]
+    assert list(found.left_out) == ["everything else"]
 
 
 @pytest.mark.parametrize(
@@ -239,7 +239,7 @@ def test_a_column_that_cannot_be_read_is_told(kept: Path, tmp_path: Path) -> Non
     path.write_bytes(raw)
     found = asked(path, 1)
     assert str(found.different[0].first) == "/trace/real_contact_area is unreadable, should be as it was written"
-    assert found.omitted[0].reason == "/trace/real_contact_area cannot be read"
+    assert found.left_out["everything else"] == "/trace/real_contact_area cannot be read"
 
 
 ENDED = (30, 1010, 1200)
@@ -281,7 +281,7 @@ def interrupted(of_intervention: Path, tmp_path: Path) -> Path:
 def test_lives_that_an_intervention_ended_are_played_again(interrupted: Path) -> None:
     found = asked(interrupted, 1)
     assert [str(check.first) for check in found.different] == []
-    assert list(found.omitted) == []
+    assert found.left_out == {}
     with h5py.File(interrupted) as file:
         assert np.flatnonzero(file["junctions/state"][:] & 4).tolist() == list(ENDED)
 

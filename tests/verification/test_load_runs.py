@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rubnoise
-from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.figures import summarise
 from rubnoise.contact.laws import Lognormal
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
+from rubnoise.analysis.figures import expected_figure, summarise
 from rubnoise.analysis.replicates import PooledEstimate, pooled, ratio_of_pairs
-from rubnoise.analysis.summary import expected_figure, summarise
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load

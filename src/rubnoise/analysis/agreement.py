@@ -3,6 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from rubnoise.answer import Row
+from rubnoise.figure_names import unit_of
+
 EXACT, ERROR = "_exact", "_standard_error"
 
 FAMILY_WISE_ERROR = 1e-3
@@ -38,6 +41,19 @@ class Agreement:
             return None
         return (self.observed - self.expected) / self.standard_error
 
+    def row(self, part: str, *, fails: bool = False) -> Row:
+        """Return the figure as a row of an answer."""
+        return Row(
+            part=part,
+            name=self.name,
+            value=self.observed,
+            unit=unit_of(self.name),
+            exact=self.expected,
+            error=self.standard_error,
+            z=self.z,
+            fails=fails,
+        )
+
     def as_attributes(self) -> dict[str, float]:
         """Return the figure under its name, and its expected value, error and deviate under its name with a suffix."""
         beside = {EXACT: self.expected, ERROR: self.standard_error}
@@ -59,19 +75,6 @@ def from_attributes(attributes: Mapping[str, object]) -> list[Agreement]:
         for name, value in numbers.items()
         if not name.endswith((EXACT, ERROR))
     ]
-
-
-def as_json(figures: Iterable[Agreement]) -> dict[str, dict[str, float | None]]:
-    """Return figures by name as plain objects, with their z-scores."""
-    return {
-        figure.name: {
-            "observed": figure.observed,
-            "expected": figure.expected,
-            "standard_error": figure.standard_error,
-            "z": figure.z,
-        }
-        for figure in figures
-    }
 
 
 def normal_deviate(below: float, above: float) -> float:

@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.agreement import Agreement, normal_deviate
-from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.findings import (
     LARGEST_SKEWNESS,
     Finding,
@@ -23,6 +22,7 @@ from rubnoise.analysis.findings import (
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun
 from rubnoise.analysis.records import longer
+from rubnoise.answer import LeftOut
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.births import ROUNDING, births, marks, scattered, start, sums
 from rubnoise.analysis.figures import AREA, BORNE, COUNT, FORCE, GAP, PLACE, RISE, RUBBED, SPEED, moments, motion_of
@@ -30,11 +29,11 @@ from rubnoise.analysis.findings import (
 )
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.measured import STRETCHES, MeasuredRun, measured_run
-from rubnoise.analysis.moments import covariance_errors, needed_for_mean, over_ticks
+from rubnoise.analysis.moments import FEWEST_DECAYS, covariance_errors, needed_for_mean, over_ticks, slowest_decay
 from rubnoise.analysis.records import RecordTooShort, longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
-from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
+from rubnoise.answer import LeftOut
 from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model

@@ -1,13 +1,19 @@
-"""Every moment of a run in one list: its column, its exact value, its standard error and its tail."""
+"""Every figure of a run in one list: its column and moment, its exact value, its standard error and its tail.
+
+A summary has the figures of the whole run, a comparison those of the part in which the start is forgotten. What each is
+called in words, and its unit, is in `rubnoise.figure_names`.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from math import nan, sqrt
+from math import isnan, nan, sqrt
 from typing import Final
 
 import numpy as np
 
+from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import (
     Finding,
     judged,
@@ -15,15 +21,19 @@ from rubnoise.analysis.findings import (
     tail_of,
 )
 from rubnoise.analysis.measured import MeasuredRun
-from rubnoise.analysis.moments import over_ticks
+from rubnoise.analysis.moments import FEWEST_DECAYS, FEWEST_LIVES, decays_of, over_ticks
 from rubnoise.contact.births import RegularBirths
+from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
-from rubnoise.theory.coupling import weak_motion, weak_motion_errors
+from rubnoise.record.rows import LandmarkKind
+from rubnoise.record.tally import RENAMED, Tally
+from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
 from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.live_count import count_covariance, count_variance, mean_count, mean_count_error
-from rubnoise.theory.load import load_motion
-from rubnoise.theory.motion import Response, response, strengths_of
+from rubnoise.theory.load import free_motion, load_motion
+from rubnoise.theory.motion import Response, contact_drive_of, response, strengths_of
 from rubnoise.theory.sampling import (
+    expected_mean_displacement,
     load_errors,
     mean_area_error,
     mean_displacement_error,
@@ -38,55 +48,77 @@ from rubnoise.theory.second_order import (
     lag_rule,
 )
 
-Errors = Callable[[Model, float], dict[str, float]]
-"""Returns standard errors, by moment, of a stationary stretch of a model, and of its length in um."""
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A record of ``length`` um that figures are over, with its model; whether it ``holds_start`` of the motion."""
+
+    model: Model
+    length: float
+    holds_start: bool = False
+
+    @classmethod
+    def after_start(cls, model: Model, ticks: int) -> "Stretch":
+        """Return a stationary stretch of a run, of a number of ticks."""
+        return cls(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
 
 
-def _area_errors(stretch: Model, _length: float) -> dict[str, float]:
+Errors = Callable[[Stretch], dict[str, float]]
+"""Returns standard errors over a stretch, by moment."""
+
+
+def _area_errors(stretch: Stretch) -> dict[str, float]:
     """Return the errors of four moments; of two for births known to second order, of one for regular births.
 
     Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, plus the part of single junctions, times the cube
     of the dispersion if births come in bunches, as fourth cumulants of a bunch grow.
     """
-    if are_at_random(stretch):
-        found = standard_errors(stretch)
+    record = stretch.model
+    if are_at_random(record):
+        found = standard_errors(record)
         return {name: getattr(found, name) for name in ("mean", "std", "skewness", "excess_kurtosis")}
-    if isinstance(stretch.births, RegularBirths):
-        return {"mean": mean_area_error(stretch)}
-    lags, weights = lag_rule(stretch)
-    fourth = max(stretch.births.dispersion, 1.0) ** 3 * joint_cumulant(stretch, lags, 2, 2)
-    square = float(weights @ (fourth + 2.0 * np.square(autocovariance(stretch, lags))))
-    return {"mean": mean_area_error(stretch), "std": sqrt(square) / (2.0 * area_cumulants(stretch).std)}
+    if isinstance(record.births, RegularBirths):
+        return {"mean": mean_area_error(record)}
+    lags, weights = lag_rule(record)
+    fourth = max(record.births.dispersion, 1.0) ** 3 * joint_cumulant(record, lags, 2, 2)
+    square = float(weights @ (fourth + 2.0 * np.square(autocovariance(record, lags))))
+    return {"mean": mean_area_error(record), "std": sqrt(square) / (2.0 * area_cumulants(record).std)}
 
 
-def _count_errors(stretch: Model, _length: float) -> dict[str, float]:
+def _count_errors(stretch: Stretch) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, variance: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2."""
-    if not are_at_random(stretch):
-        return {"mean": mean_count_error(stretch)}
-    lags, weights = lag_rule(stretch)
-    shared = count_covariance(stretch, lags)
-    return {"mean": mean_count_error(stretch), "variance": sqrt(float(weights @ (shared + 2.0 * shared**2)))}
+    record = stretch.model
+    if not are_at_random(record):
+        return {"mean": mean_count_error(record)}
+    lags, weights = lag_rule(record)
+    shared = count_covariance(record, lags)
+    return {"mean": mean_count_error(record), "variance": sqrt(float(weights @ (shared + 2.0 * shared**2)))}
 
 
-def _force_errors(stretch: Model, _length: float) -> dict[str, float]:
+def _force_errors(stretch: Stretch) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, spread: Cov = E[psi^4] kappa_22 + 2 (E[psi^2] kappa_11)^2."""
-    if not are_at_random(stretch):
-        return {"mean": mean_force_error(stretch)}
-    (lags, weights), psi = lag_rule(stretch), strengths_of(stretch)
-    single = psi.moment(4) * joint_cumulant(stretch, lags, 2, 2)
-    square = float(weights @ (single + 2.0 * (psi.moment(2) * autocovariance(stretch, lags)) ** 2))
-    return {"mean": mean_force_error(stretch), "std": sqrt(square) / (2.0 * force_cumulants(stretch).std)}
+    record = stretch.model
+    if record.separation is not None:
+        found = _load_errors(stretch)
+        return {"mean": found["force_mean"], "std": found["force_std"]}
+    if not are_at_random(record):
+        return {"mean": mean_force_error(record)}
+    (lags, weights), psi = lag_rule(record), strengths_of(record)
+    single = psi.moment(4) * joint_cumulant(record, lags, 2, 2)
+    square = float(weights @ (single + 2.0 * (psi.moment(2) * autocovariance(record, lags)) ** 2))
+    return {"mean": mean_force_error(record), "std": sqrt(square) / (2.0 * force_cumulants(record).std)}
 
 
-def _motion_errors(stretch: Model, length: float) -> dict[str, float]:
-    if not are_at_random(stretch) and not stretch.is_two_way:
-        return {"mean": mean_displacement_error(stretch, length)}
-    errors = (weak_motion_errors if stretch.is_two_way else motion_errors)(stretch, length)
+def _motion_errors(stretch: Stretch) -> dict[str, float]:
+    record = stretch.model
+    if not are_at_random(record) and not record.is_two_way:
+        return {"mean": mean_displacement_error(record, stretch.length)}
+    errors = (weak_motion_errors if record.is_two_way else motion_errors)(record, stretch.length)
     return {"mean": errors.mean_displacement, "std": errors.displacement_std, "speed": errors.velocity_std}
 
 
-def _load_errors(stretch: Model, length: float) -> dict[str, float]:
-    errors = load_errors(stretch, length, from_start=False)
+def _load_errors(stretch: Stretch) -> dict[str, float]:
+    errors = load_errors(stretch.model, stretch.length, from_start=stretch.holds_start)
     return {name: getattr(errors, name) for name in errors.__slots__}
 
 
@@ -95,11 +127,19 @@ def motion_of(model: Model) -> Response:
     return weak_motion(model) if model.is_two_way else response(model)
 
 
+def _moved_so_far(model: Model) -> float:
+    """Return the mean displacement over a whole run, which begins where the slider starts."""
+    excess = motion_of(model).mean_displacement - response(model).mean_displacement
+    return expected_mean_displacement(model, model.distance) + excess
+
+
 @dataclass(frozen=True, slots=True)
-class JudgedMoment:
+class Figure:
     """A moment of a column: its exact value, its error among those of its column, and d^p psi^q that a junction brings.
 
-    ``scale``: what the error is measured by, if it is not the exact value.
+    ``scale``: what the error is measured by, if it is not the exact value. ``over``: what a summary divides moment,
+    exact value and error by. ``whole``: the exact value over a whole run, if the start matters to it. A figure without
+    ``powers`` is in no comparison; ``kept``: whether it is in a summary.
     """
 
     name: str
@@ -107,80 +147,121 @@ class JudgedMoment:
     moment: str
     exact: Callable[[Model], float]
     errors: Errors
-    error: str
-    powers: tuple[int, int]
+    error: str = ""
+    powers: tuple[int, int] | None = None
     scale: float | None = None
+    over: Callable[[Model], float] | None = None
+    whole: Callable[[Model], float] | None = None
+    kept: bool = True
 
+    def divisor(self, model: Model) -> float:
+        """Return what a summary divides moment, exact value and error by."""
+        return 1.0 if self.over is None else self.over(model)
+
+    def is_of(self, model: Model) -> bool:
+        """Whether the summaries of a model's runs have the figure."""
+        known = FIGURE_NAMES[self.name]
+        there = not known.needs or getattr(model, _IN_MODEL.get(known.needs, known.needs)) is not None
+        return there and not (known.one_way and model.is_two_way)
+
+
+_IN_MODEL: Final = {"strength": "strengths", "load": "held"}
 
 AREA, COUNT, FORCE = ("trace", "real_contact_area"), ("trace", "junction_count"), ("trace", "friction_force")
 PLACE, SPEED = ("slider", "displacement"), ("slider", "velocity")
 GAP, RISE, BORNE, RUBBED = (("load", name) for name in ("separation", "velocity", "load", "friction_force"))
 
 
-def _area(moment: str, power: int, scale: float | None = None) -> JudgedMoment:
+def _area(moment: str, power: int, scale: float | None = None) -> Figure:
     def exact(model: Model) -> float:
         return float(getattr(area_cumulants(model), moment))
 
-    return JudgedMoment(f"real_contact_area_{moment}", AREA, moment, exact, _area_errors, moment, (power, 0), scale)
+    return Figure(f"real_contact_area_{moment}", AREA, moment, exact, _area_errors, moment, (power, 0), scale)
 
 
-def _force(column: tuple[str, str], moment: str, errors: Errors, error: str, powers: tuple[int, int]) -> JudgedMoment:
+def _of_force(moment: str) -> Callable[[Model], float]:
     def exact(model: Model) -> float:
-        return float(getattr(force_cumulants(model), moment))
+        return nan if model.strengths is None else float(getattr(force_cumulants(model), moment))
 
-    return JudgedMoment(f"friction_force_{moment}", column, moment, exact, errors, error, powers)
-
-
-def _moved(name: str, column: tuple[str, str], exact: str, error: str, powers: tuple[int, int]) -> JudgedMoment:
-    def value(model: Model) -> float:
-        return float(getattr(motion_of(model), exact))
-
-    return JudgedMoment(name, column, name.rpartition("_")[2], value, _motion_errors, error, powers)
+    return exact
 
 
-def _lifted(name: str, column: tuple[str, str], exact: Callable[[Model], float], error: str) -> JudgedMoment:
-    moment = name.rpartition("_")[2]
-    return JudgedMoment(name, column, moment, exact, _load_errors, error, (3 if moment == "mean" else 6, 0))
+def _of_motion(name: str) -> Callable[[Model], float]:
+    return lambda model: float(getattr(motion_of(model), name))
 
 
-JUDGED: Final[tuple[JudgedMoment, ...]] = (
+def _of_load(name: str) -> Callable[[Model], float]:
+    return lambda model: float(getattr(load_motion(model), name))
+
+
+def _load(model: Model) -> float:
+    return nan if model.load is None else model.load
+
+
+FIGURES: Final[tuple[Figure, ...]] = (
     # A junction brings d^(2n + 1) to the n-th power of the area.
     _area("mean", 3),
     _area("std", 5),
     _area("skewness", 7, scale=1.0),
     _area("excess_kurtosis", 9, scale=1.0),
-    JudgedMoment("junction_count_mean", COUNT, "mean", mean_count, _count_errors, "mean", (1, 0)),
-    JudgedMoment("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0)),
-    _force(FORCE, "mean", _force_errors, "mean", (3, 1)),
-    _force(FORCE, "std", _force_errors, "std", (5, 2)),
+    Figure("junction_count_mean", COUNT, "mean", mean_count, _count_errors, "mean", (1, 0)),
+    Figure("junction_count_std", COUNT, "std", lambda model: sqrt(count_variance(model)), _count_errors),
+    Figure("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0), kept=False),
+    Figure("friction_force_mean", FORCE, "mean", _of_force("mean"), _force_errors, "mean", (3, 1)),
+    Figure("friction_force_std", FORCE, "std", _of_force("std"), _force_errors, "std", (5, 2)),
+    Figure("friction_coefficient", FORCE, "mean", _of_force("mean"), _force_errors, "mean", over=_load),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
-    _moved("displacement_mean", PLACE, "mean_displacement", "mean", (3, 1)),
-    _moved("displacement_std", PLACE, "displacement_std", "std", (6, 2)),
-    _moved("velocity_std", SPEED, "velocity_std", "speed", (6, 2)),
-    _lifted("separation_mean", GAP, lambda _: 0.0, "separation_mean"),
-    _lifted("load_mean", BORNE, lambda model: model.load or nan, "load_mean"),
-    _force(RUBBED, "mean", _load_errors, "force_mean", (3, 0)),
-    _lifted("separation_std", GAP, lambda model: load_motion(model).separation_std, "separation_std"),
-    _lifted("normal_velocity_std", RISE, lambda model: load_motion(model).velocity_std, "velocity_std"),
-    _lifted("load_std", BORNE, lambda model: load_motion(model).load_std, "load_std"),
-    _force(RUBBED, "std", _load_errors, "force_std", (6, 0)),
+    Figure(
+        "displacement_mean",
+        PLACE,
+        "mean",
+        _of_motion("mean_displacement"),
+        _motion_errors,
+        "mean",
+        (3, 1),
+        whole=_moved_so_far,
+    ),
+    Figure("displacement_std", PLACE, "std", _of_motion("displacement_std"), _motion_errors, "std", (6, 2)),
+    Figure("velocity_std", SPEED, "std", _of_motion("velocity_std"), _motion_errors, "speed", (6, 2)),
+    # One-way coupling takes the sliding speed for constant, so this should be far below 1.
+    Figure(
+        "one_way_validity",
+        SPEED,
+        "std",
+        _of_motion("velocity_std"),
+        _motion_errors,
+        "speed",
+        over=lambda model: response(model).sliding_speed,
+    ),
+    Figure("separation_mean", GAP, "mean", lambda _: 0.0, _load_errors, "separation_mean", (3, 0), kept=False),
+    Figure("load_mean", BORNE, "mean", _load, _load_errors, "load_mean", (3, 0)),
+    Figure("friction_force_mean", RUBBED, "mean", _of_force("mean"), _force_errors, "mean", (3, 0), kept=False),
+    Figure("separation_std", GAP, "std", _of_load("separation_std"), _load_errors, "separation_std", (6, 0)),
+    Figure("normal_velocity_std", RISE, "std", _of_load("velocity_std"), _load_errors, "velocity_std", (6, 0)),
+    Figure("load_std", BORNE, "std", _of_load("load_std"), _load_errors, "load_std", (6, 0)),
+    Figure("friction_force_std", RUBBED, "std", _of_force("std"), _force_errors, "std", (6, 0), kept=False),
 )
-"""The moments of columns that have an exact value."""
+"""The moments of columns that a run has. Those of a two-way slider's whole time are in `_two_way_motion`."""
+
+KEPT: Final = {figure.name: figure for figure in FIGURES if figure.kept}
+"""The figures of a summary by name, in its order."""
 
 
+# A comparison.
 @lru_cache(maxsize=32)
-def _errors(errors: Errors, model: Model, ticks: int) -> dict[str, float]:
-    return errors(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
+def _errors(errors: Errors, stretch: Stretch) -> dict[str, float]:
+    return errors(stretch)
 
 
 def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
     """Yield every moment of some columns that the run has, and of which theory knows the error."""
     model = seen.model
-    for figure in JUDGED:
+    for figure in FIGURES:
         found = seen.moments.get(figure.column)
-        if figure.column not in columns or found is None or not found.count:
+        if figure.powers is None or figure.column not in columns or found is None or not found.count:
             continue
-        errors, length = _errors(figure.errors, model, found.count), found.count * model.tick
+        stretch = Stretch.after_start(model, found.count)
+        errors, length = _errors(figure.errors, stretch), stretch.length
         if figure.error not in errors:
             continue
         value, exact = getattr(found, figure.moment), figure.exact(model)
@@ -189,3 +270,96 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
             yield judged_mean(figure.name, value, exact, error, length=length, tail=tail)
         else:
             yield judged(figure.name, value, exact, error, length=length, scale=figure.scale, tail=tail)
+
+
+# A summary.
+def summarise(model: Model, tally: Tally) -> list[Agreement]:
+    """Return every figure of a run with its exact value, and its standard error if it has one."""
+    theory, found = theory_of(model), {}
+    for name, figure in KEPT.items():
+        seen = tally.moments.get(RENAMED.get(figure.column, figure.column[1]))
+        if seen is not None and figure.is_of(model):
+            found[name] = (getattr(seen, figure.moment) / figure.divisor(model), theory[name][0])
+    if "displacement" in tally.moments and model.is_two_way:
+        kept = {name: both for name, both in found.items() if FIGURE_NAMES[name].needs != "slider"}
+        moved = _two_way_motion(model, tally)
+        found = kept | {name: (value, theory[name][0] if name in theory else exact) for name, (value, exact) in moved}
+    return [
+        Agreement(name=name, observed=value, expected=exact, standard_error=theory[name][1] if name in theory else None)
+        for name, (value, exact) in found.items()
+    ]
+
+
+@lru_cache(maxsize=8)
+def theory_of(model: Model) -> dict[str, tuple[float | None, float | None]]:
+    """Return exact value and standard error of the figures of a model's runs; None for those that theory does not give.
+
+    Cached, since the runs of a sweep often differ only in their seed.
+    """
+    found = {}
+    for name, figure in KEPT.items():
+        value = expected_figure(model, name)
+        error = None if isnan(value) else _error_over_all(model, figure)
+        found[name] = None if isnan(value) else value, None if error is None else error / figure.divisor(model)
+    return found
+
+
+def _error_over_all(model: Model, figure: Figure) -> float | None:
+    """Return the error of a figure over a whole run; None if it has none.
+
+    A run that starts empty has none, since its record is not stationary from the beginning, and free motion has no
+    theory of errors. Short runs, and births that are not a Poisson process, have errors of means only.
+    """
+    if model.start != "stationary" or model.free is not None:
+        return None
+    moving = None
+    if figure.column[0] == "slider":
+        moving = model.slider
+    elif figure.column[0] == "load" or (figure.column == FORCE and model.separation is not None):
+        moving = contact_drive_of(model).slider
+    elif figure.moment != "mean":
+        short = model.distance < FEWEST_LIVES * model.mean_life_distance
+        if short or not are_at_random(model):
+            return None
+    if moving is not None:
+        decays = decays_of(model, moving)
+        if decays is None or decays < FEWEST_DECAYS:
+            return None
+    return _errors(figure.errors, Stretch(model, model.distance, holds_start=True)).get(figure.error)
+
+
+def expected_figure(model: Model, name: str) -> float:
+    """Return the exact value of a figure that `summarise` names, in its unit.
+
+    nan if the model has no such figure, or theory does not give it.
+    """
+    figure = KEPT.get(name)
+    if figure is None or not figure.is_of(model):
+        return nan
+    if model.free is not None:
+        known = free_motion(model)
+        means = {BORNE: known.load_mean, AREA: known.area_mean, FORCE: known.force_mean}
+        return means.get(figure.column, nan) / figure.divisor(model) if figure.moment == "mean" else nan
+    if figure.column[0] == "slider" and model.is_two_way and coupling(model).unknown is not None:
+        return nan
+    return (figure.whole or figure.exact)(model) / figure.divisor(model)
+
+
+def _two_way_motion(model: Model, tally: Tally) -> Iterator[tuple[str, tuple[float, float | None]]]:
+    """Yield the figures of a two-way slider from /balance and /landmarks, over its whole time, with exact values.
+
+    Spreads have an expected value if coupling is weak; the excess of the mean force and the residual of energy always
+    have one, which a correct run meets within the errors of its steps.
+    """
+    if not tally.last:
+        return
+    seen, kinds = Balance.of(model, tally.last), tally.counts.get("kind", [0] * len(LandmarkKind))
+    yield "displacement_mean", (seen.displacement_mean, None)
+    yield "displacement_std", (seen.displacement_std, None)
+    yield "velocity_std", (seen.velocity_std, None)
+    yield "stick_fraction", (seen.time_stuck / seen.time, None)
+    yield "sticks_per_s", (kinds[LandmarkKind.STICK] / seen.time, None)
+    yield "reversals_per_s", (kinds[LandmarkKind.REVERSAL] / seen.time, None)
+    yield "slips_longer_than_d_per_s", (tally.slips.count / seen.time, None)
+    yield "mean_force_excess", (seen.excess_over(seen.friction_along), seen.expected_excess())
+    yield "energy_residual", (seen.energy_residual, 0.0)

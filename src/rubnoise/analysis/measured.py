@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.kolmogorov import UniformSample
-from rubnoise.analysis.moments import first_stationary_tick
+from rubnoise.analysis.moments import first_stationary_tick, slowest_decay
 from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
-from rubnoise.analysis.summary import slowest_decay
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths
 from rubnoise.contact.laws import Fixed

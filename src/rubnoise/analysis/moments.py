@@ -1,14 +1,18 @@
-"""The length that a record of the contact needs for errors of its moments, and the errors of its autocovariances."""
+"""The length that a record needs for errors of its moments, and the errors of the contact's autocovariances."""
 
-from dataclasses import replace
-from math import ceil
+from dataclasses import dataclass, replace
+from math import ceil, inf
 
 import numpy as np
 
+from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
-from rubnoise.model import Model
-from rubnoise.theory.second_order import autocovariance
+from rubnoise.model import Model, Slider
+from rubnoise.theory.coupling import coupling
+from rubnoise.theory.motion import response
+from rubnoise.theory.sampling import motion_errors
+from rubnoise.theory.second_order import are_at_random, autocovariance
 from rubnoise.theory.sizes import COARSE, longest_life, sizes_of
 
 FEWEST_LIVES = 50
@@ -38,6 +42,56 @@ def first_stationary_tick(model: Model) -> int:
 def needed_for_mean(model: Model) -> float:
     """Return the length in um from which a mean over a record of the contact has a score: 50 lives, 1000 births."""
     return max(FEWEST_LIVES * model.mean_life_distance, FEWEST_BIRTHS * model.mean_birth_spacing)
+
+
+FEWEST_DECAYS = 10
+"""Least decay times of the slider in a run with standard errors of its motion."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissingMotion:
+    """The length that a run lacks for standard errors of its slider's motion.
+
+    It lasts ``decays`` decay times, and FEWEST_DECAYS are needed; after ``needed`` um of sliding the standard
+    deviations of displacement and velocity would be known to a tenth.
+    """
+
+    decays: float
+    needed: float
+
+
+def missing_for_motion(model: Model) -> MissingMotion | None:
+    """Return the length that a run lacks for standard errors of its slider's motion; None if it has or never has them.
+
+    It never has them without slider or damping, or from an empty start. Errors fall as one over the root of the
+    distance; births that are not random have only the error of the mean, which needs only the decay times.
+    """
+    decays = decays_of(model, model.slider)
+    if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
+        return None
+    shortest = model.distance * FEWEST_DECAYS / decays
+    if not are_at_random(model):
+        return MissingMotion(decays=decays, needed=shortest)
+    errors, exact = motion_errors(model, shortest), response(model)
+    relative = max(errors.displacement_std / exact.displacement_std, errors.velocity_std / exact.velocity_std)
+    return MissingMotion(decays=decays, needed=max(shortest, longer(shortest, relative, LARGEST_ERRORS["std"])))
+
+
+def decays_of(model: Model, slider: Slider | None) -> float | None:
+    """Return the length of a run in the slowest decay times of an oscillator; None if nothing decays."""
+    speed = model.sliding_speed
+    if slider is None or speed is None or slider.damping == 0.0:
+        return None
+    if model.free is not None or (model.is_two_way and coupling(model).unknown is not None):
+        return None
+    return model.distance / speed / slowest_decay(slider)
+
+
+def slowest_decay(slider: Slider) -> float:
+    """Return the time in s in which the slowest free motion decays by e: 2m/c, or about c/k if that is longer."""
+    if slider.damping == 0.0:
+        return inf
+    return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
 
 
 _GRID = 1024

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.covariance import CovarianceSum
+from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.histogram import HistogramSum
 from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
-from rubnoise.analysis.summary import summarise
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model

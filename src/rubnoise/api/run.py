@@ -229,7 +229,7 @@ class Run:
         if bound is not None and not (isinstance(bound, Real) and 0.0 < float(bound) < inf):
             raise Refused(f"bound=: {shown(bound)} is no bound on |z|; it is a number above 0")
         with _calculating(self._called):
-            return replace(compare(self.model(), self._reader, bound), heading=f"{self._called}: compared with theory")
+            return replace(compare(self.model(), self._reader, bound), title=f"{self._called}: compared with theory")
 
     def verify(self, regenerate: int = 0) -> "Verification":
         """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
@@ -242,7 +242,7 @@ class Run:
         if isinstance(regenerate, bool) or not isinstance(regenerate, Integral) or regenerate < 0:
             raise Refused(f"regenerate=: {shown(regenerate)} is no whole number from 0 on")
         with self._file_of() as file, _calculating(self._called):
-            return replace(verify(file, regenerate), heading=f"{self._called}: verified")
+            return replace(verify(file, regenerate), title=f"{self._called}: verified")
 
     def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
         """Return Welch's estimate of a power spectral density, with the exact one if theory knows it.

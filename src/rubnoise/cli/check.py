@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 from textwrap import wrap
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import about, grouped, groups_that_fit, json_text, line, printable
+from rubnoise.answer import printable
+from rubnoise.cli.layout import about, as_wide_text, grouped, groups_that_fit, json_text, line
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.errors import RubnoiseError
 
@@ -41,7 +43,7 @@ def command(
             continue
         answers[group][str(file)] = answer
         if not as_json:
-            print("\n".join([f"{file}: ok", *lines]))
+            print("\n".join(lines))
     if as_json:
         print(json_text(answers))
     if answers["refused"]:
@@ -56,12 +58,13 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, d
 
     found = scenario_or_sweep(file, changes, quiet=quiet)
     if isinstance(found, Scenario):
-        answer = derivation.derivation_as_json(found)
-        answer |= {"cost": derivation.cost_as_json(found)}
-        answer["notes"] += derivation.missing_resources(found, file)
-        return "scenarios", answer, derivation.format_derivation(found, answer)
+        title = f"{file}: ok" + (f": {found.title}" if found.title else "")
+        known = derivation.derived(found, title, warned=not quiet)
+        rows, notes = (*known.rows, *derivation.cost(found)), (*known.notes, *derivation.missing_resources(found, file))
+        known = replace(known, rows=rows, notes=notes)
+        return "scenarios", known.to_json(), as_wide_text(known).splitlines()
     answer = sweep_table_as_json(found)
-    return "sweeps", answer, format_sweep_table(answer)
+    return "sweeps", answer, [f"{file}: ok", *format_sweep_table(answer)]
 
 
 MOST_ROWS = 100

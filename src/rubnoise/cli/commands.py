@@ -15,7 +15,7 @@ from typing import Any, TextIO
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from rubnoise.cli.layout import printable
+from rubnoise.answer import printable
 
 
 def as_wanted(params: Any) -> None:

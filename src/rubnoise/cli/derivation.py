@@ -1,14 +1,14 @@
-"""The numbers that follow from a scenario: sizes, exact means and spreads, validity and cost, by name and as lines."""
+"""The numbers that follow from a scenario, as rows of an answer: sizes, exact means and spreads, motion and cost."""
 
 from collections.abc import Iterator
-from math import isnan
+from math import isnan, nan
 from pathlib import Path
-from typing import Any, Final
 
+from rubnoise.analysis.moments import missing_for_motion
 from rubnoise.analysis.one_way import one_way_warnings
-from rubnoise.analysis.summary import missing_for_motion
-from rubnoise.cli.layout import ONE_WAY_ALONE, LineWords, grouped, line, lines, number, remark, too_short_for_motion
-from rubnoise.cli.load import format_load, load_as_json, load_notes, load_warnings
+from rubnoise.answer import Answer, Row
+from rubnoise.cli.layout import number, too_short_for_motion
+from rubnoise.cli.load import load_as_json, load_notes, load_rows, load_warnings
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
@@ -20,57 +20,119 @@ WORTH_A_NOTE = 0.01
 
 FREE_ROWS = "free motion may touch a summit several times or not at all: rows of junctions and bytes are an estimate"
 
+ONE_WAY_ALONE = (
+    "the slider pushes back: its displacement and velocity here are those of one-way coupling; a run shows the others"
+)
+"""What to say beside the exact motion of a slider that is coupled two ways."""
 
-def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
-    """Return the numbers that follow from a scenario, by name, in working units; `cost` is the cost of a run."""
+
+def derived(scenario: Scenario, title: str, *, warned: bool) -> Answer:
+    """Return what follows from a scenario; warnings about the file only if they were not printed: not ``warned``."""
     model = scenario.model()
     theory = exact(model)
-    answer = {
-        "title": scenario.title,
-        "calibrated_diameter": model.calibrated_diameter,
-        "mean_life_distance": model.mean_life_distance,
-        "mean_birth_spacing": model.mean_birth_spacing,
-        "junction_count": {"mean": theory.count_mean, "std": theory.count_std},
-        "real_contact_area": {"mean": theory.area.mean, "std": theory.area.std},
-        "expected_births": theory.expected_births,
-        "expected_junctions": theory.expected_junction_rows,
-    }
-    answer |= _dynamics(model, theory) | {"load": load_as_json(theory)}
-    return answer | {
-        "warnings": [*scenario.warnings, *motion_warnings(model, answer)],
-        "notes": _notes(scenario, answer),
-    }
+    warnings = [*([] if warned else scenario.warnings), *motion_warnings(theory)]
+    return Answer(
+        title=title,
+        rows=(*_contact(model, theory), *_slider(model, theory), *load_rows(theory)),
+        notes=(*(f"warning: {warning}" for warning in warnings), *_notes(scenario, theory)),
+    )
 
 
-def motion_warnings(model: Model, answer: dict[str, Any]) -> list[str]:
-    """Return warnings about the exact motion of an answer: of its slider, and under its load."""
-    one_way = one_way_warnings(model, answer.get("slider", {}).get("one_way_validity", 0.0))
-    return one_way + (load_warnings(answer["load"]) if "load" in answer else [])
+def motion_warnings(theory: Exact) -> list[str]:
+    """Return warnings about the exact motion of a slider, and under its load."""
+    validity = 0.0
+    if theory.slider is not None and not _is_on_a_base(theory.model):
+        validity = theory.slider.one_way_validity
+    return one_way_warnings(theory.model, validity) + load_warnings(load_as_json(theory))
 
 
-def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
-    answer: dict[str, Any] = {}
+def _is_on_a_base(model: Model) -> bool:
+    """Whether a base lifts the slider: it does not feel the motion, and sliding speed is no measure of it."""
+    return model.slider is not None and model.slider.excitation == "base"
+
+
+def _contact(model: Model, theory: Exact) -> Iterator[Row]:
+    held = "" if model.free is None else "at constant separation"
+    rows: list[tuple[str, float, str, str]] = [
+        ("calibrated_diameter", model.calibrated_diameter, "um", f"d_m, calibration {model.calibration}"),
+        ("mean_life_distance", model.mean_life_distance, "um", "L_jm"),
+        ("mean_birth_spacing", model.mean_birth_spacing, "um", "s_jm"),
+        ("junction_count_mean", theory.count_mean, "", held),
+        ("junction_count_std", theory.count_std, "", held),
+        ("real_contact_area_mean", theory.area.mean, "um^2", held),
+        ("real_contact_area_std", theory.area.std, "um^2", held),
+    ]
     if theory.force is not None:
-        answer["friction_force"] = {"mean": theory.force.mean, "std": theory.force.std}
+        rows.append(("friction_force_mean", theory.force.mean, "uN", held))
+        rows.append(("friction_force_std", theory.force.std, "uN", held))
         more = 1.0 if theory.free is None else theory.free.fast_area_mean / theory.area.mean
         if model.load is not None and not isnan(more):
-            answer["friction_coefficient"] = more * theory.force.mean / model.load
-    if model.slider is not None and (motion := motion_as_json(theory)):
-        missing = missing_for_motion(model)
-        answer["slider"] = {
-            "natural_frequency": model.slider.natural_frequency,
-            "damping_ratio": model.slider.damping_ratio,
-            **motion,
-        }
-        answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
-        answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
-    return answer
+            fast = "" if model.free is None or model.free.restitution == 1.0 else "at high speeds"
+            rows.append(("friction_coefficient", more * theory.force.mean / model.load, "", fast))
+    rows.append(("expected_births", round(theory.expected_births), "", ""))
+    rows.append(("expected_junctions", round(theory.expected_junction_rows), "", ""))
+    for name, value, unit, note in rows:
+        yield Row(part="contact", name=name, value=value, unit=unit, note=note)
 
 
-def cost_as_json(scenario: Scenario) -> dict[str, float]:
-    """Return the cost of a run of a scenario, by name; its births are counted from its seed."""
+def _slider(model: Model, theory: Exact) -> Iterator[Row]:
+    if model.slider is None or theory.slider is None:
+        return
+    yield Row(part="slider", name="natural_frequency", value=model.slider.natural_frequency, unit="Hz")
+    yield Row(part="slider", name="damping_ratio", value=model.slider.damping_ratio)
+    yield from motion_rows(theory)
+    if not model.is_two_way:
+        yield Row(part="slider", name="cells_per_tick", value=cells_per_tick(model))
+    if missing := missing_for_motion(model):
+        yield Row(part="slider", name="needed_distance", value=missing.needed, unit="um")
+
+
+def motion_rows(theory: Exact) -> Iterator[Row]:
+    """Yield the motion of a slider and, unless a base drives it, the numbers that judge one-way coupling."""
+    motion = theory.slider
+    if theory.model.slider is None or motion is None:
+        return
+    values = {
+        "displacement_mean": (motion.mean_displacement, "um"),
+        "displacement_std": (motion.displacement_std, "um"),
+        "velocity_std": (motion.velocity_std, "um/s"),
+        "upcrossing_rate": (motion.upcrossing_rate, "1/s"),
+    }
+    for name, (value, unit) in values.items():
+        yield Row(part="slider", name=name, value=value, unit=unit)
+    if not _is_on_a_base(theory.model):
+        found = theory.coupling()
+        change = nan if found.unknown else found.expected_change
+        yield _judging("one_way_validity", motion.one_way_validity, "std of velocity over sliding speed", "")
+        yield _judging("coupling_strength", found.strength, "Pi; weak below 0.03", found.unknown)
+        yield _judging("stick_number", found.stick_number, "theta; a slow slider sticks above 1", "")
+        yield _judging("expected_change", change, "std of displacement, two-way over one-way", found.unknown)
+
+
+def _judging(name: str, value: float, note: str, unknown: str | None) -> Row:
+    """Return a number that judges one-way coupling, or why it is not known."""
+    if isnan(value):
+        return Row(part="slider", name=name, note=f"not known: {unknown}")
+    return Row(part="slider", name=name, value=value, note=note)
+
+
+def cost(scenario: Scenario) -> Iterator[Row]:
+    """Yield what a run of a scenario takes; its births are counted from its seed."""
     budget = counted(scenario)
-    return budget_as_json(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
+    yield from budget_rows(budget)
+    yield Row(part="cost", name="events", value=2 * budget.junctions)
+    yield Row(part="cost", name="working_memory", value=budget.working_bytes, unit="B", note="without the program's")
+
+
+def budget_rows(budget: Budget) -> Iterator[Row]:
+    """Yield the rows, bytes and memory of a run; estimates have three digits."""
+    yield Row(part="cost", name="junctions", value=budget.junctions)
+    yield Row(part="cost", name="ticks", value=budget.ticks)
+    if budget.slider_rows_at_most is not None:
+        yield Row(part="cost", name="slider_rows_at_most", value=budget.slider_rows_at_most)
+    yield Row(part="cost", name="bytes", value=budget.result_bytes, unit="B", note="before compression, if any")
+    yield Row(part="cost", name="disk_needed", value=budget.disk_bytes, unit="B")
+    yield Row(part="cost", name="peak_memory", value=int(float(f"{budget.peak_bytes:.3g}")), unit="B")
 
 
 def missing_resources(scenario: Scenario, file: Path) -> list[str]:
@@ -82,84 +144,16 @@ def missing_resources(scenario: Scenario, file: Path) -> list[str]:
     return []
 
 
-SIZES: Final[tuple[LineWords, ...]] = (
-    ("mean diameter d_m", "{calibrated_diameter} um (calibration {calibration})"),
-    ("mean life L_jm", "{mean_life_distance} um"),
-    ("mean birth spacing s_jm", "{mean_birth_spacing} um"),
-    ("junction count", "mean {junction_count.mean}, std {junction_count.std}{held}"),
-    ("real contact area", "mean {real_contact_area.mean}, std {real_contact_area.std} um^2{held}"),
-    ("friction force", "mean {friction_force.mean}, std {friction_force.std} uN{held}"),
-    ("friction coefficient", "{friction_coefficient}{fast}"),
-    ("natural frequency", "{slider.natural_frequency} Hz"),
-    ("damping ratio", "{slider.damping_ratio}"),
-)
-MOTION: Final[tuple[LineWords, ...]] = (
-    ("displacement", "mean {displacement_mean}, std {displacement_std} um"),
-    ("velocity", "std {velocity_std} um/s"),
-    ("upward passages", "{upcrossing_rate} of the mean in a second, of a Gaussian displacement"),
-    ("one-way validity", "{one_way_validity:.6g} (std of velocity over sliding speed)"),
-    ("coupling strength", "{coupling_strength} (Pi; weak below 0.03)", "not known: {change_unknown}"),
-    ("stick number", "{stick_number} (theta; a slow slider sticks above 1)"),
-    ("expected change", "{expected_change:change} of std displacement, if two-way", "not known: {change_unknown}"),
-)
-COST: Final[tuple[LineWords, ...]] = (
-    ("rows", "{junctions:grouped} junctions, {ticks:grouped} ticks ({counted_by})"),
-    ("slider", "{slider_rows_at_most:grouped} rows at most"),
-    ("events", "{events:about}"),
-    ("file size", "{bytes:size}{before}"),
-    ("disk needed", "{disk_needed:size}"),
-    ("memory", "about {peak_memory:size}, {working_memory:size} beside the program's own", "about {peak_memory:size}"),
-)
-"""The lines of a scenario, of its slider's motion and of a run's cost."""
-
-
-def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> Iterator[str]:
-    """Yield the numbers that follow from a scenario, as lines to print under a heading."""
+def _notes(scenario: Scenario, theory: Exact) -> list[str]:
     model = scenario.model()
-    yield from [line("title", scenario.title)] if scenario.title else []
-    yield from lines(answer | words_of_model(model), SIZES)
-    if "slider" in answer:
-        yield from lines(answer["slider"], MOTION)
-    yield from format_load(answer["load"])
-    yield line("births", f"{grouped(answer['expected_births'])} expected")
-    if "cost" in answer:
-        known = {
-            "counted_by": "this seed" if model.free is None else "an estimate, at constant separation",
-            "before": "" if scenario.output.compression == "none" else " before compression",
-            "engine": scenario.run.engine,
-        }
-        yield from format_cost(answer["cost"] | known)
-    # Those of the scenario are printed when it is loaded.
-    yield from (remark(f"warning: {warning}") for warning in answer["warnings"][len(scenario.warnings) :])
-    yield from (remark(f"note: {note}") for note in answer["notes"])
-
-
-def words_of_model(model: Model) -> dict[str, str]:
-    """Return how sizes were found, and for free motion that numbers are for constant separation or high speeds."""
-    free = model.free
-    return {
-        "calibration": model.calibration,
-        "held": "" if free is None else " (at constant separation)",
-        "fast": "" if free is None or free.restitution == 1.0 else " (at high speeds)",
-    }
-
-
-def format_cost(cost: dict[str, Any]) -> Iterator[str]:
-    """Yield what a run takes, as lines to print; the disk needed only if that is more than its file."""
-    shown = {name: value for name, value in cost.items() if name != "disk_needed" or value > cost["bytes"]}
-    yield from lines({"before": ""} | shown, COST)
-
-
-def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
-    model = scenario.model()
-    specified, mean = model.mean_junction_count, answer["junction_count"]["mean"]
+    specified, mean = model.mean_junction_count, theory.count_mean
     notes = []
     if abs(mean / specified - 1.0) > WORTH_A_NOTE:
         notes.append(
             f"the mean diameter of the law {scenario.diameter.law} changes the mean count"
             f" by {mean / specified - 1.0:+.1%} from the specified {specified:g}"
         )
-    wanted, area = model.mean_real_contact_area, answer["real_contact_area"]["mean"]
+    wanted, area = model.mean_real_contact_area, theory.area.mean
     if abs(area / wanted - 1.0) > WORTH_A_NOTE:
         notes.append(
             f"the exact mean area differs by {area / wanted - 1.0:+.1%} from the specified {wanted:g} um^2;"
@@ -173,47 +167,8 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
             notes.append(f"the law {law} changes the mean strength by {off:+.1%} from {number(given)} MPa")
     if model.is_two_way:
         notes.append(ONE_WAY_ALONE)
-    notes += load_notes(answer["load"])
+    notes += load_notes(load_as_json(theory))
     if model.free is not None:
         notes.append(FREE_ROWS)
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]
-
-
-def motion_as_json(theory: Exact) -> dict[str, Any]:
-    """Return by name the motion of a slider, and the numbers that judge one-way coupling; an unknown change is None.
-
-    Empty if the model has no slider; without the judging numbers if a base drives it.
-    """
-    slider, motion = theory.model.slider, theory.slider
-    if slider is None or motion is None:
-        return {}
-    figures: dict[str, Any] = {
-        "displacement_mean": motion.mean_displacement,
-        "displacement_std": motion.displacement_std,
-        "velocity_std": motion.velocity_std,
-        "upcrossing_rate": motion.upcrossing_rate,
-    }
-    if slider.excitation == "base":
-        return figures  # a base lifts: it does not feel the motion, and sliding speed is no measure of it
-    figures["one_way_validity"] = motion.one_way_validity
-    found = theory.coupling()
-    figures |= {
-        "coupling_strength": None if isnan(found.strength) else found.strength,
-        "stick_number": found.stick_number,
-        "expected_change": found.expected_change if found.unknown is None else None,
-    }
-    return figures if found.unknown is None else figures | {"change_unknown": found.unknown}
-
-
-def budget_as_json(budget: Budget) -> dict[str, float]:
-    """Return a budget under the names of answers; estimates have three digits."""
-    grown = budget.slider_rows_at_most
-    return {
-        "junctions": budget.junctions,
-        "ticks": budget.ticks,
-        **({} if grown is None else {"slider_rows_at_most": grown}),
-        "bytes": budget.result_bytes,
-        "disk_needed": budget.disk_bytes,
-        "peak_memory": int(float(f"{budget.peak_bytes:.3g}")),
-    }

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rubnoise.cli.layout import grouped, size
+from rubnoise.answer import size
+from rubnoise.cli.layout import grouped
 from rubnoise.cli.options import ReplaceFiles, ResultFile
 from rubnoise.cli.progress import stoppable
 

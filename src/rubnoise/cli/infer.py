@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import json_text, line, printable, remark
+from rubnoise.answer import printable
+from rubnoise.cli.layout import json_text, line, remark
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import in_shell
 

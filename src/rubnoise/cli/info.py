@@ -1,7 +1,7 @@
 """`rubnoise info`: the content of a result, or of the folder of a sweep."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import rubnoise
-from rubnoise.cli.layout import agreement_table, finite, grouped, json_text, line, printable, sentence, size
+from rubnoise.answer import Answer, Row, Table, finite, printable, size
+from rubnoise.cli.layout import grouped, json_text, line, sentence, show
 from rubnoise.cli.options import AsJson, ResultOrSweep
 from rubnoise.cli.sweep import format_failures, states_in_words, values_in_words
 from rubnoise.errors import Refused
@@ -50,8 +51,7 @@ def command(
     from rubnoise.storage.reader import open_run
 
     with Run(open_run(file)) as run:
-        answer = run_as_json(run, file)
-        print(json_text(answer) if as_json else "\n".join(format_run(run, answer)))
+        show(run_answer(run, file), as_json=as_json)
 
 
 def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
@@ -64,74 +64,52 @@ def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json:
     print(json_text(answer) if as_json else "\n".join(format_sweep(answer)))
 
 
-def run_as_json(run: "Run", file: Path) -> dict[str, Any]:
-    """Return the content of a result file and the numbers that follow from its scenario, by name."""
-    from rubnoise.analysis.agreement import as_json
-    from rubnoise.cli.derivation import derivation_as_json
+def run_answer(run: "Run", file: Path) -> Answer:
+    """Return the content of a result file, the numbers that follow from its scenario, and its figures."""
+    from rubnoise.cli.derivation import derived
 
-    origin, groups = run.provenance, run.groups()
-    return {
-        "file": str(file),
-        "title": run.attributes["title"],
-        "format_version": run.attributes["format_version"],
+    known = derived(run.scenario, f"{file}: {run.attributes['title']}", warned=False)
+    heard, bands = _normal_motion(run)
+    figures = [figure.row("summary") for figure in run.summary]
+    return replace(known, rows=(*_origin(run, file), *known.rows, *figures, *heard), tables=tuple(bands))
+
+
+def _origin(run: "Run", file: Path) -> Iterator[Row]:
+    """Yield where a file comes from, and its groups with the numbers of their rows."""
+    origin = run.provenance
+    known = {
         "source": run.attributes["source"],
-        "seed": origin["seed"],
+        "format_version": run.attributes["format_version"],
         "command": origin["command"],
-        **({"intervention": origin["intervention"]} if "intervention" in origin else {}),
+        "intervention": origin.get("intervention"),
+        "seed": origin["seed"],
         "started": origin["started"],
         "finished": origin["finished"],
-        "bytes": file.stat().st_size,
-        "groups": {name: {"rows": len(group), "columns": list(group.names)} for name, group in groups.items()},
-        "derived": derivation_as_json(run.scenario),
-        "summary": as_json(run.summary),
-        **_normal_motion(run),
     }
+    yield from (Row(name=name, value=value) for name, value in known.items() if value is not None)
+    yield Row(name="bytes", value=file.stat().st_size, unit="B")
+    for name, group in run.groups().items():
+        yield Row(part="groups", name=name, value=len(group), note=", ".join(group.names))
 
 
-def _normal_motion(run: "Run") -> dict[str, Any]:
-    """Return the normal velocity of a run under a load that weighs, in all and in third octaves; otherwise empty."""
+def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
+    """Return the normal velocity of a run under a load that weighs, in all and in third octaves; otherwise nothing.
+
+    Roughness noise is reported so: in dB re 50 nm/s.
+    """
     from rubnoise.analysis.third_octaves import heard_bands
 
     try:
         heard = heard_bands(run.reader(), run.model())
     except Refused:
-        return {}
-    bands = {"frequency": heard.frequency.tolist(), "level": heard.level.tolist()}
-    exact = {} if heard.exact is None else {"exact": heard.exact.tolist()}
-    found = {"velocity": heard.velocity, "level": heard.whole_level, "third_octaves": bands | exact}
-    return {"normal_velocity": found}
-
-
-def format_run(run: "Run", answer: dict[str, Any]) -> list[str]:
-    """Return the same as lines to print."""
-    from rubnoise.cli import derivation
-
-    lines = [
-        sentence(f"{answer['file']}: {printable(answer['title'])}"),
-        line("written by", answer["source"]),
-        line("from, to", f"{answer['started']}, {answer['finished']}"),
-        line("command", answer["command"], whole=True),
-        *([line("intervention", answer["intervention"], whole=True)] if "intervention" in answer else []),
-        line("seed", str(answer["seed"])),
-        line("size", size(answer["bytes"])),
+        return [], []
+    rows = [
+        Row(part="normal_velocity", name="velocity", value=heard.velocity, unit="um/s"),
+        Row(part="normal_velocity", name="level", value=heard.whole_level, unit="dB", note="re 50 nm/s"),
     ]
-    lines += [
-        line(f"/{name}", f"{grouped(group['rows'])} rows: {', '.join(group['columns'])}")
-        for name, group in answer["groups"].items()
-    ]
-    lines += ["", "from its scenario", *derivation.format_derivation(run.scenario, answer["derived"])]
-    lines += ["", "measured over the whole run, with exact values", *agreement_table(run.summary)]
-    return [*lines, *_heard_lines(answer["normal_velocity"])] if "normal_velocity" in answer else lines
-
-
-def _heard_lines(heard: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the normal velocity as roughness noise is reported: levels in dB re 50 nm/s."""
-    yield from ("", "noise of the normal motion, in dB re 50 nm/s")
-    yield line("all frequencies", f"{heard['level']:.1f} dB, {heard['velocity']:.4g} um/s")
-    bands = heard["third_octaves"]
-    for place, (frequency, level) in enumerate(zip(bands["frequency"], bands["level"], strict=True)):
-        exact = f", exact {bands['exact'][place]:.1f}" if "exact" in bands else ""
-        yield line(f"third octave at {frequency:.4g} Hz", f"{level:.1f}{exact}")
+    columns = {"frequency": heard.frequency, "level": heard.level}
+    columns |= {} if heard.exact is None else {"exact": heard.exact}
+    return rows, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
 
 
 def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from rubnoise.cli.layout import filled, grouped, json_text, number, printable, table_row
+from rubnoise.answer import printable
+from rubnoise.cli.layout import filled, grouped, json_text, number, table_row
 from rubnoise.cli.plot import check_picture, write_picture
 
 if TYPE_CHECKING:

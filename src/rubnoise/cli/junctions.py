@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 import typer
 
+from rubnoise.answer import printable
 from rubnoise.cli.junction import show as show_life
 from rubnoise.cli.junction import state_names
-from rubnoise.cli.layout import grouped, groups_that_fit, json_text, printable
+from rubnoise.cli.layout import grouped, groups_that_fit, json_text
 from rubnoise.cli.layout import number as in_digits
 from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
 from rubnoise.errors import Refused

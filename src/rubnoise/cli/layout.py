@@ -1,23 +1,16 @@
-"""Print an answer: lines of a label, a value and a unit, tables as wide as the terminal, and JSON.
-
-An answer has values by name, which texts refer to: `std {slider.velocity_std} um/s` prints a number with seven digits.
-After a colon comes another form of the value: a name of FORMS, or a format of Python.
-"""
+"""Print an answer as wide as the terminal; and what commands without one print: lines of a label and a value, JSON."""
 
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from functools import reduce
 from math import isfinite
-from operator import getitem
-from string import Formatter
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Final, TextIO
+from typing import Any, TextIO
 
-if TYPE_CHECKING:
-    from rubnoise.analysis.agreement import Agreement
+from rubnoise.answer import Answer, finite, printable
+from rubnoise.answer import as_json as as_json_text
 
 WIDTH = 80
 """Columns of text that goes to no terminal."""
@@ -102,11 +95,6 @@ def remark(text: str) -> str:
     return filled(text, "  ", "    ")
 
 
-def printable(text: str) -> str:
-    """Return a text from a file with characters that control a terminal escaped."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
-
-
 def number(value: float) -> str:
     """Return a number to seven digits."""
     return f"{value:.7g}"
@@ -122,15 +110,6 @@ def about(value: float) -> str:
     return f"about {grouped(float(f'{value:.3g}'))}"
 
 
-def size(count: float) -> str:
-    """Return a number of bytes in the unit that suits it."""
-    for unit in ("B", "kB", "MB", "GB"):
-        if count < 999.5:
-            return f"{count:.3g} {unit}"
-        count /= 1000.0
-    return f"{count:.3g} TB"
-
-
 def distance(um: float) -> str:
     """Return an estimated sliding distance, with two digits, in the unit that suits it."""
     for unit, length in (("m", 1e6), ("mm", 1e3)):
@@ -143,12 +122,6 @@ def _two_digits(value: float) -> str:
     return f"{float(f'{value:.2g}'):,.10g}"
 
 
-ONE_WAY_ALONE = (
-    "the slider pushes back: its displacement and velocity here are those of one-way coupling; a run shows the others"
-)
-"""What to say beside the exact motion of a slider that is coupled two ways."""
-
-
 def too_short_for_motion(decays: float, needed: float) -> str:
     """Return that a run is too short for standard errors of its slider's motion, and the distance that it needs."""
     return (
@@ -157,115 +130,17 @@ def too_short_for_motion(decays: float, needed: float) -> str:
     )
 
 
-UNITS = {
-    "birth_gap": "um",
-    "asked_mean_area": "um^2",
-    "asked_area_from_rows": "um^2",
-    "start_": "",
-    "diameter": "um",
-    "shear_strength": "MPa",
-    "area_from_rows": "um^2",
-    "life_": "",
-    "life": "um",
-    "death": "um",
-    "real_contact_area_autocovariance": "um^4",
-    "real_contact_area": "um^2",
-    "friction_force": "uN",
-    "spectrum": "um^4",
-    "displacement": "um",
-    "velocity": "um/s",
-    "separation": "um",
-    "normal_velocity": "um/s",
-    "load": "uN",
-    "mean_force": "uN",
-}
-"""Units of figures, by how their names begin; the first that fits."""
-
-PLAIN = ("kolmogorov", "variation", "skewness", "kurtosis")
-"""Ends of names of figures without a unit."""
-
-FIGURE_HEADS = f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
-
-
-def agreement_table(figures: Iterable["Agreement"]) -> list[str]:
-    """Return a table of measured beside exact figures, with z-scores if there are any."""
-    rows = (agreement_row(printable(each.name).replace("one_way", "one-way"), each, width=33) for each in figures)
-    return [table_row(f"  {'':<33}", FIGURE_HEADS), *rows]
-
-
-def agreement_row(
-    name: str,
-    figure: "Agreement",
-    *,
-    width: int,
-    score: Callable[[float], str] = "{:+.2f}".format,
-    mark: str = "",
-) -> str:
-    """Return a figure's row under a name, with its unit, and a mark at its end."""
-    unit = "" if figure.name.endswith(PLAIN) else next((UNITS[key] for key in UNITS if figure.name.startswith(key)), "")
-    label = name.replace("_", " ") + (f" ({unit})" if unit else "")
-    expected = "" if figure.expected is None else number(figure.expected)
-    error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
-    z = "" if figure.z is None else score(figure.z)
-    return table_row(f"  {label:<{width}}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}{mark}")
-
-
-LineWords = tuple[str, ...]
-"""A label and the words beside it. Of several words, the first count whose values are all known, and else the last."""
-
-
-def plain(value: Any) -> str:
-    """Return a value as text: a number with seven digits, yes or no, none if it is not known."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return "none" if value is None else number(value) if isinstance(value, float) else str(value)
-
-
-FORMS: Final[Mapping[str, Callable[[Any], str]]] = {
-    "": plain,
-    "about": about,
-    "change": lambda ratio: f"{ratio - 1.0:+.2%}",
-    "grouped": grouped,
-    "percent": lambda share: f"{100.0 * share:.3g} %",
-    "size": size,
-}
-"""How a value may be written, by name."""
-
-
-class _Words(Formatter):
-    def get_field(self, field_name: str, _args: object, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
-        return reduce(getitem, field_name.split("."), kwargs), field_name
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        return FORMS[format_spec](value) if format_spec in FORMS else format(value, format_spec)
-
-
-def words(text: str, answer: Mapping[str, Any]) -> str:
-    """Return a text with its names replaced by the values of an answer; raises KeyError for a missing value."""
-    return _Words().vformat(text, (), answer)
-
-
-def lines(answer: Mapping[str, Any], wanted: Iterable[LineWords]) -> Iterator[str]:
-    """Yield the lines of an answer; lines with a missing value are left out."""
-    known = {name: value for name, value in answer.items() if value is not None}
-    for label, *ways, last in wanted:
-        for way, values in (*((way, known) for way in ways), (last, answer)):
-            with suppress(KeyError):
-                yield line(label, words(way, values))
-                break
-
-
 def json_text(answer: Any, *, indent: int | None = None) -> str:
     """Return an answer as JSON: arrays as lists, and null for numbers that are not finite."""
     return json.dumps(finite(answer), allow_nan=False, indent=indent)
 
 
-def finite(value: Any) -> Any:
-    """Return a value for JSON: arrays as lists, and None for numbers that are not finite."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {name: finite(item) for name, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
+def show(answer: Answer, *, as_json: bool, as_csv: bool = False) -> None:
+    """Print an answer as one JSON object, as CSV, or as text as wide as the terminal."""
+    print(as_json_text(answer) if as_json else answer.to_csv() if as_csv else as_wide_text(answer))
+
+
+def as_wide_text(answer: Answer) -> str:
+    """Return an answer as text as wide as the terminal."""
+    title, _, rest = answer.to_text(width()).partition("\n")
+    return f"{sentence(title)}\n{rest}"

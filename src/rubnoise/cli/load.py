@@ -5,7 +5,7 @@ from dataclasses import fields
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any, Final
 
-from rubnoise.cli.layout import LineWords, lines
+from rubnoise.answer import Row
 
 if TYPE_CHECKING:
     from rubnoise.theory.exact import Exact
@@ -38,37 +38,37 @@ WORTH_A_SHARE = 1e-4
 """Share of time with a negative load from which it is printed."""
 
 
-LINES: Final[dict[str, tuple[LineWords, ...]]] = {
-    HELD: (("normal motion", "{regime}; the load that it takes varies by {load_variation:percent} (std over mean)"),),
-    LIFTED: (("normal motion", "{regime}: the motion of the slider is normal to the surface"),),
-    FREE: (
-        ("normal motion", "free to leave the contact (V is {relative_speed} times c omega_c, N is {live})"),
-        (
-            "contact resonance",
-            "{contact_resonance} Hz, restitution {restitution}",
-            "{contact_resonance} Hz, impact damping {impact_damping} of 1/(s_0 omega_c)",
-        ),
-        ("load", "mean {load_mean} uN"),
-        ("mean area", "{area_mean} um^2", "tends to {fast_area_mean} um^2 at high speeds"),
-        (
-            "of first order",
-            "normal velocity std {first_order_velocity_std} um/s, the limit of many junctions at a low speed",
-        ),
-    ),
+UNITS: Final = {
+    "contact_resonance": "Hz",
+    "separation_std": "um",
+    "velocity_std": "um/s",
+    "velocity_level": "dB",
+    "load_std": "uN",
+    "load_mean": "uN",
+    "area_mean": "um^2",
+    "fast_area_mean": "um^2",
+    "force_mean": "uN",
+    "first_order_separation_std": "um",
+    "first_order_velocity_std": "um/s",
 }
-WEIGHED: Final[tuple[LineWords, ...]] = (
-    (
-        "regime",
-        "{regime} (V is {relative_speed} times c omega_c, omega_0 {relative_frequency} times omega_c)",
-        "{regime} (V is {relative_speed} times c omega_c)",
-    ),
-    ("contact resonance", "{contact_resonance} Hz, damping ratio {damping_ratio}"),
-    ("separation", "std {separation_std} um"),
-    ("normal velocity", "std {velocity_std} um/s, {velocity_level:.1f} dB re 50 nm/s"),
-    ("load", "std {load_std} uN"),
-    ("suppression", "{suppression} times less excitation than at constant separation"),
-)
-"""The lines of a regime, and those of motion under a load that weighs."""
+NOTES: Final = {
+    "load_variation": "of the load that it takes, std over mean",
+    "relative_speed": "V over c omega_c",
+    "relative_frequency": "omega_0 over omega_c",
+    "velocity_level": "re 50 nm/s",
+    "live": "N, mean number of junctions in contact at rest",
+    "impact_damping": "times s_0 omega_c",
+    "fast_area_mean": "at high speeds",
+    "suppression": "of the excitation at constant separation",
+}
+"""Units of the numbers, and what there is to say beside them."""
+
+
+def load_rows(theory: "Exact") -> Iterator[Row]:
+    """Yield the regime of a contact and its motion under a load that weighs; what is not known is left away."""
+    for name, value in load_as_json(theory).items():
+        if value is not None:
+            yield Row(part="load", name=name, value=value, unit=UNITS.get(name, ""), note=NOTES.get(name, ""))
 
 
 def load_as_json(theory: "Exact") -> dict[str, Any]:
@@ -99,11 +99,6 @@ def load_as_json(theory: "Exact") -> dict[str, Any]:
         "negative_share": motion.negative_share,
         "error_bound": None if motion.error == inf else motion.error,
     }
-
-
-def format_load(load: dict[str, Any]) -> Iterator[str]:
-    """Yield the same as lines to print."""
-    yield from lines(load, LINES.get(load["regime"], WEIGHED))
 
 
 def load_notes(load: dict[str, Any]) -> list[str]:

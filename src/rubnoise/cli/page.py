@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 import rubnoise
-from rubnoise.cli.layout import sentence, size
+from rubnoise.answer import size
+from rubnoise.cli.layout import sentence
 from rubnoise.cli.options import ReplaceFile, StretchEnd, StretchStart
 from rubnoise.cli.plot import distance
 from rubnoise.errors import Refused

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, cast, get_args
 import typer
 
 import rubnoise
+from rubnoise.answer import printable
 from rubnoise.api.kinds import Kind
-from rubnoise.cli.layout import printable
 from rubnoise.cli.options import ReplaceFile, ResultOrSweep
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder

@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from shutil import which
@@ -11,18 +12,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import rubnoise
-from rubnoise.analysis.agreement import as_json as figures_as_json
 from rubnoise.analysis.one_way import one_way_warnings
-from rubnoise.cli.layout import (
-    agreement_table,
-    grouped,
-    json_text,
-    line,
-    remark,
-    sentence,
-    size,
-    too_short_for_motion,
-)
+from rubnoise.answer import Answer, Row, size
+from rubnoise.cli.layout import grouped, remark, show, too_short_for_motion
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
 from rubnoise.regular_file import STANDARD_INPUT
@@ -93,22 +85,25 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
 
 
 def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: bool) -> None:
-    from rubnoise.cli.derivation import FREE_ROWS, budget_as_json, format_cost
+    from rubnoise.cli.derivation import FREE_ROWS, budget_rows
     from rubnoise.storage.forecast import check_disk_space, counted, expected
 
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)
     warnings = [*scenario.warnings, *_doubts(scenario, quiet=quiet or as_json)]
-    forecast = budget_as_json(budget)
     notes = [] if scenario.model().free is None else [FREE_ROWS]
-    if as_json:
-        print(json_text({"output": str(path), "dry_run": True} | forecast | {"warnings": warnings, "notes": notes}))
-    elif not quiet:
-        print(f"{path}: nothing run, nothing written")
-        print(line("junctions", grouped(budget.junctions)))
-        print(line("ticks", grouped(budget.ticks)))
-        print("\n".join([*format_cost(forecast), *(remark(f"note: {note}") for note in notes)]))
+    rows = (Row(part="result", name="output", value=str(path)), *budget_rows(budget))
+    _print(
+        Answer(title=f"{path}: nothing run, nothing written", rows=rows), warnings, notes, as_json=as_json, quiet=quiet
+    )
+
+
+def _print(answer: Answer, warnings: list[str], notes: list[str], *, as_json: bool, quiet: bool) -> None:
+    """Print an answer; text has no warnings, which were printed before."""
+    warned = [f"warning: {warning}" for warning in warnings] if as_json else []
+    if as_json or not quiet:
+        show(replace(answer, notes=(*warned, *notes)), as_json=as_json)
 
 
 def _print_result(
@@ -116,25 +111,21 @@ def _print_result(
 ) -> None:
     """Print the outcome of a run, with its path and the seconds that it took."""
     rows, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
-    if as_json:
-        answer = {
-            "output": str(path),
-            "seed": result.provenance["seed"],
-            "junctions": rows,
-            "ticks": ticks,
-            "bytes": count,
-            "summary": figures_as_json(result.summary),
-            "warnings": warnings,
-        }
-        print(json_text(answer))
-    elif not quiet:
-        print(sentence(f"{path}: {grouped(rows)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s"))
-        print("\n".join(agreement_table(result.summary)))
-        print(
-            "\n".join(
-                ["next:", *(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "page", "junctions"))]
-            )
-        )
+    answer = Answer(
+        title=f"{path}: {grouped(rows)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s",
+        rows=(
+            Row(part="result", name="output", value=str(path)),
+            Row(part="result", name="seed", value=result.provenance["seed"]),
+            Row(part="result", name="junctions", value=rows),
+            Row(part="result", name="ticks", value=ticks),
+            Row(part="result", name="bytes", value=count, unit="B"),
+            *(figure.row("summary") for figure in result.summary),
+        ),
+    )
+    _print(answer, warnings, [], as_json=as_json, quiet=quiet)
+    if not (as_json or quiet):
+        print("next:")
+        print("\n".join(f"  {program()} {each} {quote(str(path))}" for each in ("plot", "page", "junctions")))
 
 
 def program() -> str:
@@ -148,7 +139,7 @@ def program() -> str:
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     """Return the reasons why the result will be doubtful or too short, and print them before the run."""
-    from rubnoise.analysis.summary import missing_for_motion
+    from rubnoise.analysis.moments import missing_for_motion
     from rubnoise.cli.load import load_as_json, load_warnings
     from rubnoise.theory.exact import exact
     from rubnoise.theory.motion import response

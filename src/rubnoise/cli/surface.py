@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.layout import json_text, line, number, printable, remark, sentence
+from rubnoise.answer import printable
+from rubnoise.cli.layout import json_text, line, number, remark, sentence
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import Refused, in_shell
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.layout import grouped, json_text, printable, remark
+from rubnoise.answer import printable
+from rubnoise.cli.layout import grouped, json_text, remark
 from rubnoise.cli.options import AsJson, EngineName, Quiet
 from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
 

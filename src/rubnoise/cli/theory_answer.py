@@ -1,7 +1,7 @@
 """The exact values of a model, by name, in working units and ready for JSON, at the points of the --at options."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import combinations_with_replacement
 from math import isfinite
@@ -9,15 +9,15 @@ from typing import Any, Final, Self
 
 import numpy as np
 
+from rubnoise.answer import Answer, Row, Table, printable
 from rubnoise.arrays import Doubles
-from rubnoise.cli.derivation import motion_as_json
-from rubnoise.cli.layout import finite, printable
-from rubnoise.cli.load import load_as_json
+from rubnoise.cli.derivation import ONE_WAY_ALONE, motion_rows, motion_warnings
+from rubnoise.cli.load import load_as_json, load_notes, load_rows
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import velocity_weakening, white_noise
-from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
+from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.load import third_octaves
@@ -138,138 +138,192 @@ CONVENTION: Final = (
 )
 
 MOST_LINES: Final = 64
+LINES_SHOWN: Final = 6
+BINS_SHOWN: Final = 8
+"""Spectral lines in an answer, and how many of them and of the bins of an estimate text shows."""
+
+COVARYING: Final = {
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
+    "friction_force": "uN",
+    "displacement": "um",
+    "velocity": "um/s",
+}
+"""What moves under a load that weighs, and its unit."""
 
 
-def theory_as_json(model: Model, points: Points, segment: int | None = None, *, white: bool = False) -> dict[str, Any]:
-    """Return moments, and spectrum, autocovariance, distribution and the rest at the points; None for what is infinite.
+def theory_answer(
+    title: str, model: Model, points: Points, segment: int | None = None, *, white: bool = False
+) -> Answer:
+    """Return moments, and spectrum, autocovariance, distribution and the rest at the points.
 
-    ``segment``: ticks of a segment of Welch's method; ``white``: whether to add Kilburn's white noise. A group
-    that does not apply to the model is left out; raises Refused if an option requests it.
+    ``segment``: ticks of a segment of Welch's method; ``white``: whether to add Kilburn's white noise. A part that
+    does not apply to the model is left out; raises Refused if an option requests it.
     """
     if model.slider is not None and model.slider.excitation == "velocity-weakening":
         # Without junctions there is no noise: of the contact's force only the mean is left.
-        known = {"mean_force": force_cumulants(model).mean} | asdict(velocity_weakening(model))
-        return {"velocity_weakening": known}
+        return Answer(title=title, rows=tuple(_weakening(model)))
     theory = exact(model)
-    answer: dict[str, Any] = {
-        "count": {"mean": theory.count_mean, "variance": theory.count_variance},
-        "area": _moments(theory.area),
-    }
-    if theory.force is not None:
-        answer["force"] = _moments(theory.force)
-    if motion := motion_as_json(theory):
-        answer["slider"] = motion
-    answer |= _load(theory) | _other_models(model, white=white)
-    answer["diameter"] = {
-        "calibrated": model.calibrated_diameter,
+    rows = [*_moments(theory), *motion_rows(theory)]
+    rows += [*load_rows(theory), *_covariances(theory)] if model.held is not None else []
+    rows += _other_models(model, white=white)
+    tables = [_cumulants(theory), *_third_octaves(theory)]
+    # The square of a far point may overflow: what is left there is 0.
+    with np.errstate(over="ignore", under="ignore", divide="ignore"):
+        for more_rows, table in (
+            *_at(model, points),
+            *_distribution(model, points),
+            *_estimated(theory, segment),
+            *_from_empty(theory, points),
+        ):
+            rows += more_rows
+            tables.append(table)
+    notes = [f"warning: {warning}" for warning in motion_warnings(theory)]
+    notes += [ONE_WAY_ALONE] if model.is_two_way else []
+    notes += load_notes(load_as_json(theory)) if model.held is not None else []
+    return Answer(title=title, rows=tuple(rows), tables=tuple(tables), notes=tuple(notes))
+
+
+def _rows(part: str, values: Mapping[str, Any], units: Mapping[str, str], note: str = "") -> Iterator[Row]:
+    """Yield rows of a part; what is not in ``units`` is a plain number."""
+    for name, value in values.items():
+        yield Row(part=part, name=name, value=value, unit=units.get(name, ""), note=note)
+
+
+def _moments(theory: Exact) -> Iterator[Row]:
+    held = "" if theory.free is None else "at constant separation"
+    sizes = {
+        "calibrated": theory.model.calibrated_diameter,
         "mean": theory.mean_diameter,
         "length_biased_mean": theory.length_biased_mean_diameter,
     }
-    # The square of a far point may overflow: what is left there is 0.
-    with np.errstate(over="ignore", under="ignore", divide="ignore"):
-        answer |= _at(model, points)
-        answer |= _estimated(theory, segment) | _from_empty(theory, points)
-    return dict(finite(answer))
+    yield from _rows("diameter", sizes, dict.fromkeys(sizes, "um"))
+    yield from _rows("count", {"mean": theory.count_mean, "variance": theory.count_variance}, {}, held)
+    for part, found, unit in (("area", theory.area, "um^2"), ("force", theory.force, "uN")):
+        if found is not None:
+            names = ("mean", "std", "skewness", "excess_kurtosis")
+            known = {name: getattr(found, name) for name in names}
+            yield from _rows(part, known, {"mean": unit, "std": unit}, held)
 
 
-def _moments(cumulants: Cumulants) -> dict[str, Any]:
-    return {
-        "mean": cumulants.mean,
-        "std": cumulants.std,
-        "skewness": cumulants.skewness,
-        "excess_kurtosis": cumulants.excess_kurtosis,
-        "cumulants": [each for each in cumulants.values if isfinite(each)],
+def _cumulants(theory: Exact) -> Table:
+    """Return the cumulants of area and force, in powers of their units."""
+    known = {"area": theory.area, "force": theory.force}
+    columns = {name: list(found.values) for name, found in known.items() if found is not None}
+    return Table(name="cumulants", columns={"order": list(range(1, len(columns["area"]) + 1)), **columns})
+
+
+def _covariances(theory: Exact) -> Iterator[Row]:
+    """Yield the covariances at one time of what moves under a load that weighs."""
+    if theory.free is None and theory.load is not None:
+        found = theory.load.covariances
+        for one, other in combinations_with_replacement(found.names, 2):
+            unit = f"{COVARYING[one]}*{COVARYING[other]}"
+            yield Row(part="load_covariances", name=f"{one}*{other}", value=found.of(one, other), unit=unit)
+
+
+def _third_octaves(theory: Exact) -> Iterator[Table]:
+    if theory.free is None and theory.load is not None:
+        bands = third_octaves(theory.model)
+        columns = {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level}
+        yield Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "velocity": "um/s", "level": "dB"})
+
+
+def _weakening(model: Model) -> Iterator[Row]:
+    """Yield what a force that falls with speed does (Block; Oden and Martins)."""
+    units = {
+        "mean_force": "uN",
+        "border": "N*s/m",
+        "mean_displacement": "um",
+        "amplitude": "um",
+        "slowest": "um/s",
+        "fastest": "um/s",
+        "period": "s",
     }
+    known = {"mean_force": force_cumulants(model).mean} | asdict(velocity_weakening(model))
+    yield from _rows("velocity_weakening", known, units)
 
 
-def _load(theory: Exact) -> dict[str, Any]:
-    """Return the motion under a load that weighs, its covariances and its third octaves; nothing without one."""
-    if theory.free is not None:
-        return {"load": load_as_json(theory)}
-    if theory.load is None:
-        return {}
-    bands, motion = third_octaves(theory.model), theory.load
-    pairs = combinations_with_replacement(motion.covariances.names, 2)
-    return {
-        "load": load_as_json(theory),
-        "load_covariances": {f"{one}*{other}": motion.covariances.of(one, other) for one, other in pairs},
-        "third_octaves": {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level},
-    }
-
-
-def _other_models(model: Model, *, white: bool) -> dict[str, Any]:
-    """Return the values of an older model, instead of or beside the contact's own force."""
-    found: dict[str, Any] = {}
+def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
+    """Yield the values of an older model, instead of or beside the contact's own force."""
+    units = {"base_mean": "um", "base_std": "um", "displacement_std": "um", "velocity_std": "um/s"}
     if model.slider is not None and model.slider.excitation == "base":
-        # Of other pulses too: the base is made of triangles of the same diameters.
+        # Of other pulses too: the base is made of triangles of the same diameters (Rice and Moslehy).
         triangles = replace(model, pulse=TRIANGLE)
         motion, area = response(triangles), area_cumulants(triangles)
-        found["base_excitation"] = {
+        known = {
             "base_mean": model.base_per_area * area.mean,
             "base_std": model.base_per_area * area.std,
             "displacement_std": motion.displacement_std,
             "velocity_std": motion.velocity_std,
         }
-    if white:
-        found["white_noise"] = asdict(white_noise(model))
-    return found
+        yield from _rows("base_excitation", known, units)
+    if white:  # of the same level at low frequency (Kilburn)
+        known = asdict(white_noise(model))
+        yield from _rows("white_noise", known, units | {"force_density": "uN^2*s", "wavenumber": "rad/um"})
 
 
-def _at(model: Model, points: Points) -> dict[str, Any]:
-    return {
-        "spectrum": {
-            "wavenumber": points.wavenumbers,
-            "density": spectral_density(model, points.wavenumbers),
-            "convention": CONVENTION,
-        },
-        **_lines(model),
-        "autocovariance": {"lag": points.lags, "value": autocovariance(model, points.lags)},
-    } | _distribution(model, points)
+Curve = tuple[Sequence[Row], Table]
+"""A curve, and numbers that belong to it."""
 
 
-def _lines(model: Model) -> dict[str, Any]:
-    """Return the first spectral lines of regular births."""
+def _at(model: Model, points: Points) -> Iterator[Curve]:
+    units = {"wavenumber": "rad/um", "density": "um^4/(rad/um)", "power": "um^4"}
+    density = spectral_density(model, points.wavenumbers)
+    columns: dict[str, Any] = {"wavenumber": points.wavenumbers, "density": density}
+    convention = Row(part="spectrum", name="convention", value=CONVENTION)
+    yield [convention], Table(name="spectrum", columns=columns, units=units)
     wavenumber, power = visible_lines(model)
-    if not power.size:
-        return {}
-    return {"spectral_lines": {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}}
+    if power.size:  # the first lines of regular births
+        columns = {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}
+        shown = range(min(power.size, LINES_SHOWN))
+        yield [], Table(name="spectral_lines", columns=columns, units=units, shown=shown)
+    columns = {"lag": points.lags, "value": autocovariance(model, points.lags)}
+    yield [], Table(name="autocovariance", columns=columns, units={"lag": "um", "value": "um^4"})
 
 
-def _distribution(model: Model, points: Points) -> dict[str, Any]:
+def _distribution(model: Model, points: Points) -> Iterator[Curve]:
     try:
         law = distribution(model)
     except Refused as refusal:
-        if not points.areas_given:
-            return {}
-        raise Refused(f"--at-area: {refusal}") from refusal
-    areas = points.areas
-    known = {"area": areas, "density": law.density(areas), "cdf": law.cdf(areas), "atom_at_zero": law.atom_at_zero}
-    return {"distribution": known}
+        if points.areas_given:
+            raise Refused(f"--at-area: {refusal}") from refusal
+        return
+    columns = {"area": points.areas, "density": law.density(points.areas), "cdf": law.cdf(points.areas)}
+    atom = Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
+    yield [atom], Table(name="distribution", columns=columns, units={"area": "um^2", "density": "1/um^2"})
 
 
-def _estimated(theory: Exact, segment: int | None) -> dict[str, Any]:
+def _estimated(theory: Exact, segment: int | None) -> Iterator[Curve]:
+    """Yield what Welch's method shows; text has bins evenly in the logarithm of their number."""
     if segment is None:
-        return {}
+        return
     try:
         seen = theory.estimated_spectrum(segment)
     except Refused as refusal:
         raise Refused(f"--segment: {refusal}") from refusal
-    group = {"wavenumber": seen.wavenumber, "density": seen.density, "ticks": seen.ticks, "segments": seen.segments}
-    known = not np.isnan(seen.standard_error).any()
-    return {"estimated_spectrum": group | ({"standard_error": seen.standard_error} if known else {})}
+    columns = {"wavenumber": seen.wavenumber, "density": seen.density}
+    if not np.isnan(seen.standard_error).any():
+        columns["standard_error"] = seen.standard_error
+    units = {"wavenumber": "rad/um", "density": "um^4/(rad/um)", "standard_error": "um^4/(rad/um)"}
+    shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, BINS_SHOWN))})
+    known = {"ticks": seen.ticks, "segments": seen.segments}
+    rows = list(_rows("estimated_spectrum", known, {}))
+    yield rows, Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
 
 
-def _from_empty(theory: Exact, points: Points) -> dict[str, Any]:
-    """Return the growth of a contact from an empty start, if the scenario has one or --at-distance requests it."""
+def _from_empty(theory: Exact, points: Points) -> Iterator[Curve]:
+    """Yield the growth of a contact from an empty start, if the scenario has one or --at-distance requests it."""
     if points.distances is None and theory.model.start != "empty":
-        return {}
+        return
     distances = points.distances_up_to(longest_life(theory.model))
     empty = exact(replace(theory.model, start="empty"))
-    grown = {
+    columns = {
         "distance": distances,
         "area_mean": empty.area_from_empty(distances),
         "count_mean": empty.count_from_empty(distances),
-        "run_area_mean": empty.expected_mean_area(),
-        "run_count_mean": empty.expected_mean_count(),
     }
-    return {"from_empty": grown}
+    known = {"run_area_mean": empty.expected_mean_area(), "run_count_mean": empty.expected_mean_count()}
+    rows = list(_rows("from_empty", known, {"run_area_mean": "um^2"}, "over the whole run"))
+    yield rows, Table(name="from_empty", columns=columns, units={"distance": "um", "area_mean": "um^2"})

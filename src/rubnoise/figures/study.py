@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from rubnoise.analysis.figures import expected_figure
 from rubnoise.analysis.replicates import PooledEstimate, pooled
-from rubnoise.analysis.summary import expected_figure
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused

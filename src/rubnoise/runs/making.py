@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
-from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.figures import summarise
 from rubnoise.arrays import slices
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord

@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, isnan
-from typing import Any, ClassVar, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.answer import Answer, LeftOut
+from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.reading import Ahead
-from rubnoise.analysis.summary import summarise
+from rubnoise.answer import Answer, LeftOut, Row
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, RubnoiseError, RunFileRefused
 from rubnoise.record.reader import HashedReader, Reader, Rows, column_chunks
@@ -82,6 +82,12 @@ class Check:
         """Whether no value differs."""
         return self.different == 0
 
+    @property
+    def row(self) -> Row:
+        """The row of an answer: the number of values, how many differ, and the first of these."""
+        note = "" if self.holds else f"{self.different:,} different; the first: {self.first}"
+        return Row(part="checks", name=self.name, value=self.values, note=note, fails=not self.holds)
+
     def equal(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any]) -> None:
         """Compare rows of a column bit for bit: -0 differs from 0, and nan equals nan."""
         right = expected.astype(found.dtype, copy=False)
@@ -116,7 +122,7 @@ def _bits(values: NDArray[Any]) -> NDArray[np.unsignedinteger[Any]]:
     return np.ascontiguousarray(values).view(f"u{values.dtype.itemsize}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Verification(Answer):
     """A result checked against its own hashes, rows and scenario, one row per check, in the order of ``checks``.
 
@@ -126,15 +132,12 @@ class Verification(Answer):
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
     ...     answer = run.verify()
-    >>> answer.passed, answer.rows[0]["check"], answer.rows[0]["different"]
+    >>> answer.passed, answer.rows[0].name, answer.checks[0].different
     (True, 'hashes', 0)
     """
 
-    names: ClassVar = ("check", "values", "different", "first_difference")
-    checks: Sequence[Check]
-    omitted: Sequence[LeftOut] = ()
+    checks: Sequence[Check] = ()
     remark: str = ""
-    heading: str = ""
 
     @property
     def different(self) -> list[Check]:
@@ -142,24 +145,21 @@ class Verification(Answer):
         return [check for check in self.checks if not check.holds]
 
     @property
-    def failing(self) -> tuple[str, ...]:
-        """Names of the checks with differences."""
-        return tuple(check.name for check in self.different)
-
-    @property
     def values(self) -> int:
         """Number of values of all checks together."""
         return sum(check.values for check in self.checks)
 
-    @property
-    def rows(self) -> tuple[Mapping[str, Any], ...]:
-        """One row per check: the number of its values, how many differ, and the first of these."""
-        rows = ((each.name, each.values, each.different, str(each.first or "")) for each in self.checks)
-        return tuple(dict(zip(self.names, row, strict=True)) for row in rows)
 
-    @property
-    def _counts(self) -> str:
-        return f"{len(self.checks)} checks of {self.values:,} values"
+def verification(checks: Sequence[Check], omitted: Sequence[LeftOut] = (), remark: str = "") -> Verification:
+    """Return the answer of finished checks, of what was left out, and of what may explain a difference."""
+    values = sum(check.values for check in checks)
+    return Verification(
+        rows=(*(check.row for check in checks), *(each.row for each in omitted)),
+        notes=(remark,) if remark else (),
+        judged=f"{len(checks)} checks of {values:,} values",
+        checks=checks,
+        remark=remark,
+    )
 
 
 def verify(run: HashedReader, regenerate: int = 0) -> Verification:
@@ -187,12 +187,12 @@ def verify(run: HashedReader, regenerate: int = 0) -> Verification:
         return _stopped(checks, "groups and columns are not those of the scenario")
     if others:
         left_out = [LeftOut(name=name, reason=others) for name in ("replay", "summary")]
-        return Verification(checks=checks, omitted=left_out)
+        return verification(checks, left_out)
     return _played(checks, scenario, run)
 
 
 def _stopped(checks: list[Check], reason: str) -> Verification:
-    return Verification(checks=checks, omitted=[LeftOut(name="everything else", reason=reason)])
+    return verification(checks, [LeftOut(name="everything else", reason=reason)])
 
 
 def _check_hashes(check: Check, run: HashedReader) -> list[str]:
@@ -247,11 +247,11 @@ def _played(checks: list[Check], scenario: Scenario, run: HashedReader) -> Verif
     groups = [*compared.checks.values()]
     if all(check.holds for check in groups):
         summary = _summary_check(scenario, tally, run.summary)
-        return Verification(checks=[*checks, *groups, summary])
+        return verification([*checks, *groups, summary])
     there, here = str(run.provenance["environment"]), json.dumps(environment())
-    return Verification(
-        checks=[*checks, *groups],
-        omitted=[LeftOut(name="summary", reason="rows of the columns that it sums up differ")],
+    return verification(
+        [*checks, *groups],
+        [LeftOut(name="summary", reason="rows of the columns that it sums up differ")],
         remark="" if there == here else f"the run was made on {there} and played again on {here}",
     )
 

@@ -14,14 +14,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.answer import LeftOut
+from rubnoise.answer import LeftOut
 from rubnoise.errors import RunFileRefused
 from rubnoise.figure_names import DONE, FAILED
 from rubnoise.regular_file import INDEX
 from rubnoise.runs.folder import run_files
 from rubnoise.runs.index import index_of, keys_in, scenario_at
 from rubnoise.runs.point_file import RUNS, SUFFIXES, Figures, name_in, numbers_in, read, scenario_in, summarised
-from rubnoise.runs.verification import LONGEST, Check, Difference, Verification, verify
+from rubnoise.runs.verification import LONGEST, Check, Difference, Verification, verification, verify
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.reading import stored
 from rubnoise.scenario.scenario import Scenario
@@ -79,7 +79,7 @@ def verify_sweep(
             raise RunFileRefused(f"{root}: is not a sweep folder: it has neither {INDEX} nor {RUNS}")
         results = _results(root, regenerate, watch)
         left_out = list(_left_out(root, results))
-        return Verification(checks=(_index_check(root, results, left_out), *results.checks()), omitted=tuple(left_out))
+        return verification((_index_check(root, results, left_out), *results.checks()), left_out)
     except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
         reason = (problem.strerror or str(problem)).lower()
         raise RunFileRefused(f"{problem.filename or root}: {reason}") from problem
@@ -114,7 +114,7 @@ def _verify_run(results: Results, path: Path, regenerate: int) -> None:
         results.take(path, scenario_in(run), numbers_in(run.summary))
         found = verify(run, regenerate)
     results.values += found.values
-    results.left_out.update((each.name, each.reason) for each in found.omitted)
+    results.left_out.update(found.left_out.items())
     for check in found.different:
         if check.first is not None:
             results.different.append(check.first.within(f"{RUNS}/{path.name}"))

@@ -6,10 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.findings import Finding, Identity
 from rubnoise.analysis.reading import checked_chunks
+from rubnoise.answer import LeftOut
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
