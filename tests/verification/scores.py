@@ -286,3 +286,8 @@ def correlation(one: Doubles, other: Doubles) -> float:
     if one.std() == 0.0 or other.std() == 0.0:
         return 0.0
     return float(np.corrcoef(one, other)[0, 1] * np.sqrt(one.size))
+
+
+def mean_score(values: list[float], value: float, error: float) -> float:
+    """Return the score of the mean of independent values, each with a standard error."""
+    return (sum(values) / len(values) - value) / (error / sqrt(len(values)))

@@ -2,16 +2,18 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.state import LiveRows
-from tests.models import among, coupled, model, oscillator_of, recorded
+from tests.models import CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
 from tests.oracle.coupled_slider import BREAKAWAY, FORWARD, REVERSAL, STICK, frozen
+from tests.oracle.slow_contact import Rows
 
 # Exact laws of the two-way slider: energy, the mean force, and the order in which its cells converge.
 
@@ -152,3 +154,101 @@ def test_births_that_are_passed_again_are_told_once_and_when_they_were_passed_fi
 
     first = [brentq(beyond, 0.0, math.pi / rate, args=(place,), xtol=1e-15) for place in births]
     assert np.abs(times - first).max() < 1e-11
+
+
+DAMPED = Slider(mass=0.005, stiffness=300.0, damping=1.0)
+
+
+def area_so_far(u: np.ndarray) -> np.ndarray:
+    """Return int_0^u of a lens's area over d^2, u in diameters: (2/3) at the end of a life."""
+    rise = LENS.area_so_far(np.clip(np.minimum(u, 2.0 - u), 0.0, 1.0))
+    return np.where(u <= 1.0, rise, 2.0 / 3.0 - rise)
+
+
+def friction_integral(field: Rows, begin: float, end: float) -> float:
+    """Return int G ds in uN um between two distances, from the lives' own primitives."""
+    ages = [(s - field.birth) / field.diameter for s in (begin, end)]
+    return float(np.sum(field.strength * field.diameter**3 * (area_so_far(ages[1]) - area_so_far(ages[0]))))
+
+
+def slider_of(run: Model) -> tuple[Slider, float]:
+    assert run.slider is not None
+    assert run.sliding_speed is not None
+    return run.slider, run.sliding_speed
+
+
+def work_of_friction(run: Model, seed: int, found: CoupledRun) -> tuple[float, float]:
+    """Return int G |ds| and int G ds over the whole path, piece by monotone piece."""
+    field = field_of(run, seed, min(float(found.slider["distance"].min()) - 1.0, 0.0))
+    # A reversal may end in a stick, which goes on forward.
+    kinds, places = found.landmarks["kind"], found.landmarks["distance"]
+    turns = [float(s) for n, s in enumerate(places) if kinds[n] >= 2 or (kinds[n] == 0 and n and kinds[n - 1] == 2)]
+    path = [0.0, *turns, found.state.distance(found.constants)]
+    pieces = [friction_integral(field, a, b) for a, b in pairwise(path)]
+    return math.fsum(abs(piece) for piece in pieces), math.fsum(pieces)
+
+
+def mean_force_times_time(run: Model, found: CoupledRun) -> float:
+    """Return int F dt = m [x'] + c [x] + k int x dt in uN s."""
+    slider, _ = slider_of(run)
+    velocity = found.velocity
+    moved = found.state.displacement - found.start
+    return (
+        slider.mass * velocity
+        + slider.damping * moved
+        + slider.stiffness * found.state.integrals["displacement_integral"]
+    )
+
+
+def energy_gained(run: Model, found: CoupledRun) -> float:
+    slider, _ = slider_of(run)
+    velocity, x = found.velocity, found.state.displacement
+    return 0.5 * slider.mass * velocity**2 + 0.5 * slider.stiffness * (x**2 - found.start**2)
+
+
+RUNS = [
+    (model(distance=400.0), None),
+    (model(distance=400.0, slider=DAMPED), None),
+    (model(distance=600.0, count=5.0), -300.0),
+    (model(distance=800.0, count=2.0), -800.0),
+    (model(distance=300.0, speed=1e4), None),
+    (model(distance=40.0, speed=100.0), None),
+    (model(distance=300.0, speed=1e6), None),
+]
+
+
+@pytest.mark.parametrize(("run", "start"), RUNS)
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+def test_energy(run: Model, start: float | None, tolerance: float) -> None:
+    """V int F dt = int G |ds| + c int x'^2 dt + [m x'^2/2 + k x^2/2]."""
+    found = coupled(run, 4, tolerance=tolerance, displacement=start)
+    slider, speed = slider_of(run)
+    along, across = work_of_friction(run, 4, found)
+    assert found.state.integrals["friction_work"] == pytest.approx(along, rel=10.0 * tolerance)
+    assert 2.0 * found.state.integrals["reverse_work"] == pytest.approx(
+        along - across, rel=10.0 * tolerance, abs=1e-10 * along
+    )
+    given = speed * mean_force_times_time(run, found)
+    stored = energy_gained(run, found)
+    taken = along + slider.damping * found.state.integrals["velocity_squared_integral"] + stored
+    assert abs(given - taken) < 10.0 * tolerance * abs(given)
+    # The drive's speed off by 1 in 10^6.
+    assert abs(given * (1.0 + 1e-6) - taken) > 10.0 * tolerance * abs(given)
+
+
+@pytest.mark.parametrize(("run", "start"), RUNS[:4])
+def test_the_mean_force(run: Model, start: float | None) -> None:
+    """<F> V T = int G ds + 2 int_(w < 0) G |ds| + c int x'^2 dt + [E]."""
+    found = coupled(run, 9, displacement=start)
+    slider, speed = slider_of(run)
+    _, across = work_of_friction(run, 9, found)
+    stored = energy_gained(run, found)
+    expected = (
+        across
+        + 2.0 * found.state.integrals["reverse_work"]
+        + slider.damping * found.state.integrals["velocity_squared_integral"]
+        + stored
+    )
+    assert speed * mean_force_times_time(run, found) == pytest.approx(expected, rel=1e-8)
+    # Time averages are not averages over distance: the dashpot's share is not small.
+    assert slider.damping * found.state.integrals["velocity_squared_integral"] > 1e-4 * abs(across)

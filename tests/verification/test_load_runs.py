@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from math import log, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.analysis.figures import summarise
+from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.contact.laws import Lognormal
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
@@ -19,6 +21,8 @@ from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import linear as engine
 from rubnoise.simulation.run import simulate
+from rubnoise.theory.load import THIRD, load_motion
+from rubnoise.theory.sampling import load_errors
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of
 from tests.verification.scores import BOUND, REJECTED, seed_of
@@ -185,3 +189,32 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     with rubnoise.open(result) as file:
         assert seen in file.compare().outside
         assert column.split("/")[0] in {check.name for check in file.verify().different}
+
+
+def test_errors_are_what_runs_scatter_by() -> None:
+    model = loaded(**LONG | {"distance": 3000.0})
+    errors, motion = load_errors(model, model.distance), load_motion(model)
+    runs = []
+    for n in range(64):
+        tally = Tally.of(model)
+        simulate(model, seed_of(f"scatter {n}"), tally, engine="batch")
+        runs.append([tally.moments[name].std for name in ("separation", "normal_velocity", "load")])
+    scatter = np.std(np.array(runs), axis=0, ddof=1)
+    known = np.array([errors.separation_std, errors.velocity_std, errors.load_std])
+    # The scatter of 64 runs is itself uncertain by 1/sqrt(2 * 63) = 9 %.
+    assert np.all(np.abs(scatter / known - 1.0) < BOUND / sqrt(2.0 * 63.0))
+    assert motion.separation_std == pytest.approx(np.mean(runs, axis=0)[0], abs=BOUND * known[0] / 8.0)
+
+
+def test_third_octaves_of_a_run_are_those_of_theory(result: Path) -> None:
+    with rubnoise.open(result) as file:
+        heard, motion = heard_bands(file.reader(), file.model()), load_motion(file.model())
+        std = next(figure.value for figure in file.summary if figure.name == "normal_velocity_std")
+    assert heard.velocity == pytest.approx(std, rel=1e-9)
+    assert heard.exact is not None
+    assert heard.frequency.size > 10
+    # The power of a band of width B over a time T scatters by 1/sqrt(B T), 10/ln(10) dB for each part of it.
+    bound = BOUND * 10.0 / log(10.0) / np.sqrt(1.5 * heard.frequency * (THIRD - 1.0 / THIRD))
+    assert np.all(np.abs(heard.level - heard.exact) < bound)
+    assert not np.all(np.abs(heard.level + 1.0 - heard.exact) < bound)
+    assert heard.whole_level == pytest.approx(motion.velocity_level, abs=1.0)
