@@ -103,7 +103,7 @@ def _folder() -> Path | None:
     state = blake2b(b"".join(path.read_bytes() for path in files), digest_size=8).hexdigest()
     try:
         root = Path(_CONFIG.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        folder = root / f"rubnoise-{state}"
+        folder = root / "rubnoise-kernels" / state
         folder.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=folder) as file:  # which makes the folder the newest
             file.write(bytes(65_536))  # whether there is room
@@ -111,7 +111,7 @@ def _folder() -> Path | None:
         text = "compiled code cannot be kept, and each process compiles it again: "
         warnings.warn(f"{text}{getattr(problem, 'strerror', None) or problem}", CodeNotKept, stacklevel=1)
         return None
-    for old in sorted(root.glob("rubnoise-*"), key=lambda path: -path.stat().st_mtime)[3:]:
+    for old in sorted(folder.parent.glob("[0-9a-f]" * 16), key=lambda path: -path.stat().st_mtime)[3:]:
         rmtree(old, ignore_errors=True)
     return folder
 

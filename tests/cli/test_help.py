@@ -206,7 +206,7 @@ def test_what_nobody_foresaw_is_a_line_too(
     here: Path, monkeypatch: pytest.MonkeyPatch, problem: Exception, line: str
 ) -> None:
     assert call("run", "../given/contact.toml").code == 0
-    monkeypatch.setattr(info, "run_as_json", failing(problem))
+    monkeypatch.setattr(info, "run_answer", failing(problem))
     answer = call("info", "contact.h5")
     assert (answer.code, answer.out, answer.err) == (1, "", f"{line}\n")
     assert "in fail" in call("info", "contact.h5", "--debug").err

@@ -123,10 +123,6 @@ def _told(program: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def test_a_run_loads_no_statistics_and_leaves_linear_algebra_to_others(here: Path) -> None:
-    assert _told(AFTER_A_RUN) == ["loaded:", "0.5"]
-
-
 QUESTIONS = """
 import contextlib, sys
 from rubnoise.cli.app import main

@@ -101,14 +101,18 @@ def _hits(module: Path) -> int:
 
 
 def test_code_is_kept_in_the_folder_that_numba_is_told_and_the_three_newest_are_left(doubling: Path) -> None:
-    kept = doubling.with_name("kept")
+    kept = doubling.with_name("kept") / "rubnoise-kernels"
     for age in range(1, 5):
-        (kept / f"rubnoise-{age}").mkdir(parents=True)
-        os.utime(kept / f"rubnoise-{age}", (1e9 - age, 1e9 - age))
-    (kept / "of-others").mkdir()
+        (kept / f"{age:016x}").mkdir(parents=True)
+        os.utime(kept / f"{age:016x}", (1e9 - age, 1e9 - age))
+    others = (kept / "of-others", kept.with_name("rubnoise-demo"))
+    for other in others:
+        other.mkdir()
+        os.utime(other, (0.0, 0.0))
     assert [_hits(doubling), _hits(doubling)] == [0, 1]
-    (ours,) = {path.name for path in kept.iterdir()} - {"of-others", "rubnoise-1", "rubnoise-2"}
+    (ours,) = {path.name for path in kept.iterdir()} - {"of-others", f"{1:016x}", f"{2:016x}"}
     assert list((kept / ours).rglob("*doubled*.nbc"))
+    assert all(other.is_dir() for other in others)
 
 
 def test_kernels_of_others_keep_their_code_where_they_did(doubling: Path) -> None:

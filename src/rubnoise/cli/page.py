@@ -13,7 +13,6 @@ from rubnoise.answer import size
 from rubnoise.cli.layout import sentence
 from rubnoise.cli.options import ReplaceFile, StretchEnd, StretchStart
 from rubnoise.cli.plot import distance
-from rubnoise.errors import Refused
 from rubnoise.regular_file import is_folder
 
 Ends = tuple[float | None, float | None]
@@ -160,8 +159,6 @@ def _lesson(source: Path) -> str:
     from rubnoise.lesson.page import page, record_of
     from rubnoise.lesson.settings import settings_of
 
-    if is_folder(source):
-        raise Refused(f"{source}: is a folder; a lesson is about a scenario or a result")
     record = None
     if is_result(source):
         with finished_run(source), rubnoise.open(source) as run:

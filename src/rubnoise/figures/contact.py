@@ -173,9 +173,9 @@ def _add_scale_bar(axes: "Axes", width: float, height: float) -> None:
     """Draw a bar of 1, 2 or 5 times a power of ten below the stage, an eighth of its width at most."""
     power = 10.0 ** floor(log10(0.125 * width))
     length = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= 0.125 * width)
-    below = -0.05 * height
-    axes.plot([0.0, length], [below, below], color=INK, lw=2.5, clip_on=False, solid_capstyle="butt")
-    axes.text(1.2 * length, below, f"{length:g} µm", va="center")
+    start, below = 0.02 * width, -0.05 * height
+    axes.plot([start, start + length], [below, below], color=INK, lw=2.5, clip_on=False, solid_capstyle="butt")
+    axes.text(start + 1.2 * length, below, f"{length:g} µm", va="center")
 
 
 def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> None:
