@@ -27,7 +27,7 @@ FIG5: Final = "scenarios/paper/fig5.toml"
 SHOWN: Final = (
     ("What a scenario means", ["check", FIG5]),
     ("A run", ["run", FIG5, "-o", "fig5.h5"]),
-    ("The life of one junction", ["junction", "fig5.h5", "17"]),
+    ("The life of one junction", ["junctions", "fig5.h5", "17"]),
     (
         "Large junctions",
         ["junctions", "fig5.h5", "--where", "diameter > 6 um", "--sort", "-life_distance", "--head", "5"],

