@@ -2,22 +2,18 @@
 
 import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import chdir
 from dataclasses import dataclass
-from itertools import chain
 from math import inf
 from pathlib import Path
-from string import Formatter
 from typing import Any, NoReturn
 
 import numpy as np
 import pytest
 
 from rubnoise.api.surface import Surface
-from rubnoise.cli import derivation, theory
-from rubnoise.cli import load as load_lines
-from rubnoise.cli.layout import LineWords, json_text
+from rubnoise.cli.layout import json_text
 from rubnoise.cli.surface import contents, motions
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call
@@ -240,42 +236,6 @@ def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[st
     assert [breach for section, answer in answers for breach in breaches(answer, section, seen)] == []
     promised = {(name, *each.path) for name, section in SECTIONS.items() for each in section}
     assert promised == seen
-
-
-def _promised(path: tuple[str, ...], section: str) -> bool:
-    """Return whether a section of the page, or one that it names, promises a field."""
-    return any(
-        each.path == path
-        or (
-            each.kind in SECTIONS
-            and path[: len(each.path)] == each.path
-            and _promised(path[len(each.path) :], each.kind)
-        )
-        for each in SECTIONS[section]
-    )
-
-
-def _unknown(texts: Iterable[str], section: str, prefix: str = "", beside: tuple[str, ...] = ()) -> list[str]:
-    """Return the fields that texts name and the page does not, but for what stands beside an answer."""
-    named = [name for text in texts for _, name, _, _ in Formatter().parse(text) if name is not None]
-    return [name for name in named if name not in beside and not _promised((*(prefix + name).split("."),), section)]
-
-
-def _ways(told: Iterable[LineWords]) -> list[str]:
-    return [way for _, *ways in told for way in ways]
-
-
-def test_lines_name_what_their_answers_have() -> None:
-    # A line whose value is not there is left out, so a name with a slip of the pen would go unnoticed.
-    assert _unknown(_ways(derivation.SIZES), "derived", beside=("calibration", "held", "fast")) == []
-    assert _unknown(_ways(derivation.MOTION), "slider motion") == []
-    assert _unknown(_ways(derivation.COST), "derived", "cost.", ("counted_by", "before", "engine")) == []
-    assert _unknown(_ways([*chain(*load_lines.LINES.values()), *load_lines.WEIGHED]), "load motion") == []
-    assert _unknown(_ways(theory.MOMENTS), "theory", beside=("calibration", "held")) == []
-    for group, curve in theory.CURVES.items():
-        columns = [f"{{{name}}}" for name, _, _ in curve.columns]
-        assert _unknown([curve.heading, *columns], "theory", f"{group}.", ("shown", "bins")) == []
-    assert _unknown(["{real_contact_area.men} {junction_count.std}"], "derived") == ["real_contact_area.men"]
 
 
 def test_every_row_of_the_page_is_understood() -> None:
