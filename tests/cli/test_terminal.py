@@ -56,7 +56,7 @@ def test_help_of_every_command_keeps_within_the_terminal(columns: int, monkeypat
     pages = [call("--help").out, *(call(name, "--help").out for name in COMMANDS)]
     assert len(pages) > 15
     assert all(max(map(len, page.splitlines())) <= columns for page in pages)
-    assert "..." not in pages[0] or columns < 80
+    assert columns < 80 or "..." not in pages[0].partition("Begin and run:")[2]
 
 
 @pytest.mark.parametrize("name", READING)

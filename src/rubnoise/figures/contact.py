@@ -56,7 +56,7 @@ class Stage:
         """Give axes the size of the stage and a key, and remove their ticks and edges."""
         axes.set_aspect("equal")
         axes.set_xlim(0.0, self.width)
-        axes.set_ylim(0.0, self.height)
+        axes.set_ylim(-0.1 * self.height, self.height)  # below the stage is the scale bar
         axes.set_xticks([])
         axes.set_yticks([])
         for side in ("left", "bottom"):
@@ -174,7 +174,7 @@ def _add_scale_bar(axes: "Axes", width: float, height: float) -> None:
     power = 10.0 ** floor(log10(0.125 * width))
     length = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= 0.125 * width)
     start, below = 0.02 * width, -0.05 * height
-    axes.plot([start, start + length], [below, below], color=INK, lw=2.5, clip_on=False, solid_capstyle="butt")
+    axes.plot([start, start + length], [below, below], color=INK, lw=2.5, solid_capstyle="butt")
     axes.text(start + 1.2 * length, below, f"{length:g} µm", va="center")
 
 
