@@ -212,7 +212,7 @@ def test_killed_set_up_is_repaired_after_its_pip_has_ended(sandbox: Sandbox) -> 
         assert second.wait(timeout=60) == 0
 
 
-def test_somebody_elses_environment_is_left_alone(sandbox: Sandbox) -> None:
+def test_an_environment_of_another_program_is_left_alone(sandbox: Sandbox) -> None:
     (sandbox.venv / "theirs").mkdir(parents=True)
     code, _, error = sandbox.dev("run")
     assert (code, (sandbox.venv / "theirs").exists()) == (1, True)

@@ -111,7 +111,7 @@ def _carry_out(task: Callable[[], int], out: BinaryIO, err: BinaryIO, memory: in
             code = task()
     except KeyboardInterrupt:
         code = 128 + signal.SIGINT  # it came before the command had begun
-    except BaseException as problem:  # noqa: BLE001  (whatever it is, it is told)
+    except BaseException as problem:  # noqa: BLE001  (every problem is printed)
         os.write(2, f"{type(problem).__name__}: {problem}\n".encode())
     finally:
         os._exit(code)

@@ -50,7 +50,7 @@ from rubnoise.theory.second_order import (
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class Span:
     """A record of ``length`` um that figures are over, with its model; whether it ``holds_start`` of the motion."""
 
     model: Model
@@ -58,22 +58,22 @@ class Stretch:
     holds_start: bool = False
 
     @classmethod
-    def after_start(cls, model: Model, ticks: int) -> "Stretch":
-        """Return a stationary stretch of a run, of a number of ticks."""
+    def after_start(cls, model: Model, ticks: int) -> "Span":
+        """Return a stationary span of a run, of a number of ticks."""
         return cls(over_ticks(model, max(ticks, 2), model.tick), ticks * model.tick)
 
 
-Errors = Callable[[Stretch], dict[str, float]]
-"""Returns standard errors over a stretch, by moment."""
+Errors = Callable[[Span], dict[str, float]]
+"""Returns standard errors over a span, by moment."""
 
 
-def _area_errors(stretch: Stretch) -> dict[str, float]:
+def _area_errors(span: Span) -> dict[str, float]:
     """Return the errors of four moments; of two for births known to second order, of one for regular births.
 
     Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, plus the part of single junctions, times the cube
     of the dispersion if births come in bunches, as fourth cumulants of a bunch grow.
     """
-    record = stretch.model
+    record = span.model
     if are_at_random(record):
         found = standard_errors(record)
         return {name: getattr(found, name) for name in ("mean", "std", "skewness", "excess_kurtosis")}
@@ -85,9 +85,9 @@ def _area_errors(stretch: Stretch) -> dict[str, float]:
     return {"mean": mean_area_error(record), "std": sqrt(square) / (2.0 * area_cumulants(record).std)}
 
 
-def _count_errors(stretch: Stretch) -> dict[str, float]:
+def _count_errors(span: Span) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, variance: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2."""
-    record = stretch.model
+    record = span.model
     if not are_at_random(record):
         return {"mean": mean_count_error(record)}
     lags, weights = lag_rule(record)
@@ -95,11 +95,11 @@ def _count_errors(stretch: Stretch) -> dict[str, float]:
     return {"mean": mean_count_error(record), "variance": sqrt(float(weights @ (shared + 2.0 * shared**2)))}
 
 
-def _force_errors(stretch: Stretch) -> dict[str, float]:
+def _force_errors(span: Span) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, spread: Cov = E[psi^4] kappa_22 + 2 (E[psi^2] kappa_11)^2."""
-    record = stretch.model
+    record = span.model
     if record.separation is not None:
-        found = _load_errors(stretch)
+        found = _load_errors(span)
         return {"mean": found["force_mean"], "std": found["force_std"]}
     if not are_at_random(record):
         return {"mean": mean_force_error(record)}
@@ -109,16 +109,16 @@ def _force_errors(stretch: Stretch) -> dict[str, float]:
     return {"mean": mean_force_error(record), "std": sqrt(square) / (2.0 * force_cumulants(record).std)}
 
 
-def _motion_errors(stretch: Stretch) -> dict[str, float]:
-    record = stretch.model
+def _motion_errors(span: Span) -> dict[str, float]:
+    record = span.model
     if not are_at_random(record) and not record.is_two_way:
-        return {"mean": mean_displacement_error(record, stretch.length)}
-    errors = (weak_motion_errors if record.is_two_way else motion_errors)(record, stretch.length)
+        return {"mean": mean_displacement_error(record, span.length)}
+    errors = (weak_motion_errors if record.is_two_way else motion_errors)(record, span.length)
     return {"mean": errors.mean_displacement, "std": errors.displacement_std, "speed": errors.velocity_std}
 
 
-def _load_errors(stretch: Stretch) -> dict[str, float]:
-    errors = load_errors(stretch.model, stretch.length, from_start=stretch.holds_start)
+def _load_errors(span: Span) -> dict[str, float]:
+    errors = load_errors(span.model, span.length, from_start=span.holds_start)
     return {name: getattr(errors, name) for name in errors.__slots__}
 
 
@@ -249,8 +249,8 @@ KEPT: Final = {figure.name: figure for figure in FIGURES if figure.kept}
 
 # A comparison.
 @lru_cache(maxsize=32)
-def _errors(errors: Errors, stretch: Stretch) -> dict[str, float]:
-    return errors(stretch)
+def _errors(errors: Errors, span: Span) -> dict[str, float]:
+    return errors(span)
 
 
 def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
@@ -260,8 +260,8 @@ def moments(seen: MeasuredRun, *columns: tuple[str, str]) -> Iterator[Finding]:
         found = seen.moments.get(figure.column)
         if figure.powers is None or figure.column not in columns or found is None or not found.count:
             continue
-        stretch = Stretch.after_start(model, found.count)
-        errors, length = _errors(figure.errors, stretch), stretch.length
+        span = Span.after_start(model, found.count)
+        errors, length = _errors(figure.errors, span), span.length
         if figure.error not in errors:
             continue
         value, exact = getattr(found, figure.moment), figure.exact(model)
@@ -325,7 +325,7 @@ def _error_over_all(model: Model, figure: Figure) -> float | None:
         decays = decays_of(model, moving)
         if decays is None or decays < FEWEST_DECAYS:
             return None
-    return _errors(figure.errors, Stretch(model, model.distance, holds_start=True)).get(figure.error)
+    return _errors(figure.errors, Span(model, model.distance, holds_start=True)).get(figure.error)
 
 
 def expected_figure(model: Model, name: str) -> float:

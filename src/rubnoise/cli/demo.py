@@ -41,6 +41,7 @@ def command(
 
     Example: rubnoise demo
     """
+    from rubnoise.cli.page import lesson_page, report_page, view_page
     from rubnoise.storage.output import whole_file
 
     _make(folder)
@@ -49,7 +50,8 @@ def command(
         announce_compilation()
     with rubnoise.run(SCENARIO, result, force=True, command=["rubnoise", "demo"]) as run:
         run.plot().savefig(picture, dpi=150)
-    for path, text in zip(pages, _pages(result), strict=True):
+    texts = (view_page(result)[0], report_page(result), lesson_page(Path(SCENARIO)))
+    for path, text in zip(pages, texts, strict=True):
         with whole_file(path, force=True) as part:
             part.write_text(text, encoding="utf-8")
     if not quiet:
@@ -57,22 +59,6 @@ def command(
     if not no_open and _has_browser():
         for path in pages:
             webbrowser.open(path.resolve().as_uri())
-
-
-def _pages(result: Path) -> tuple[str, str, str]:
-    """Return the texts of the page to explore a result, of its report, and of the lesson about its scenario."""
-    from rubnoise.cli.loading import finished_run
-    from rubnoise.cli.progress import stoppable
-    from rubnoise.figures.stretch import Stretch
-    from rubnoise.lesson.page import page
-    from rubnoise.lesson.settings import settings_of
-    from rubnoise.pages.report import run_report
-    from rubnoise.pages.run_view import RunView
-
-    scenario = rubnoise.example(SCENARIO)
-    with stoppable() as between, finished_run(result) as file:
-        view = RunView.of(Stretch.of(file), str(result)).page()
-        return view, run_report(file, between), page(scenario.title, settings_of(scenario))
 
 
 def _make(folder: Path) -> None:

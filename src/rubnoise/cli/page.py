@@ -18,7 +18,7 @@ from rubnoise.regular_file import is_folder
 Ends = tuple[float | None, float | None]
 
 
-class Form(StrEnum):
+class PageForm(StrEnum):
     """What a page is for."""
 
     VIEW = "view"
@@ -37,7 +37,7 @@ def command(
     ] = None,
     *,
     form: Annotated[
-        Form | None,
+        PageForm | None,
         typer.Option(
             "--as",
             help="view (to explore; default of a result), report (to send and print), or lesson (for a class).",
@@ -80,42 +80,42 @@ def command(
     print(sentence(f"{path}: {what}{size(path.stat().st_size)}; a browser opens it, with or without a network"))
 
 
-def _usual_form(sources: Sequence[Path]) -> Form:
-    """Return what a page of a source is for if nobody says it: a lesson of a scenario, a view of the rest."""
+def _usual_form(sources: Sequence[Path]) -> PageForm:
+    """Return the default form of a page: a lesson of a scenario, a view of results and sweeps."""
     from rubnoise.cli.loading import is_result
 
     runs = (is_folder(each) or is_result(each) or each.suffix.lower() == ".h5" for each in sources)
-    return Form.VIEW if sources and all(runs) else Form.LESSON
+    return PageForm.VIEW if sources and all(runs) else PageForm.LESSON
 
 
-def _usual_name(sources: Sequence[Path], form: Form) -> str:
-    if form == Form.LESSON:
+def _usual_name(sources: Sequence[Path], form: PageForm) -> str:
+    if form == PageForm.LESSON:
         return "lesson.html"
     name = "_".join(Path(realpath(each)).stem for each in sources)
-    return f"{name}_report.html" if form == Form.REPORT else f"{name}.html"
+    return f"{name}_report.html" if form == PageForm.REPORT else f"{name}.html"
 
 
-def _check(sources: Sequence[Path], form: Form, ends: Ends) -> None:
+def _check(sources: Sequence[Path], form: PageForm, ends: Ends) -> None:
     """Raise BadParameter if a form of page cannot be made of the sources."""
     if len(sources) > 2:
         raise typer.BadParameter("a page shows one result, or two side by side")
-    if len(sources) == 2 and (form != Form.VIEW or any(map(is_folder, sources))):
+    if len(sources) == 2 and (form != PageForm.VIEW or any(map(is_folder, sources))):
         raise typer.BadParameter("only two results are shown side by side, with --as view")
-    if not sources and form != Form.LESSON:
+    if not sources and form != PageForm.LESSON:
         raise typer.BadParameter(f"--as {form} needs a result: rubnoise page RUN.h5 --as {form}")
-    if ends != (None, None) and (form != Form.VIEW or is_folder(sources[0])):
+    if ends != (None, None) and (form != PageForm.VIEW or is_folder(sources[0])):
         raise typer.BadParameter("--from and --to are for the view of a run")
 
 
-def _written(sources: Sequence[Path], form: Form, ends: Ends) -> tuple[str, str]:
+def _written(sources: Sequence[Path], form: PageForm, ends: Ends) -> tuple[str, str]:
     """Return the text of a page, and what the command says about it."""
-    if form == Form.LESSON:
-        return _lesson(sources[0] if sources else Path("first/rubbing")), ""
-    if form == Form.REPORT:
-        return _report(sources[0]), ""
+    if form == PageForm.LESSON:
+        return lesson_page(sources[0] if sources else Path("first/rubbing")), ""
+    if form == PageForm.REPORT:
+        return report_page(sources[0]), ""
     if is_folder(sources[0]):
         return _sweep(sources[0])
-    views = [_view(each, ends) for each in sources]
+    views = [view_page(each, ends) for each in sources]
     if len(views) == 1:
         return views[0]
     from rubnoise.pages.page import side_by_side
@@ -123,7 +123,8 @@ def _written(sources: Sequence[Path], form: Form, ends: Ends) -> tuple[str, str]
     return side_by_side(dict(zip(map(str, sources), (text for text, _ in views), strict=True))), "two runs, "
 
 
-def _view(file: Path, ends: Ends) -> tuple[str, str]:
+def view_page(file: Path, ends: Ends = (None, None)) -> tuple[str, str]:
+    """Return a page to explore a result, and which stretch of it has every tick."""
     from rubnoise.cli.loading import finished_run
     from rubnoise.figures.stretch import Stretch
     from rubnoise.pages.run_view import RunView
@@ -140,7 +141,8 @@ def _sweep(folder: Path) -> tuple[str, str]:
         return sweep_page(sweep, str(folder)), f"{sweep.count('done'):,} runs, "
 
 
-def _report(file: Path) -> str:
+def report_page(file: Path) -> str:
+    """Return the report of a result or of a sweep."""
     from rubnoise.cli.loading import finished_run
     from rubnoise.cli.progress import stoppable
     from rubnoise.pages.report import run_report, sweep_report
@@ -153,7 +155,7 @@ def _report(file: Path) -> str:
             return run_report(run, between)
 
 
-def _lesson(source: Path) -> str:
+def lesson_page(source: Path) -> str:
     """Return a lesson about a scenario; of a finished result its junctions are replayed."""
     from rubnoise.cli.loading import finished_run, is_result, scenario_of
     from rubnoise.lesson.page import page, record_of

@@ -70,6 +70,7 @@ def command(
     report: Annotated[Path | None, typer.Option(help="Write a page with maps and curves.", metavar="HTML")] = None,
     as_json: AsJson = False,
     force: ReplaceFiles = False,
+    # Read before the command is chosen (`app.py`); here it is for --help alone.
     _synthesise: Annotated[
         bool,
         typer.Option(

@@ -1,7 +1,7 @@
 """`rubnoise theory`: exact values of a scenario without a run, as text, CSV, JSON or a picture."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -9,9 +9,6 @@ from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, Changes, ReplacePlot
 from rubnoise.cli.plot import check_picture, write_picture
 from rubnoise.errors import Refused
-
-if TYPE_CHECKING:
-    pass
 
 
 def command(

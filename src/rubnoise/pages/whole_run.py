@@ -1,4 +1,4 @@
-"""Statistics of a whole run in its page: spectrum and histogram of each quantity, and how often the slider is where."""
+"""Statistics of a whole run in its page: spectra and histograms, and the time spent in each part of the phase plane."""
 
 from collections.abc import Mapping
 from typing import Any, Final

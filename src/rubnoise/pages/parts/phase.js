@@ -1,4 +1,4 @@
-/* The phase plane: velocity over displacement of the window, or how often the whole run is where. */
+/* The phase plane: velocity over displacement of the window, or the time that the whole run spends in each cell. */
 "use strict";
 (() => {
   const MOST = 20000;
