@@ -99,8 +99,7 @@ def sweep_table_as_json(sweep: "Sweep") -> dict[str, Any]:
 
 
 def _point(values: dict[str, Any], scenario: Any) -> dict[str, Any]:
-    from rubnoise.theory.cumulants import area_cumulants
-    from rubnoise.theory.live_count import expected_junction_rows
+    from rubnoise.theory.moments import area_cumulants, expected_junction_rows
 
     model = scenario.model()
     area = area_cumulants(model)
