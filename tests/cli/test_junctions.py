@@ -32,16 +32,20 @@ def lives(here: Path) -> Path:
 EARLY = """\
 l.h5: junction 3 of 0 to 7, ended early
 
-  birth                             4 um         0.004 s
-  mid-life    not reached
-  death                             8 um         0.008 s
-  life                              4 um         0.004 s
-
-  diameter                          5 um
-  area at full overlap       19.63495 um^2
+junction
+  state                           ended_early
+  birth distance                  4 um
+  birth time                      0.004 s
+  mid life distance: not reached
+  death distance                  8 um
+  death time                      0.008 s
+  life distance                   4 um
+  diameter                        5 um
+  max area                        19.63495 um^2
   shear strength                  300 MPa
 
-at its peak, just before it was ended, 8 um
+peak
+  distance                        8 um (just before it was ended)
 """
 
 
@@ -49,22 +53,24 @@ def test_a_life_is_told_in_words_and_numbers(lives: Path) -> None:
     answer = call("junction", "l.h5", "3")
     assert (answer.code, answer.err) == (0, "")
     assert answer.out.startswith(EARLY)
-    assert "  its area                   14.66849 um^2   " in answer.out
-    assert answer.out.endswith("  alive beside it: 3, row numbers\n    2, 4, 5\n")
+    assert "  area                            14.66849 um^2\n" in answer.out
+    assert answer.out.endswith("  others alive                    2, 4, 5 (row numbers)\n")
 
 
 def test_json_is_one_object_with_everything(result: Path) -> None:
     answer = call("junction", "x.h5", "40", "--json")
     assert (answer.code, answer.err) == (0, "")
-    told = json.loads(answer.out, parse_constant=pytest.fail)
+    told = answer.values()
     with open_run(result) as run:
         row = run.junction(40)
         rows = len(run.junctions)
-    assert (told["junction"], told["rows"], told["state"]) == (40, rows, ["complete"])
+    assert f"junction 40 of 0 to {rows - 1}, a complete life" in answer.json()["title"]
+    life = told["junction"]
+    assert life["state"] == ["complete"]
     for name in ("birth_distance", "death_distance", "diameter", "max_area", "shear_strength", "birth_time"):
-        assert told[name] == getattr(row, name)
-    assert told["mid_life_distance"] == row.birth_distance + row.diameter == told["peak"]["distance"]
-    assert told["mid_life_time"] == pytest.approx(told["mid_life_distance"] / 1000.0, rel=1e-13)
+        assert life[name] == getattr(row, name)
+    assert life["mid_life_distance"] == row.birth_distance + row.diameter == told["peak"]["distance"]
+    assert life["mid_life_time"] == pytest.approx(life["mid_life_distance"] / 1000.0, rel=1e-13)
     assert told["peak"]["force"] == pytest.approx(250.0 * told["peak"]["area"])
     assert told["peak"]["area_share"] == pytest.approx(told["peak"]["force_share"], rel=1e-13)
     assert 40 not in told["peak"]["others_alive"]
@@ -95,11 +101,10 @@ def test_a_number_out_of_range_gets_one_line_with_the_range(lives: Path, number:
 TABLE = """\
 l.h5: 3 of 8 junctions
 
-  junction  birth_distance  diameter  max_area  state
-                        um        um      um^2
-         3               4         5  19.63495  ended_early
-         5               6         5  19.63495  ended_early
-         4               6         4  12.56637  ended_early
+  junction  birth_distance (um)  diameter (um)  max_area (um^2)        state
+         3                    4              5         19.63495  ended_early
+         5                    6              5         19.63495  ended_early
+         4                    6              4         12.56637  ended_early
 """
 
 
@@ -144,8 +149,5 @@ def test_json_stays_json_whatever_a_damaged_file_holds(lives: Path) -> None:
     with h5py.File(lives, "r+") as file:
         file["junctions/diameter"][1], file["junctions/max_area"][2] = np.nan, np.inf
     rows = json.loads(call("junctions", "l.h5", "--json").out, parse_constant=pytest.fail)["junctions"]
-    assert [(row["diameter"], row["max_area"] is None) for row in rows[:3]] == [
-        (5.0, False),
-        (None, False),
-        (6.0, True),
-    ]
+    assert rows["diameter"][:3] == [5.0, None, 6.0]
+    assert [value is None for value in rows["max_area"][:3]] == [False, False, True]

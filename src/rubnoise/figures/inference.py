@@ -22,7 +22,7 @@ _STYLE = (
 )
 
 
-def page(found: InferenceResult, name: str, lines: list[str]) -> str:
+def page(found: InferenceResult, name: str, text: str) -> str:
     """Return a page of HTML that needs no network: the texts of the command, and five pictures."""
     with house_style():
         picture = as_bytes(_drawn(found), "svg").decode("utf-8")
@@ -31,7 +31,7 @@ def page(found: InferenceResult, name: str, lines: list[str]) -> str:
         f"<li>{'<strong>flagged</strong>: ' if test.flagged else ''}{escape(test.words)}</li>" for test in found.tests
     )
     title = f"Junctions behind {name}"
-    body = f"<h1>{escape(title)}</h1><pre>{escape(chr(10).join(lines))}</pre>{picture}<h2>Tests</h2><ul>{tests}</ul>"
+    body = f"<h1>{escape(title)}</h1><pre>{escape(text)}</pre>{picture}<h2>Tests</h2><ul>{tests}</ul>"
     return web_page(body, title=title, styles=[_STYLE])
 
 
