@@ -259,10 +259,12 @@
     return chart;
   };
 
-  const around = (fromZero) => (_, low, high) => {
+  /** The ends of an axis about its values; beside another run they are those of both. */
+  const around = (fromZero, name) => (_, low, high) => {
     const [bottom, top] = [fromZero ? Math.min(0, low ?? 0) : (low ?? -1), high ?? 1];
     const margin = 0.06 * (top - bottom || 1);
-    return [fromZero && bottom === 0 ? 0 : bottom - margin, top + margin];
+    const range = [fromZero && bottom === 0 ? 0 : bottom - margin, top + margin];
+    return parent.shared ? parent.shared(window, name, range) : range;
   };
 
   /** Make a chart for each curve that the run has. */
@@ -276,7 +278,7 @@
       const timed = keyOf(group) === "time";
       const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [drawSticks] : [drawFlights, drawLife, drawMark])];
       const chart = view.newChart(place, {
-        label, name: curveOf(group, name).replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
+        label, name: curveOf(group, name).replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero, curveOf(group, name)),
         data: curve(group, name, view.window.from, view.window.to),
         hooks: { drawClear: before, draw: name === "displacement" ? [drawTurns] : group === "load" && name === "velocity" ? [drawImpacts] : [], setCursor: [(one) => view.pointed(one, timed)] },
       });
@@ -286,7 +288,7 @@
     const all = () => curve("trace", "real_contact_area", 0, data.distance);
     const overview = new uPlot({
       width: place.clientWidth, height: 96, legend: { show: false },
-      scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true) } },
+      scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true, "overview") } },
       axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 86 }],
       series: [{}, { stroke: () => ink("curve"), width: 1, points: { show: false } }],
       cursor: { show: false },
