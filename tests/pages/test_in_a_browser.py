@@ -304,6 +304,10 @@ def test_two_runs_side_by_side_share_their_window(
         second = frames[1].evaluate("[view.window.from, view.window.to]")
         assert second != first
         frames[0].wait_for_function(f"view.window.from === {second[0]} && view.window.to === {second[1]}")
+        for frame in frames:
+            frame.wait_for_function("document.querySelectorAll('.chart').length > 0")
+        scale = "view.pixelOf('trace', 'real_contact_area')"
+        frames[0].wait_for_function(f"{scale} === {frames[1].evaluate(scale)}")
 
 
 @pytest.mark.parametrize(

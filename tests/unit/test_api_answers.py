@@ -165,9 +165,9 @@ def test_what_is_no_axes_is_refused(record: rubnoise.Record, ax: Any) -> None:
     ("words", "told"),
     [
         ({"what": "force"}, "no picture of a run; there are trace, lives"),
-        ({"what": "trace", "of": "velocity"}, 'is for "psd"'),
+        ({"what": "trace", "of": "velocity"}, "of is for psd"),
         ({"what": "psd", "of": "speed"}, "no such spectrum"),
-        ({"what": "trace", "beside": 1}, 'another run goes with "slider"'),
+        ({"what": "trace", "beside": rubnoise.simulate("paper/fig4")}, "beside: another run is for slider"),
         ({"what": "trace", "start": 100.0, "stop": 50.0}, "nothing lies in 100 to 50 um"),
         ({"what": "trace", "start": "0.1 mm", "stop": "50 um"}, "nothing lies in 100 to 50 um"),
         ({"what": "trace", "start": "1 s"}, "start=: 1 s: .*a length is needed"),

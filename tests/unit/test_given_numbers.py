@@ -186,7 +186,7 @@ def test_a_column_of_a_run_has_its_place_and_its_unit() -> None:
         ({"what": "slider"}, r"right form: beside=rubnoise\.open\("),
         ({"what": "psd", "of": "velocity"}, r"right form: beside=rubnoise\.open\("),
         ({"what": "psd"}, r"right form: beside=rubnoise\.Trace\(rubnoise\.open\("),
-        ({"what": "trace"}, 'a trace of yours goes with "psd", another run with "slider"'),
+        ({"what": "trace"}, r"right form: beside=rubnoise\.open\("),
     ],
 )
 def test_the_path_of_a_result_beside_a_picture_is_told_what_goes(

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.api.running import simulate
 from rubnoise.figures.surface import contact_picture
-from rubnoise.pages.page import HERE, coded, written
+from rubnoise.pages.page import coded, written
 from rubnoise.scenario import loads
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
@@ -38,7 +38,7 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
         f'<audio controls src="data:audio/wav;base64,{sound}"></audio></section>'
         f"<h2>Scenario</h2><pre>{escape(contact.scenario_text(**scenario))}</pre></main>"
     )
-    return web_page(body, title=title, styles=[part(HERE, "report.css")])
+    return web_page(body, title=title, styles=[part("rubnoise.figures", "report.css")])
 
 
 def _sound(contact: SlidingContact) -> tuple[str, str]:
