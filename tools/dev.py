@@ -38,7 +38,7 @@ GROUPS = {
 }
 """The groups of dependencies in pyproject.toml that each command needs beside what rubnoise itself needs."""
 GUARDS = {
-    "times": ("check_times.py", "5 minutes: no everyday case is slow; --add lists those that are, --write all anew"),
+    "times": ("check_times.py", "5 minutes: no everyday case is slow; with --all, an hour: no slow one is fast"),
     "faults": ("mutants.py", "2 hours: each of the faults put into a copy of the program is noticed"),
     "kills": ("survive.py", "minutes: after kills and on full disks nothing is lost"),
     "damage": ("fuzz_results.py", "10 minutes: damaged results get a sentence"),

@@ -16,6 +16,8 @@ from bench.measure import AREAS, FULL, QUICK, RUNS, Entrant, Results
 from bench.page import page
 from bench.peers import naive_numpy
 
+pytestmark = pytest.mark.slow
+
 # The benchmark's judge: a right result passes, and one that is a little wrong does not.
 HERE = [each for each in (*RUNS, *AREAS) if each.module != "peers.superposed"]
 """That peer's library is in the benchmark's environment only."""

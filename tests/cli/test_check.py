@@ -87,6 +87,7 @@ COUPLED_OTHERWISE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "changes"), COUPLED_OTHERWISE)
 def test_a_coupling_strength_is_for_births_at_random_at_constant_separation(
     name: str, changes: tuple[str, ...], here: Path
@@ -160,6 +161,7 @@ def test_every_file_is_reported_and_one_broken_file_is_enough_for_a_refusal(here
     assert sorted(told.json()["refused"]) == ["broken.toml", "missing.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenario", [SLIDER, SHORT], ids=["with slider", "contact alone"])
 def test_the_size_of_the_file_is_foreseen(here: Path, scenario: Path) -> None:
     longer = ("--set", "sliding.distance=20 mm")

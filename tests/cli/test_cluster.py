@@ -66,6 +66,7 @@ def file(here: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, Processes]) -> None:
     answer = spawn("sweep", file, "-o", "afar", "--cluster", scheduler[0])
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
@@ -73,6 +74,7 @@ def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, P
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
+@pytest.mark.slow
 def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (_, worker, _) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
@@ -83,6 +85,7 @@ def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, schedu
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
+@pytest.mark.slow
 def test_a_sweep_whose_scheduler_is_killed_is_resumed(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (boss, *workers) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
@@ -103,6 +106,7 @@ LATER = (
 )
 
 
+@pytest.mark.slow
 def test_workers_of_another_version_get_no_work(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, _ = scheduler
     options = ("--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard")
@@ -238,6 +242,7 @@ def _target(entry: Path) -> str:
 LOOPBACK = "0100007F"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
 def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
     _, processes = started.cluster(tls=False)
@@ -256,6 +261,7 @@ def _swept(words: list[str], address: str = "") -> list[str]:
 needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the keys, is missing")
 
 
+@pytest.mark.slow
 @needs_openssl
 def test_a_sweep_over_tls_gives_the_same_bits(started: Dask, monkeypatch: pytest.MonkeyPatch) -> None:
     line = next(line for line in LINES if line.startswith("openssl"))

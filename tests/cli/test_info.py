@@ -70,6 +70,7 @@ def data_of(path: Path) -> dict[str, object]:
     return data
 
 
+@pytest.mark.slow
 def test_without_a_file_it_is_about_a_first_contact(here: Path) -> None:
     answer = call("teach")
     assert (answer.code, answer.err) == (0, "")
@@ -81,6 +82,7 @@ def test_without_a_file_it_is_about_a_first_contact(here: Path) -> None:
     assert data["record"] is None
 
 
+@pytest.mark.slow
 def test_a_scenario_sets_the_knobs(here: Path) -> None:
     assert call("teach", "../given/contact.toml", "-o", "page.html").code == 0
     data = data_of(here / "page.html")

@@ -231,6 +231,7 @@ def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:
     assert _printed({"curve": np.array([1.0, inf])}) == {"curve": [1.0, None]}
 
 
+@pytest.mark.slow
 def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:
     seen: set[tuple[str, ...]] = set()
     assert [breach for section, answer in answers for breach in breaches(answer, section, seen)] == []
@@ -245,6 +246,7 @@ def test_every_row_of_the_page_is_understood() -> None:
     assert {each.kind for section in SECTIONS.values() for each in section} <= {*TYPES, *SECTIONS}
 
 
+@pytest.mark.slow
 def test_figures_are_named_on_the_page(answers: list[tuple[str, Any]]) -> None:
     told = " ".join(PAGE.split())
     for name in {name for _, answer in answers for name in answer.get("summary", ())}:
@@ -253,6 +255,7 @@ def test_figures_are_named_on_the_page(answers: list[tuple[str, Any]]) -> None:
         assert f"`{name}`" in told or shared, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -77,6 +77,7 @@ def test_csv_of_a_bare_run_has_distance_and_area(here: Path) -> None:
     assert call("junction", "bare.h5", "2", "--csv").out.startswith("distance_um,area_um2\n2.0,0.0\n")
 
 
+@pytest.mark.slow
 def test_a_picture_has_a_name_of_its_own_or_a_given_one(lives: Path, here: Path) -> None:
     assert call("junction", "l.h5", "2", "--plot").out == "l_junction2.png\n"
     assert call("junction", "l.h5", "2", "life.png", "--plot").code == 0

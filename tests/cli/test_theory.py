@@ -41,6 +41,7 @@ def _rows(name: str, *, every: int = 1) -> list[dict[str, Any]]:
     return found[::every]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [*_rows("moments.json", every=5), _rows("moments.json")[-1]])
 def test_moments_are_those_computed_elsewhere(here: Path, row: dict[str, Any]) -> None:
     found = told(CONTACT, *_as_scenario(row), "--at-lag", "0", "--at-area", "1", "--at-wavenumber", "1")
@@ -136,6 +137,7 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     assert "\nestimated_spectrum,segments,,99999," in table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["t.png", "t.pdf", "t.svg"])
 def test_it_is_drawn(here: Path, name: str) -> None:
     pytest.importorskip("matplotlib")

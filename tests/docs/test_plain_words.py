@@ -156,6 +156,7 @@ def test_a_dead_link_is_found() -> None:
 # The reference pages say what the code says.
 
 
+@pytest.mark.slow("design.md")
 @pytest.mark.parametrize("page", generate_docs.PAGES)
 def test_generated_parts_are_those_of_the_code(page: str) -> None:
     text = generate_docs.read(page)

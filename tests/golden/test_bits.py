@@ -61,6 +61,7 @@ def test_one_bit_changes_a_hash() -> None:
     assert changed == [("trace", "real_contact_area")]
 
 
+@pytest.mark.slow
 def test_kernels_for_a_plain_processor_give_the_same_values(tmp_path: Path) -> None:
     """Compiled without vectors of eight and without an instruction that multiplies and adds at once."""
     plain = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(tmp_path)}
@@ -82,6 +83,7 @@ TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
 """One setting of each kind, in one process every day; --all tries each setting alone."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "names",
     [
@@ -119,11 +121,13 @@ def in_plain_arithmetic(*command: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_every_law_has_its_golden_bits() -> None:
     assert draws() == EXPECTED_DRAWS
     assert len(set(EXPECTED_DRAWS.values())) == len(EXPECTED_DRAWS) - 1  # one size alone is the same among the living
 
 
+@pytest.mark.slow
 def test_no_bit_depends_on_the_instructions_of_the_processor() -> None:
     assert json.loads(in_plain_arithmetic("-m", "tests.golden.hashes", "draws")) == EXPECTED_DRAWS
 

@@ -93,6 +93,7 @@ def bomb(path: Path, *, rows: int, told: int) -> None:
     path.write_bytes(head + struct.pack("<II", 15, len(packed)) + packed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rows", "told"), [(1 << 25, 1 << 25), (1 << 25, 100), (1 << 20, 1 << 27)])
 def test_a_matlab_file_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, rows: int, told: int) -> None:
     path = tmp_path / "a.mat"
@@ -102,6 +103,7 @@ def test_a_matlab_file_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, rows
         read_measured(path)
 
 
+@pytest.mark.slow
 def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.mat"
     for content, problem in (

@@ -50,6 +50,7 @@ def test_a_unit_is_a_force_an_area_or_a_voltage(unit: Any, scale: float | None) 
     assert is_area == (unit == "um^2")
 
 
+@pytest.mark.slow
 def test_quantities_of_pint_are_those_of_texts() -> None:
     want = inferred(strength="250 MPa", mask="50 Hz")
     rate = UNITS.Quantity(1000.0 / MADE.tick, "Hz")
@@ -109,6 +110,7 @@ def test_what_is_refused_is_called_by_its_keyword(keyword: str, value: Any, prob
     assert len(text) <= 400
 
 
+@pytest.mark.slow
 def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.csv"
     rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
@@ -141,6 +143,7 @@ def test_the_page_shows_the_data() -> None:
     assert len(covered) == 37  # every cell, and all right ones together
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

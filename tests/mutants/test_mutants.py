@@ -25,6 +25,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return mutants.copy_into(tmp_path_factory.mktemp("copy"))
 
 
+@pytest.mark.slow
 def test_every_fault_still_applies_to_the_program() -> None:
     for mutant in MUTANTS:
         for path, text in mutants.applied(mutant, TEXTS).items():
@@ -40,6 +41,7 @@ def test_every_fault_has_a_name_of_its_own_and_a_test_that_exists() -> None:
         assert (ROOT / file).is_file()
 
 
+@pytest.mark.slow
 def test_faults_lie_in_every_room() -> None:
     folders = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
     touched = {path.relative_to(PACKAGE).parts[0] for m in MUTANTS for path in mutants.applied(m, TEXTS)}
@@ -62,12 +64,14 @@ def test_a_text_that_is_not_there_once_is_refused(text: str) -> None:
         mutants.applied(Mutant("nowhere", (Edit(text, ""),), TICKS), TEXTS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mutant", mutants.tenth("today", MUTANTS), ids=lambda mutant: mutant.name)
 def test_each_fault_whose_turn_it_is_is_noticed(copy: Path, mutant: Mutant) -> None:
     verdict = mutants.judged(mutant, copy)
     assert verdict.killed, verdict.evidence
 
 
+@pytest.mark.slow
 def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
     harmless = Mutant("another comment", (Edit(TITLE, "# a comment"),), TICKS)
     assert mutants.judged(harmless, copy).evidence == "survives"
@@ -78,6 +82,7 @@ def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
     assert (copy / "src" / "rubnoise" / "model.py").read_text() == (PACKAGE / "model.py").read_text()
 
 
+@pytest.mark.slow
 def test_columns_that_differ_are_no_long_work_in_a_service(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CI", "true")
     test = copy / "tests" / "test_columns.py"

@@ -87,6 +87,7 @@ def test_track_and_slider_may_change_places():
     assert one.birth_rate == pytest.approx(other.birth_rate, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_one_map_says_what_its_spectrum_says():
     """A periodogram scatters; what this adds to squares is taken away. The raw frozen share is too large."""
     rng = np.random.default_rng(5)
@@ -103,6 +104,7 @@ def test_one_map_says_what_its_spectrum_says():
     assert np.mean(raw) - exact.frozen_share > 4 * error
 
 
+@pytest.mark.slow
 def test_two_paraboloids_make_one_parabolic_life():
     """Radius R, peak overlap delta: A(s) = pi R (delta - s^2/(4 R)), life 4 sqrt(R delta); a pass off by b has less."""
     x = np.arange(256.0)[:, None] - 128
@@ -119,6 +121,7 @@ def test_two_paraboloids_make_one_parabolic_life():
         assert np.abs(found.total - exact).max() < 0.03 * pi * radius * peak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.03, 0.01, 0.003])
 def test_theory_holds_against_brute_force(share):
     """24 pairs of maps: area, number, and variances within one run and between sliders; 6 of them for births."""
@@ -145,6 +148,7 @@ def test_theory_holds_against_brute_force(share):
     assert abs(np.mean(counts) - steeper) > 4 * scatter(counts) + 0.02 * steeper
 
 
+@pytest.mark.slow
 def test_theory_knows_the_direction_of_a_ground_surface():
     """Waves three times as long across as along: births and number by brute force, and the turned pair is rejected."""
     rng, power = np.random.default_rng(8), spectrum(0.8, across=3.0)
@@ -158,6 +162,7 @@ def test_theory_knows_the_direction_of_a_ground_surface():
     assert abs(np.mean(births) - other.birth_rate) > 4 * error + 0.1 * other.birth_rate
 
 
+@pytest.mark.slow
 def test_forms_are_removed():
     x, y = np.meshgrid(np.arange(80) * 0.5, np.arange(120) * 0.4, indexing="ij")
     rough = 0.01 * np.random.default_rng(2).normal(size=x.shape)
@@ -201,6 +206,7 @@ def synthetic(seed, **more):
     return rubnoise.Surface.synthesise(**{"points": 512, "rolloff": "64 um", "cutoff": "8 um", "seed": seed, **more})
 
 
+@pytest.mark.slow
 def test_the_scenario_has_the_area_and_the_number_of_the_surfaces():
     found = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
     assert found.refused == ()
@@ -313,6 +319,7 @@ def test_arrays_and_their_faults():
         contact_of(*2 * [HeightMap(heights=np.ones((64, 64)), spacing=(1.0, 1.0))], cutoff=4.0)
 
 
+@pytest.mark.slow
 def test_maps_of_different_grids_meet_on_the_sliders():
     whole = synthetic(3, cutoff="16 um").map
     coarse = HeightMap(heights=whole.heights[::2, ::2].copy(), spacing=(2.0, 2.0), name="coarse")
@@ -483,6 +490,7 @@ COUNTED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "rows"), COUNTED)
 def test_patches_of_measured_scans(name, rows):
     pytest.importorskip("SurfaceTopography")

@@ -15,6 +15,8 @@ from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter
 from tests.frozen import examples
 
+pytestmark = pytest.mark.slow
+
 pytestmark = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the scripts read what Linux tells")
 KILLED = (
     Story(name="events with slider", sections=SLIDER, engine="events", distance="10 mm", tick="1 um"),

@@ -52,6 +52,7 @@ def test_a_saved_record_is_the_run_that_run_writes(record: rubnoise.Record, path
     record.save(tmp_path / "saved.h5", force=True).close()
 
 
+@pytest.mark.slow
 def test_a_right_run_passes_in_a_file_and_in_memory(record: rubnoise.Record, path: Path) -> None:
     with rubnoise.open(path) as run:
         for each in (record, run):
@@ -68,6 +69,7 @@ def test_a_right_run_passes_in_a_file_and_in_memory(record: rubnoise.Record, pat
             assert "\npassed: " in repr(found)
 
 
+@pytest.mark.slow
 def test_a_run_of_another_contact_does_not_pass(record: rubnoise.Record) -> None:
     wrong = with_area(record, 1.5 * record.trace["real_contact_area"])
     answer = wrong.compare()

@@ -75,6 +75,7 @@ def raising_after(times: int) -> rubnoise.Observer:
     return rubnoise.Observer(birth=birth)
 
 
+@pytest.mark.slow
 def test_what_an_intervention_ends_is_ended_early_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
     with rubnoise.run(scenario, tmp_path / "x.h5", intervene=largest_goes) as run:
         ended = (run.junctions["state"][:] & JunctionState.ENDED_EARLY) > 0

@@ -167,6 +167,7 @@ def test_what_is_none_of_it_is_refused() -> None:
         rubnoise.expand(BASE)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
     scenario = rubnoise.load("paper/fig4").replace({"sliding.distance": "100 um"})
     sweep = rubnoise.sweep(scenario, replicates=1, jobs=1)
@@ -190,6 +191,7 @@ def test_a_sweep_without_a_folder_stays_as_long_as_its_copies() -> None:
     assert not folder.exists()
 
 
+@pytest.mark.slow
 def test_keys_of_a_sweep_go_by_their_last_words() -> None:
     small = BASE.replace(distance="20 um")
     grid = {"speed": ["500 um/s", "1 mm/s"], "mean_junction_count": [10, 20]}
@@ -340,6 +342,7 @@ def test_a_column_or_a_lag_that_there_is_not_is_refused() -> None:
         trace["c"]
 
 
+@pytest.mark.slow
 def test_a_record_is_laid_over_a_spectrum_at_its_own_height(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     record = rubnoise.simulate(rubnoise.example("paper/fig5").replace(distance="2 mm"))

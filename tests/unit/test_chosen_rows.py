@@ -246,6 +246,7 @@ def test_and_or_not_mean_what_they_mean_in_python(tree: Any) -> None:
     assert chosen.tolist() == [_truth(tree, row) for row in range(6)]
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60) | st.text(alphabet="()<>=! 0123456789.eandorntdiameterum*/^", max_size=60))
 def test_whatever_is_written_is_read_or_refused(text: str) -> None:
     with suppress(ConditionRefused):

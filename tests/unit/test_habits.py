@@ -9,6 +9,8 @@ import pytest
 
 import rubnoise
 
+pytestmark = pytest.mark.slow
+
 WORKS = """
 rubnoise.__version__
 rubnoise.Trace("trace.csv")

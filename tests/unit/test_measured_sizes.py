@@ -50,6 +50,7 @@ def test_a_file_is_its_values_and_their_hash(folder: Path) -> None:
     assert pinned.resolved() == found.resolved()
 
 
+@pytest.mark.slow
 def test_no_result_needs_the_file_again(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder.parent)
     monkeypatch.setenv("COLUMNS", "200")
@@ -68,6 +69,7 @@ def test_no_result_needs_the_file_again(folder: Path, monkeypatch: pytest.Monkey
         assert one.scenario.replace(seed=3).diameter == one.scenario.diameter
 
 
+@pytest.mark.slow
 def test_a_sweep_goes_over_files(folder: Path) -> None:
     (folder / "other.csv").write_text("diameter\n3\n9\n", encoding="utf-8")
     table = (
