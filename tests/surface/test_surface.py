@@ -274,27 +274,6 @@ def test_the_filter_of_the_load_is_that_of_the_theory_of_scenarios(speed, ratio)
     assert 0.5 < exact.velocity_std / ours.velocity_std < 1.0
 
 
-@pytest.mark.parametrize(
-    ("asked", "word"),
-    [
-        ({"load": "30 N"}, "nominal area"),
-        ({"load": "2 mN"}, "patches"),
-        ({"cutoff": "1 um"}, "cutoff="),
-        ({"cutoff": "300 um"}, "cutoff="),
-        ({"longest": "4 um"}, "longest="),
-        ({"load": "0 N"}, "load="),
-        ({"load": "300 N"}, "hardness times the nominal area"),
-        ({"cutoff": None}, "cutoff="),
-        ({"load": 2.0}, "load="),
-        ({"slider_length": "10 um"}, "slider_length="),
-    ],
-)
-def test_what_cannot_be_answered_is_refused_by_name(asked, word):
-    wanted = {"cutoff": "8 um", "load": "2 N", "hardness": "1 GPa", **asked}
-    with pytest.raises(rubnoise.Refused, match=word):
-        synthetic(1).slide(synthetic(2), **wanted).scenario_text()
-
-
 def contact_of(*scans, cutoff):
     """A contact with 1 % of the slider's area in contact."""
     length, width = scans[1].size

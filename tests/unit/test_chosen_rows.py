@@ -1,7 +1,6 @@
 """Rows of a result that are asked for: conditions, order, and how much of the file is read."""
 
 import operator
-import re
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -21,7 +20,7 @@ from rubnoise.analysis.selection import gather, select
 from rubnoise.analysis.where import LONGEST, ConditionRefused, condition
 from rubnoise.storage.format import LIBRARY_VERSIONS, complete, compose
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.schema import JUNCTIONS, TRACE, Dataset
+from rubnoise.storage.schema import JUNCTIONS, Dataset
 from tests.format.runs import Compression, describe, random_rows, write_run
 
 # Which rows are chosen, in which order, and how much is read for it.
@@ -132,65 +131,6 @@ def test_a_condition_chooses_its_rows(text: str) -> None:
     assert np.flatnonzero(condition(text).chosen(SIX_ROWS)).tolist() == CHOSEN[text]
 
 
-REFUSED = {
-    "diametr > 6": ("no column diametr", "diametr", "did you mean diameter?"),
-    "Diameter > 6": ("no column Diameter", "Diameter", "did you mean diameter?"),
-    "diameter = 6": ('"=" is no comparison', "=", "equality is written =="),
-    "diameter => 6": ('"=>" is no comparison', "=>", "the comparisons are < <= > >= == !="),
-    "diameter <> 6": ('"<>" is no comparison', "<>", "the comparisons are < <= > >= == !="),
-    "diameter > 6 mm^2": ('"mm^2" is the unit of an area, a length is needed', "6 mm^2", "right form: 6 um"),
-    "diameter > 6 foo": (
-        'unknown unit "foo"',
-        "6 foo",
-        "a length, time, mass, force or pressure, such as um, s, kg, N, MPa",
-    ),
-    "junction > 6 um": ("junction has no unit", "6 um", "write 6"),
-    "diameter > 1,5 mm": ('"1,5" is no number', "1,5", "digits, with a dot before the decimals, as in 1234.5"),
-    "diameter > .5": ('".5" is no number', ".5", "digits on both sides of the dot: 0.5"),
-    "diameter > 6.": ('"6." is no number', "6.", "digits on both sides of the dot: 0.5"),
-    "diameter > 1e999": ("too large a number", "1e999", ""),
-    "diameter > \u22125": ('"\u2212" is not the minus sign of a number', "\u2212", "that is '-', U+002D"),
-    "diameter > nan": ("no column nan", "nan", None),
-    "diameter < 2*3": ('"*" is no part', "*", "there is no arithmetic; compare a column with a number"),
-    "max_area > 30 um\u00b2": ('"\u00b2" is no part', "\u00b2", "powers in units are written ^2"),
-    "diameter": ("diameter is compared with nothing", "diameter", "for instance: diameter > 0"),
-    "6": ("a number by itself", "6", "for instance: diameter > 6 um"),
-    "3 < 4": ("neither side is a column", "3 < 4", ""),
-    "diameter < max_area": ("diameter is in um, max_area in um^2", "diameter < max_area", ""),
-    "diameter >": ("the end stands where a column or a number is needed", "", ""),
-    "diameter > > 6": ('">" does not belong here', ">", ""),
-    "(diameter > 3": ("this parenthesis is not closed", "(", ""),
-    "diameter > 3)": ("no parenthesis is open here", ")", ""),
-    "()": ("no condition", "()", "for instance: diameter > 6 um"),
-    "diameter > 3 AND complete": ("no column AND", "AND", "write and"),
-    "diameter > 3 complete": ('"complete" does not belong here', "complete", "conditions are joined by and, or"),
-    "NOT complete": ("no column NOT", "NOT", "write not"),
-    "diameter > 3 && complete": ('"&&" is no operator', "&&", "write and"),
-    "!complete": ('"!" is no operator', "!", "write not"),
-    "state < complete": ("states have no order", "state < complete", "write state == complete"),
-    "diameter == complete": ("complete is a state", "diameter == complete", "write complete, or not complete"),
-    'diameter > "6"': ('""" is no part', '"', "names and states are written without quotation marks"),
-    "": ("no condition", None, "for instance: diameter > 6 um"),
-    "__import__('os')": ("no column __import__", "__import__", None),
-}
-
-
-@pytest.mark.parametrize("text", REFUSED)
-def test_what_cannot_be_read_is_shown_with_a_caret(text: str) -> None:
-    message, marked, hint = REFUSED[text]
-    with pytest.raises(ConditionRefused) as refused:
-        condition(text)
-    lines = str(refused.value).splitlines()
-    assert lines[0].startswith(f"--where: error: {message}")
-    if marked is not None:
-        caret = lines[2]
-        assert lines[1] == f"    {text}"
-        start = caret.index("^")
-        assert lines[1][start : start + caret.count("^")] == marked
-    if hint is not None:
-        assert lines[-1] == (f"    {hint}" if hint else lines[2])
-
-
 def test_length_and_depth_are_bounded() -> None:
     longest = "diameter > 1" + " " * (LONGEST - 12)
     deepest = "(" * 100 + "not " * 100 + "complete" + ")" * 100
@@ -258,24 +198,6 @@ IN_A_SWEEP = (
     Dataset(name="state", units="", long_name="", symbol="", dtype="<U8"),
     Dataset(name="sliding.speed", units="um/s", long_name="", symbol=""),
 )
-
-
-@pytest.mark.parametrize(
-    ("columns", "text", "told"),
-    [
-        (TRACE.columns, "alive_at_end", "no column alive_at_end"),
-        (TRACE.columns, "not complete", "only junctions have states"),
-        (TRACE.columns, "real_contact_area > complete", "no column complete"),
-        (IN_A_SWEEP, "complete", "no column complete"),
-        (IN_A_SWEEP, "run_id == 5", "run_id holds texts"),
-        (IN_A_SWEEP, "state == 0", "state holds texts"),
-        (IN_A_SWEEP, "0 < state", "state holds texts"),
-        (IN_A_SWEEP, "sliding.sped > 1", "did you mean sliding.speed?"),
-    ],
-)
-def test_words_for_other_rows_are_refused(columns: tuple[Dataset, ...], text: str, told: str) -> None:
-    with pytest.raises(ConditionRefused, match=re.escape(told)):
-        condition(text, columns)
 
 
 def test_a_key_of_a_sweep_is_compared_by_its_name() -> None:

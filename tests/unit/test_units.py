@@ -82,57 +82,6 @@ def test_a_quantity_is_converted_exactly_and_rounded_once(text: str, kind: Kind,
     assert quantity.written == text
 
 
-KNOWN = "a length, time, mass, force or pressure, such as um, s, kg, N, MPa"
-
-
-@pytest.mark.parametrize(
-    ("text", "message", "hint"),
-    [
-        ("1,5 mm", "a comma in a number", 'write "1.5 mm"'),
-        ("1,000.5 mm", "a comma in a number", "no commas between thousands; a dot before the decimals"),
-        ("\u22125 mm", "'\u2212' (U+2212) is not the minus sign of a number; that is '-', U+002D", 'write "-5 mm"'),
-        ("5 mm + 3 mm", "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
-        ("2*3 mm", "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
-        ("9**9**9 um", "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
-        ("nan um", "not a finite number", 'right form: "0.2 um"'),
-        ("-Infinity", "not a finite number", 'right form: "0.2 um"'),
-        ("20", "no unit", 'right form: "20 um"'),
-        ("1e5", "no unit", 'right form: "1e5 um"'),
-        ("5.um", "not a number and a unit", 'right form: "0.2 um"'),
-        ("5/um", "not a number and a unit", 'right form: "0.2 um"'),
-        ("1_000 um", "an underscore in a number", 'write "1000 um"'),
-        ("0x10 um", "not a decimal number", 'right form: "0.2 um"'),
-        ("1e1000 um", "an exponent of more than three digits", 'right form: "0.2 um"'),
-        ("1e999 um", "too large a number", ""),
-        ("\u0665 um", "not a number and a unit", 'right form: "0.2 um"'),
-        (".5 um", "not a number and a unit", 'right form: "0.2 um"'),
-        ("", "not a number and a unit", 'right form: "0.2 um"'),
-        ("1 um^2", '"um^2" is the unit of an area, a length is needed', 'right form: "1 um"'),
-        ("1 um^3", '"um^3" is the unit of something else, a length is needed', 'right form: "1 um"'),
-        ("1 um2", 'unknown unit "um2"', 'write "1 um^2"'),
-        ("1 micronz", 'unknown unit "micronz"', KNOWN),
-        ("1 degC", 'unknown unit "degC"', KNOWN),
-        ("1 um*V/V", 'unknown unit "V"', KNOWN),
-        ("1 Um", 'unknown unit "Um"', 'did you mean "um"?'),
-        ("1 N/mpa/m", 'unknown unit "mpa"', 'did you mean "MPa" or "mPa"?'),
-        ("1 um*%", '"%" is part of no other unit', 'right form: "20 %"'),
-        ("1 um^0.5", 'the unit "um^0.5" has no exact size in um, s and kg', ""),
-        ("1 Tm^99.9", 'the unit "Tm^99.9" has no exact size in um, s and kg', ""),
-        ("1 \u212b", "the character '\u212b' (U+212B) has no place in a unit", ""),
-        ("1 um\x1b", "the character U+001B has no place in a unit", ""),
-        ("1 N.m", '"N.m" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
-        ("1 m^2^2^2^9", '"m^2^2^2^9" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
-        ("1 m^999", '"m^999" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
-        ("1 " + "m*" * 20 + "m", "a unit of more than 40 characters", ""),
-        ("1" * 201 + " um", "a text of more than 200 characters", 'right form: "0.2 um"'),
-    ],
-)
-def test_what_is_no_length_is_refused_with_advice(text: str, message: str, hint: str) -> None:
-    with pytest.raises(QuantityError) as refused:
-        read_quantity(text, LENGTH)
-    assert (str(refused.value), refused.value.hint) == (message, hint)
-
-
 TENS = {
     **dict(zip(("", "f", "p", "n", "u", "\u00b5", "\u03bc", "m"), (0, -15, -12, -9, -6, -6, -6, -3), strict=True)),
     **dict(zip(("c", "d", "da", "h", "k", "M", "G", "T"), (-2, -1, 1, 2, 3, 6, 9, 12), strict=True)),
