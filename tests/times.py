@@ -7,6 +7,7 @@ that ask for it.
 
 import json
 import os
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import suppress
@@ -20,6 +21,7 @@ LIMIT = 0.5
 """A case that takes more CPU than this (s) is slow: it is to be marked."""
 WORST = 10
 """So many cases are printed after a run."""
+SLOW_FILE = re.compile(r"^pytestmark = (\[\n    )?pytest\.mark\.slow,?$", re.MULTILINE)
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
@@ -32,7 +34,7 @@ def is_slow(item: pytest.Item) -> bool:
 
 def is_slow_file(path: Path) -> bool:
     """Return whether every test of a file is slow, which is seen without loading it."""
-    return path.suffix == ".py" and "\npytestmark = pytest.mark.slow\n" in path.read_text(encoding="utf-8")
+    return path.suffix == ".py" and bool(SLOW_FILE.search(path.read_text(encoding="utf-8")))
 
 
 def cpu_seconds() -> float:
