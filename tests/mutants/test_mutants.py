@@ -120,34 +120,6 @@ def test_only_what_is_compiled_is_compiled_again(file: str, *, feeds: bool) -> N
     assert mutants.feeds_the_compiler([PACKAGE / file], PACKAGE) == feeds
 
 
-def test_verdicts_are_kept_until_a_file_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("src", "tests"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "file.py").write_text("x = 1\n", encoding="utf-8")
-    tried: list[str] = []
-
-    def judged(mutant: Mutant, folder: Path) -> mutants.Verdict:
-        assert folder == tmp_path
-        tried.append(mutant.name)
-        return mutants.Verdict(killed=mutant.name != "third", evidence="z = +9.0", seconds=2.0)
-
-    def found(*names: str) -> dict[str, bool]:
-        kept = mutants.Kept(tmp_path / "kept", tmp_path)
-        faults = [Mutant(name, (), TICKS) for name in names]
-        return {mutant.name: verdict.killed for mutant, verdict in mutants.verdicts(faults, [tmp_path], kept)}
-
-    monkeypatch.setattr(mutants, "judged", judged)
-    assert found("first", "second") == {"first": True, "second": True}
-    assert found("second", "third", "first") == {"second": True, "third": False, "first": True}
-    assert tried == ["first", "second", "third"]
-    (tmp_path / "src" / "file.pyc").touch()
-    found("third")
-    assert tried == ["first", "second", "third"]
-    (tmp_path / "tests" / "file.py").write_text("x = 2\n", encoding="utf-8")
-    found("third")
-    assert tried == ["first", "second", "third", "third"]
-
-
 # Values that are kept are those that are worked out, and a wrong one is found.
 @pytest.fixture
 def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
