@@ -7,6 +7,7 @@ from contextlib import chdir
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
+from shlex import split
 from typing import Any, NoReturn
 
 import numpy as np
@@ -20,6 +21,9 @@ from tests.cli.terminal import CONTACT, WITH_SLIDER, call
 from tests.unit.tampering import put, tell
 
 PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+CALLS = Path(__file__).with_name("json_calls.txt")
+"""Calls whose answers are looked at, each behind the name of its table on the page."""
+
 ROW = re.compile(r"^\| ((?:`[A-Za-z_.]+\??`(?:, )?)+) \| ([a-z ]+) \|[^|]*\|[^|]+\|$", re.MULTILINE)
 NAME = re.compile(r"`([A-Za-z_.]+)(\??)`")
 TYPES: dict[str, Any] = {
@@ -96,16 +100,6 @@ def breaches(answer: Any, section: str, seen: set[tuple[str, ...]] | None = None
     return found + [f"{section}: {'.'.join(path)} is missing" for path in must - met]
 
 
-BASE = tuple(
-    word
-    for change in ("excitation=base", "asperity_height=2 %", "heights=sum")
-    for word in ("--set", f"slider.{change}")
-)
-WEAKENING = ("--set", "slider.excitation=velocity-weakening", "--set", "slider.slope=0.1 N*s/m")
-FREE = ("elastic.toml", "damped.toml")
-LONGER = ("--set", "sliding.distance=700 um")
-
-
 def _refuse(constant: str) -> NoReturn:
     raise AssertionError(f"{constant} is no JSON")
 
@@ -137,78 +131,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
-    full = "full.toml"
     call("run", "bare.toml", "-o", "traced.h5", "--set", "sliding.distance=4 mm")
-    calls = [
-        ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
-        ("check", ("check", "loaded.toml", "--json")),
-        ("check", ("check", "carried.toml", "--json")),
-        ("answer", ("theory", "carried.toml", "--json")),
-        *(("check", ("check", name, "--json")) for name in FREE),
-        *(("answer", ("theory", name, "--json")) for name in FREE),
-        ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
-        ("answer", ("run", full, "--dry-run", "--json")),
-        ("answer", ("run", full, "--dry-run", "--set", "slider.coupling=two-way", "--json")),
-        ("answer", ("run", full, "--json")),
-        ("answer", ("run", "bare.toml", "--json")),
-        ("answer", ("run", full, "-o", "short.h5", "--set", "sliding.distance=1 um", "--json")),
-        ("answer", ("info", "full.h5", "--json")),
-        ("answer", ("info", "bare.h5", "--json")),
-        ("answer", ("info", "short.h5", "--json")),
-        ("answer", ("run", "carried.toml", "--json")),
-        ("answer", ("info", "carried.h5", "--json")),
-        ("answer", ("run", full, "-o", "long.h5", *LONGER, "--json")),
-        ("answer", ("run", full, "-o", "two.h5", "--set", "slider.coupling=two-way", *LONGER, "--json")),
-        ("answer", ("info", "two.h5", "--json")),
-        ("answer", ("compare", "two.h5", "--json")),
-        ("answer", ("verify", "two.h5", "--json")),
-        ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--json")),
-        ("folder", ("info", "swept", "--json")),
-        (
-            "folder",
-            (
-                "info",
-                "swept",
-                "--figures",
-                "real_contact_area_std",
-                "--over",
-                "interface.mean_junction_count=10",
-                "--json",
-            ),
-        ),
-        ("answer", ("compare", "long.h5", "--json")),
-        ("answer", ("compare", "long.h5", "--bound", "0.1", "--json")),
-        ("answer", ("verify", "long.h5", "--regenerate", "1", "--json")),
-        ("answer", ("theory", full, "--at-area", "0,1,1e9", "--json")),
-        ("answer", ("theory", full, "--at-distance", "1,2", "--segment", "64", "--json")),
-        ("answer", ("theory", "bare.toml", "--set", "birth.law=regular", "--segment", "64", "--json")),
-        ("answer", ("theory", full, "--white", "--json")),
-        ("answer", ("theory", "based.toml", *BASE, "--json")),
-        ("answer", ("theory", full, *WEAKENING, "--json")),
-        ("junction", ("junction", "full.h5", "17", "--json")),
-        ("junction", ("junction", "bare.h5", "3", "--json")),
-        ("junctions", ("junctions", "full.h5", "--json")),
-        ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
-        ("infer", ("infer", "traced.h5", "--zero", "known", "--json")),
-        (
-            "infer",
-            (
-                "infer",
-                "traced.h5",
-                "--law",
-                "fixed",
-                "--pulse",
-                "parabola",
-                "--offset",
-                "uniform",
-                "--bootstrap",
-                "2",
-                "--json",
-            ),
-        ),
-        ("infer", ("infer", "short.h5", "--json")),
-    ]
-    told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
+    calls = [line.split(": ", 1) for line in CALLS.read_text(encoding="utf-8").splitlines()]
+    told = [(section, json.loads(call(*split(words)).out, parse_constant=_refuse)) for section, words in calls]
     put(here / "long.h5", "trace/junction_count", 17, 4)
     tell(here / "long.h5", "provenance", "seed", 99)
     tell(here / "long.h5", "provenance", "environment", "another machine")

@@ -298,8 +298,3 @@ def test_every_page_is_on_the_site() -> None:
 def test_a_broken_link_is_found(text: str, said: str) -> None:
     assert list(broken(ROOT / "docs" / "theory.md", text)) == [said]
     assert list(broken(ROOT / "docs" / "theory.md", f"`{text}`\n```\n{text}\n```\n")) == []
-
-
-# The first hour: twenty things in Python, each in six lines or fewer (test_examples runs them).
-API = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
-PAGE = API.partition("\n## The first hour\n")[2].partition("\n## ")[0]
