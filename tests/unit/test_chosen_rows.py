@@ -1,6 +1,7 @@
 """Rows of a result that are asked for: conditions, order, and how much of the file is read."""
 
 import operator
+import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -92,38 +93,7 @@ SIX_ROWS: dict[str, Any] = {
     "state": np.array([1, 0, 0, 4, 0, 2], dtype=np.uint8),
 }
 
-CHOSEN = {
-    "diameter > 6": [3, 4, 5],
-    "diameter>=6": [2, 3, 4, 5],
-    "diameter > 6 um": [3, 4, 5],
-    "diameter > 0.006 mm": [3, 4, 5],
-    "diameter > 6um": [3, 4, 5],
-    "diameter>6um and complete": [4],
-    "6000 nm < diameter": [3, 4, 5],
-    "diameter == 6": [2],
-    "diameter != 6e0 µm": [0, 1, 3, 4, 5],
-    "birth_distance < -5e-1": [0],
-    "birth_distance >= 1.5 mm and (state == complete or not ended_early)": [4, 5],
-    "0 < birth_distance < 1 mm": [1, 2],
-    "birth_time <= 999 ms": [0, 1, 2],
-    "max_area > 3e-5 mm^2": [3, 4, 5],
-    "max_area > 3e-5 mm**2": [3, 4, 5],
-    "shear_strength > 0.25 GPa": [3],
-    "shear_strength > 250 N/mm^2": [3],
-    "life_distance < diameter": [3],
-    "complete": [1, 2, 4],
-    "not complete": [0, 3, 5],
-    "state != complete": [0, 3, 5],
-    "alive_at_start == state": [0],
-    "state == 4": [3],
-    "state > 1 and state < 4": [5],
-    "alive_at_start or alive_at_end": [0, 5],
-    "junction == 2 or junction == 3 and diameter > 7": [2],
-    "(junction == 2 or junction == 3) and diameter > 6": [3],
-    "not junction < 3 and not not diameter < 8": [3, 4],
-    "not(junction<3)and(diameter<7)": [3],
-    "diameter\n  > 7": [5],
-}
+CHOSEN = tomllib.loads(Path(__file__).with_name("conditions.toml").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("text", CHOSEN)

@@ -14,6 +14,7 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.where import condition  # noqa: F401  (as the next ones, for the expressions)
+from rubnoise.errors import in_shell
 from rubnoise.scenario import build, loads
 from rubnoise.storage.schema import TRACE, Dataset  # noqa: F401
 from rubnoise.units import LENGTH, QuantityError, read_quantity  # noqa: F401
@@ -65,6 +66,12 @@ def powered(own: str = POWER) -> str:
     return whole(law='"power"').replace('spread = "0.2 um"\n', own)
 
 
+def inferred(**changed: object) -> rubnoise.Inference:
+    """Infer from a force that would do."""
+    given = {"rate": "10 kHz", "speed": "1 mm/s", "unit": "uN", "zero": "known", "law": "fixed"}
+    return rubnoise.infer(FORCE, **given | changed)  # type: ignore[arg-type]
+
+
 def values(distance: object) -> rubnoise.Scenario:
     """Build a scenario of this distance."""
     return build({"interface": CONTACT, "sliding": {"distance": distance}})
@@ -113,4 +120,10 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
 def test_a_wrong_expression_is_refused_in_these_words(desk: dict[str, Any], expression: str) -> None:
     with pytest.raises((rubnoise.RubnoiseError, QuantityError, KeyError, IndexError)) as refused:
         eval(expression, dict(desk))  # noqa: S307  (a line of our own file)
-    SAID.assert_said(expression, "\n".join(filter(None, (str(refused.value), getattr(refused.value, "hint", "")))))
+    said = str(refused.value)
+    if expression.startswith("inferred("):  # a command says the same of its option
+        keyword = expression.partition("(")[2].partition("=")[0]
+        assert said.startswith(f"{keyword}=: ")
+        assert in_shell(said).startswith(f"--{keyword}: ")
+        assert "=" not in in_shell(said)
+    SAID.assert_said(expression, "\n".join(filter(None, (said, getattr(refused.value, "hint", "")))))
