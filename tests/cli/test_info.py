@@ -46,19 +46,6 @@ def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) 
     assert "a short contact" in call("info", "top.h5").out
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("plot",), ("listen",)],
-)
-def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[str, ...]) -> None:
-    answer = call(words[0], SLIDER, *words[1:])
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == (
-        f"{SLIDER}: is a scenario, not a result; `rubnoise check {SLIDER}` says what follows from it,"
-        " `rubnoise run` runs it\n"
-    )
-
-
 # `rubnoise teach`: the page of lessons as a file.
 DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>')
 

@@ -29,30 +29,6 @@ def lives(here: Path) -> Path:
     return here / "l.h5"
 
 
-EARLY = """\
-l.h5: junction 3 of 0 to 7, ended early
-
-  birth                             4 um         0.004 s
-  mid-life    not reached
-  death                             8 um         0.008 s
-  life                              4 um         0.004 s
-
-  diameter                          5 um
-  area at full overlap       19.63495 um^2
-  shear strength                  300 MPa
-
-at its peak, just before it was ended, 8 um
-"""
-
-
-def test_a_life_is_told_in_words_and_numbers(lives: Path) -> None:
-    answer = call("junction", "l.h5", "3")
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith(EARLY)
-    assert "  its area                   14.66849 um^2   " in answer.out
-    assert answer.out.endswith("  alive beside it: 3, row numbers\n    2, 4, 5\n")
-
-
 def test_json_is_one_object_with_everything(result: Path) -> None:
     answer = call("junction", "x.h5", "40", "--json")
     assert (answer.code, answer.err) == (0, "")
@@ -85,31 +61,7 @@ def test_a_picture_has_a_name_of_its_own_or_a_given_one(lives: Path, here: Path)
     assert (here / "life.png").read_bytes()[:4] == b"\x89PNG"
 
 
-@pytest.mark.parametrize("number", ["-1", "8", "-8", "99999999999999999999"])
-def test_a_number_out_of_range_gets_one_line_with_the_range(lives: Path, number: str) -> None:
-    answer = call("junction", "l.h5", number)
-    said = f"l.h5: there is no junction {number} in this run; it has junctions 0 to 7\n"
-    assert (answer.code, answer.out, answer.err) == (2, "", said)
-
-
 # `rubnoise junctions`: the rows that a condition chooses.
-TABLE = """\
-l.h5: 3 of 8 junctions
-
-  junction  birth_distance  diameter  max_area  state
-                        um        um      um^2
-         3               4         5  19.63495  ended_early
-         5               6         5  19.63495  ended_early
-         4               6         4  12.56637  ended_early
-"""
-
-
-def test_rows_are_shown_below_names_and_units(lives: Path) -> None:
-    answer = call("junctions", "l.h5", "--where", "ended_early", "--sort", "-max_area", "--columns", "junction")
-    assert answer.out.split() == ["l.h5:", "3", "of", "8", "junctions", "junction", "3", "5", "4"]
-    answer = call("junctions", "l.h5", "--where", "ended_early and diameter > 1", "--sort", "-diameter")
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out == TABLE
 
 
 def test_csv_holds_all_rows_to_the_last_bit(result: Path) -> None:
@@ -120,25 +72,6 @@ def test_csv_holds_all_rows_to_the_last_bit(result: Path) -> None:
             assert heading[i].startswith(name)
             assert [float(row[i]) for row in rows] == np.asarray(run.junctions[name]).tolist()
     assert heading[1:6] == ["birth_distance_um", "death_distance_um", "life_distance_um", "diameter_um", "max_area_um2"]
-
-
-ORDERS = [
-    (("--sort", "diameter"), [1, 4, 0, 3, 5, 6, 2, 7]),
-    (("--sort", "-diameter"), [7, 2, 0, 3, 5, 6, 1, 4]),
-    (("--sort", "diameter", "--reverse"), [7, 2, 0, 3, 5, 6, 1, 4]),
-    (("--sort", "-diameter", "--reverse"), [1, 4, 0, 3, 5, 6, 2, 7]),
-    (("--reverse",), [7, 6, 5, 4, 3, 2, 1, 0]),
-    (("--sort", "state", "--head", "3"), [2, 6, 0]),
-    (("--sort", "-state", "--head", "3"), [3, 4, 5]),
-    (("--where", "3 ms < birth_time", "--head", "2"), [3, 4]),
-    (("--head", "0"), []),
-]
-
-
-@pytest.mark.parametrize(("arguments", "rows"), ORDERS)
-def test_rows_come_in_the_order_asked_for(lives: Path, arguments: tuple[str, ...], rows: list[int]) -> None:
-    answer = call("junctions", "l.h5", "--csv", "--columns", "junction", *arguments)
-    assert answer.out.split() == ["junction", *map(str, rows)]
 
 
 def test_json_stays_json_whatever_a_damaged_file_holds(lives: Path) -> None:

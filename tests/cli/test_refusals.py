@@ -1,4 +1,4 @@
-"""Wrong words on the command line: each call of refusals.txt is refused as it says there, and makes nothing.
+"""Each call of refusals.txt is refused, and each of answers.txt answered, as it says there; none makes anything.
 
 `.venv/bin/python -m pytest -n 0 --freeze tests/cli/test_refusals.py` writes those words anew.
 """
@@ -13,20 +13,38 @@ import pytest
 import rubnoise
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, names
 from tests.frozen import Said
+from tests.unit.tampering import bare_file, lives_file
 
 SAID = Said(Path(__file__).with_name("refusals.txt"))
+ANSWERS = Said(Path(__file__).with_name("answers.txt"))
+MANY = """\
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_junction_count = [10, 20]
+interface.mean_real_contact_area = ["100 um^2", "200 um^2"]
+"""
+BROKEN = "format = 1\n[interface]\nmean_junction_count = -1\n"
 SWEPT = '[sweep]\nkeep = "summary"\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n'
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("made")
-    texts = {"contact": CONTACT, "slider": WITH_SLIDER, "sweep": CONTACT + SWEPT}
+    texts = {
+        "contact": CONTACT,
+        "slider": WITH_SLIDER,
+        "sweep": CONTACT + SWEPT,
+        "many": CONTACT + MANY,
+        "broken": BROKEN,
+    }
     for name, text in texts.items():
         (folder / f"{name}.toml").write_text(text, encoding="utf-8")
     for name in ("contact", "slider"):
         rubnoise.run(rubnoise.load(folder / f"{name}.toml"), folder / f"{name}.h5").close()
     rubnoise.sweep(folder / "sweep.toml", folder / "swept", jobs=1).close()
+    lives_file(folder / "l.h5").close()
+    bare_file(folder / "bare.h5").close()
     return folder
 
 
@@ -86,3 +104,15 @@ def test_wrong_words_are_refused_and_make_nothing(
     assert (answer.code, answer.out, names(place)) == (2, "", before)
     told = re.sub(r"^Usage: [^$]*?\nError: ", "", answer.err.replace(f"{place}", "PLACE"))
     SAID.assert_said(words, "\n".join(" ".join(line.split()) for line in told.splitlines() if line.strip()))
+
+
+@pytest.mark.parametrize("words", ANSWERS.kept)
+def test_answers_are_these(made: Path, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(made)
+    monkeypatch.setenv("COLUMNS", "80")
+    before = names(made)
+    answer = call(*split(words)[1:])
+    assert names(made) == before
+    code = f"exit code {answer.code}" if answer.code else ""
+    told = re.sub(r"(peak memory +)[\d.]+ .B", r"\1that of the program too", f"{answer.out}{answer.err}{code}")
+    ANSWERS.assert_said(words, told.strip("\n"))
