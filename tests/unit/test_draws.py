@@ -34,26 +34,26 @@ def correlation(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def test_streams_and_their_numbers_never_change() -> None:
-    names = [
-        "FIRST_BIRTH",
-        "GAPS",
-        "DIAMETERS",
-        "STRENGTHS",
-        "START_COUNT",
-        "START_DIAMETERS",
-        "START_AGES",
-        "PAST_GAPS",
-        "PAST_DIAMETERS",
-        "PAST_STRENGTHS",
-        "OFFSETS",
-        "START_OFFSETS",
-        "CENTRES",
-        "FAMILIES",
-        "CHILDREN",
-        "ENCOUNTERS",
-        "HEIGHTS",
-    ]
-    assert {stream.name: int(stream) for stream in Stream} == dict(zip(names, range(1, 18), strict=True), SURFACE=64)
+    assert {stream.name: int(stream) for stream in Stream} == {
+        "FIRST_BIRTH": 1,
+        "GAPS": 2,
+        "DIAMETERS": 3,
+        "STRENGTHS": 4,
+        "START_COUNT": 5,
+        "START_DIAMETERS": 6,
+        "START_AGES": 7,
+        "PAST_GAPS": 8,
+        "PAST_DIAMETERS": 9,
+        "PAST_STRENGTHS": 10,
+        "OFFSETS": 11,
+        "START_OFFSETS": 12,
+        "CENTRES": 13,
+        "FAMILIES": 14,
+        "CHILDREN": 15,
+        "ENCOUNTERS": 16,
+        "HEIGHTS": 17,
+        "SURFACE": 64,
+    }
 
 
 def test_a_stream_is_philox_keyed_by_seed_and_purpose() -> None:
