@@ -7,6 +7,7 @@ from contextlib import chdir
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
+from shlex import split
 from typing import Any, NoReturn
 
 import numpy as np
@@ -21,6 +22,9 @@ from tests.cli.terminal import ROW as ROW_FIELDS
 from tests.unit.tampering import put, tell
 
 PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+CALLS = Path(__file__).with_name("json_calls.txt")
+"""Calls whose answers are looked at, each behind the name of its table on the page."""
+
 ROW = re.compile(r"^\| ((?:`[A-Za-z_.]+\??`(?:, )?)+) \| ([a-z ]+) \|[^|]*\|[^|]+\|$", re.MULTILINE)
 NAME = re.compile(r"`([A-Za-z_.]+)(\??)`")
 TYPES: dict[str, Any] = {
@@ -101,16 +105,6 @@ def breaches(answer: Any, section: str, seen: set[tuple[str, ...]] | None = None
     return found + [f"{section}: {'.'.join(path)} is missing" for path in must - met]
 
 
-BASE = tuple(
-    word
-    for change in ("excitation=base", "asperity_height=2 %", "heights=sum")
-    for word in ("--set", f"slider.{change}")
-)
-WEAKENING = ("--set", "slider.excitation=velocity-weakening", "--set", "slider.slope=0.1 N*s/m")
-FREE = ("elastic.toml", "damped.toml")
-LONGER = ("--set", "sliding.distance=700 um")
-
-
 def _refuse(constant: str) -> NoReturn:
     raise AssertionError(f"{constant} is no JSON")
 
@@ -142,78 +136,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
-    full = "full.toml"
     call("run", "bare.toml", "-o", "traced.h5", "--set", "sliding.distance=4 mm")
-    calls = [
-        ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
-        ("check", ("check", "loaded.toml", "--json")),
-        ("check", ("check", "carried.toml", "--json")),
-        ("answer", ("theory", "carried.toml", "--json")),
-        *(("check", ("check", name, "--json")) for name in FREE),
-        *(("answer", ("theory", name, "--json")) for name in FREE),
-        ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
-        ("answer", ("run", full, "--dry-run", "--json")),
-        ("answer", ("run", full, "--dry-run", "--set", "slider.coupling=two-way", "--json")),
-        ("answer", ("run", full, "--json")),
-        ("answer", ("run", "bare.toml", "--json")),
-        ("answer", ("run", full, "-o", "short.h5", "--set", "sliding.distance=1 um", "--json")),
-        ("answer", ("info", "full.h5", "--json")),
-        ("answer", ("info", "bare.h5", "--json")),
-        ("answer", ("info", "short.h5", "--json")),
-        ("answer", ("run", "carried.toml", "--json")),
-        ("answer", ("info", "carried.h5", "--json")),
-        ("answer", ("run", full, "-o", "long.h5", *LONGER, "--json")),
-        ("answer", ("run", full, "-o", "two.h5", "--set", "slider.coupling=two-way", *LONGER, "--json")),
-        ("answer", ("info", "two.h5", "--json")),
-        ("answer", ("compare", "two.h5", "--json")),
-        ("answer", ("verify", "two.h5", "--json")),
-        ("answer", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--json")),
-        ("answer", ("info", "swept", "--json")),
-        (
-            "answer",
-            (
-                "info",
-                "swept",
-                "--figures",
-                "real_contact_area_std",
-                "--over",
-                "interface.mean_junction_count=10",
-                "--json",
-            ),
-        ),
-        ("answer", ("compare", "long.h5", "--json")),
-        ("answer", ("compare", "long.h5", "--bound", "0.1", "--json")),
-        ("answer", ("verify", "long.h5", "--regenerate", "1", "--json")),
-        ("answer", ("theory", full, "--at-area", "0,1,1e9", "--json")),
-        ("answer", ("theory", full, "--at-distance", "1,2", "--segment", "64", "--json")),
-        ("answer", ("theory", "bare.toml", "--set", "birth.law=regular", "--segment", "64", "--json")),
-        ("answer", ("theory", full, "--white", "--json")),
-        ("answer", ("theory", "based.toml", *BASE, "--json")),
-        ("answer", ("theory", full, *WEAKENING, "--json")),
-        ("answer", ("junction", "full.h5", "17", "--json")),
-        ("answer", ("junction", "bare.h5", "3", "--json")),
-        ("answer", ("junctions", "full.h5", "--json")),
-        ("answer", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
-        ("answer", ("infer", "traced.h5", "--zero", "known", "--json")),
-        (
-            "answer",
-            (
-                "infer",
-                "traced.h5",
-                "--law",
-                "fixed",
-                "--pulse",
-                "parabola",
-                "--offset",
-                "uniform",
-                "--bootstrap",
-                "2",
-                "--json",
-            ),
-        ),
-        ("answer", ("infer", "short.h5", "--json")),
-    ]
-    told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
+    calls = [line.split(": ", 1) for line in CALLS.read_text(encoding="utf-8").splitlines()]
+    told = [(section, json.loads(call(*split(words)).out, parse_constant=_refuse)) for section, words in calls]
     put(here / "long.h5", "trace/junction_count", 17, 4)
     tell(here / "long.h5", "provenance", "seed", 99)
     tell(here / "long.h5", "provenance", "environment", "another machine")
@@ -236,6 +161,7 @@ def test_no_number_of_an_answer_is_infinite_or_none_in_json() -> None:
     assert _printed({"curve": np.array([1.0, inf])}) == {"curve": [1.0, None]}
 
 
+@pytest.mark.slow
 def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:
     seen: set[tuple[str, ...]] = set()
     assert [breach for section, answer in answers for breach in breaches(answer, section, seen)] == []
@@ -264,6 +190,7 @@ def names_of(answer: dict[str, Any]) -> set[str]:
     return {*parts, *(name for part in parts.values() for name, item in part.items() if isinstance(item, dict))}
 
 
+@pytest.mark.slow
 def test_every_part_and_row_is_named_on_a_page(answers: list[tuple[str, Any]]) -> None:
     told = " ".join((PAGE + ELSEWHERE).split())
     for name in {name for section, answer in answers if section == "answer" for name in names_of(answer)}:
@@ -272,6 +199,7 @@ def test_every_part_and_row_is_named_on_a_page(answers: list[tuple[str, Any]]) -
         assert f"`{name}`" in told or f".{name}`" in told or shared or "." in name or "*" in name, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
     [

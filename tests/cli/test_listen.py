@@ -80,6 +80,7 @@ def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) 
     assert np.abs(found - wanted)[20:-20].max() < 2e-3 * np.abs(values - mean).max()
 
 
+@pytest.mark.slow
 def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, here: Path) -> None:
     """In the band that a laptop plays too: at the speed-up that is taken by default."""
     quiet = ("--set", "interface.mean_junction_count=80")
@@ -112,6 +113,7 @@ def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
     assert (answer.code, answer.err) == (2, "x.h5: the force does not vary, so there is nothing to hear\n")
 
 
+@pytest.mark.slow
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     assert call("run", SLIDER, "-q", "-o", "x.h5", "--set", "sliding.distance=6 mm").code == 0
     # A hundredth of the true speed: ten minutes of sound, which take a while to write.

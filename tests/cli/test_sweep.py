@@ -35,6 +35,7 @@ def _alone(file: Path, folder: Path, *changes: str) -> dict[str, dict[str, bytes
     return found
 
 
+@pytest.mark.slow
 def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Path) -> None:
     alone = _alone(file, tmp_path)
     assert call("sweep", file, "-o", "pool", "--jobs", "2").out == "pool: 2 points, 6 runs: 6 done\n"
@@ -46,6 +47,7 @@ def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Pa
     assert first == second
 
 
+@pytest.mark.slow
 def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(file: Path) -> None:
     assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
     before = {path: path.stat().st_mtime_ns for path in Path("d/runs").iterdir()}
@@ -81,6 +83,7 @@ def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
     assert call("sweep", file, "-o", "d", "--jobs", "1", "--json").values()["failed"] == 0
 
 
+@pytest.mark.slow
 def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, tmp_path: Path) -> None:
     import xarray as xr
 
@@ -99,6 +102,7 @@ def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, t
         assert len(run.trace) > 0
 
 
+@pytest.mark.slow
 def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> None:
     with rubnoise.sweep(file, "d", jobs=1) as sweep:
         labelled = sweep.to_xarray()
@@ -133,6 +137,7 @@ def _workers(process: int) -> list[int]:
     return [number for number in children if b"LokyProcess" in Path(f"/proc/{number}/cmdline").read_bytes()]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
@@ -142,6 +147,7 @@ def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> 
     assert runs_of(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_sweep_that_is_killed_is_resumed(file: Path, tmp_path: Path) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
@@ -160,6 +166,7 @@ def test_a_sweep_that_is_killed_is_resumed(file: Path, tmp_path: Path) -> None:
         pytest.fail("a worker outlives its parent")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_stops_a_sweep_that_can_be_resumed(file: Path, number: signal.Signals, code: int) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)

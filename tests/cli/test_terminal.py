@@ -56,6 +56,7 @@ def test_help_of_every_command_keeps_within_the_terminal(columns: int, monkeypat
     assert columns < 80 or "..." not in pages[0].partition("Begin and run:")[2]
 
 
+@pytest.mark.slow("compare", "verify")
 @pytest.mark.parametrize("name", READING)
 def test_a_narrow_terminal_gets_no_line_that_runs_over(
     results: Path, name: str, monkeypatch: pytest.MonkeyPatch
@@ -177,6 +178,7 @@ LINE = re.compile(
 STEERING = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
 
 
+@pytest.mark.slow
 def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
     arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=100 mm")
     began = time.monotonic()
