@@ -14,6 +14,8 @@ from matplotlib.text import Text
 import rubnoise
 from rubnoise.figures.catalogue import PICTURES
 
+pytestmark = pytest.mark.slow
+
 RUNS = {
     "first/rubbing": "4 mm",
     "paper/fig5_two_way": "2 mm",

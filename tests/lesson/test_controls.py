@@ -7,6 +7,8 @@ import pytest
 
 from tests.lesson.walk import CALM, UNFOLD, opened, until
 
+pytestmark = pytest.mark.slow
+
 PREDICTIONS = """(() => {
   const e = rub.exact();
   const names = ['diameter', 'lengthBiasedMean', 'countMean', 'countStd', 'areaMean', 'areaStd', 'forceMean',

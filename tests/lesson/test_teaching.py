@@ -203,6 +203,7 @@ def text_of(title: str = "a title") -> str:
     return page(title, settings_of(load_scenario(FIG5)))
 
 
+@pytest.mark.slow
 def test_it_is_small_and_whole() -> None:
     text = text_of()
     assert len(text.encode()) < 420_000

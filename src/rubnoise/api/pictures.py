@@ -164,11 +164,11 @@ def drawn_fit(found: InferenceResult) -> "Figure":
     return figure(found)
 
 
-def page_of_fit(found: InferenceResult, name: str, lines: list[str]) -> str:
+def page_of_fit(found: InferenceResult, name: str, text: str) -> str:
     """Return the page of an inference (see rubnoise.Inference.report)."""
     from rubnoise.figures.inference import page
 
-    return page(found, name, lines)
+    return page(found, name, text)
 
 
 def drawn_columns(

@@ -18,7 +18,7 @@ _SHOWN = 2000
 _MOST = 1 << 20  # samples of an autocorrelation
 
 
-def page(found: InferenceResult, name: str, lines: list[str]) -> str:
+def page(found: InferenceResult, name: str, text: str) -> str:
     """Return a page of HTML, in the style of a run's report: estimates, five pictures, tests, the command's texts."""
     with house_style():
         picture = as_bytes(_drawn(found), "svg").decode("utf-8")
@@ -32,7 +32,7 @@ def page(found: InferenceResult, name: str, lines: list[str]) -> str:
         "What it shows": as_html("", ("quantity", "estimate", "95 % interval", "unit"), estimates),
         "Pictures": f"<figure>{picture}</figure>",
         "Tests of the trace": as_html("", ("", "test"), tests),
-        "In full": f"<pre>{escape(chr(10).join(lines))}</pre>",
+        "In full": f"<pre>{escape(text)}</pre>",
     }
     title = f"Junctions behind {name}"
     body = "".join(f"<section><h2>{heading}</h2>{content}</section>" for heading, content in sections.items())
