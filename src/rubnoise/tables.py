@@ -64,14 +64,30 @@ def as_html(heading: str, names: Sequence[str], rows: Iterable[Sequence[object]]
     )
 
 
-def as_text(names: Sequence[str], rows: Iterable[Sequence[object]], numeric: Iterable[int] = ()) -> list[str]:
-    """Return the lines of a table; the columns whose numbers are in ``numeric`` are aligned right."""
+def as_text(
+    names: Sequence[str], rows: Iterable[Sequence[object]], numeric: Iterable[int] = (), widest: int | None = None
+) -> list[str]:
+    """Return the lines of a table; the columns whose numbers are in ``numeric`` are aligned right.
+
+    Columns that do not fit into ``widest`` follow below, beside the first column again.
+    """
     cells = [list(names), *([str(cell) for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    right = set(numeric)
-    return [
-        "  ".join(
-            f"{cell:>{width}}" if n in right else f"{cell:<{width}}" for n, (cell, width) in enumerate(each)
-        ).rstrip()
-        for each in (list(zip(row, widths, strict=True)) for row in cells)
-    ]
+    right, lines = set(numeric), list[str]()
+    for place, group in enumerate(_groups(widths, widest)):
+        lines += [""] if place else []
+        for row in cells:
+            aligned = (f"{row[n]:>{widths[n]}}" if n in right else f"{row[n]:<{widths[n]}}" for n in group)
+            lines.append("  ".join(aligned).rstrip())
+    return lines
+
+
+def _groups(widths: Sequence[int], widest: int | None) -> list[list[int]]:
+    """Return the numbers of columns in groups that fit, each beginning with the first column."""
+    groups = [[0]]
+    for number in range(1, len(widths)):
+        taken = sum(widths[each] + 2 for each in groups[-1]) + widths[number]
+        if widest is not None and taken > widest and len(groups[-1]) > 1:
+            groups.append([0])
+        groups[-1].append(number)
+    return groups

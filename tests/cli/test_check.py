@@ -84,9 +84,11 @@ def test_the_size_of_the_file_is_foreseen(here: Path, scenario: Path) -> None:
 
 def test_a_sweep_is_listed_point_by_point(here: Path) -> None:
     (here / "s.toml").write_text(SHORT.read_text(encoding="utf-8") + MANY, encoding="utf-8")
-    points = call("check", "s.toml", "--json").json()["sweeps"]["s.toml"]["points"]
-    assert [len(set(point["seeds"])) for point in points] == [2, 2, 2, 2]
-    assert points[1]["values"] == {"interface.mean_junction_count": 10, "interface.mean_real_contact_area": "200 um^2"}
+    told = call("check", "s.toml", "--json").json()["sweeps"]["s.toml"]
+    assert told["seeds"]["point"] == [1, 1, 2, 2, 3, 3, 4, 4]
+    assert len(set(told["seeds"]["seed"])) == 8
+    assert told["points"]["interface.mean_junction_count"] == ["10", "10", "20", "20"]
+    assert told["points"]["interface.mean_real_contact_area"][1] == "200 um^2"
 
 
 def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.progress import SIGNALS, stoppable
+from rubnoise.cli.signals import SIGNALS, stoppable
 from rubnoise.errors import RunStopped
 from tests.cli.terminal import LONG, begin, call, names, spawn_program, stop
 
@@ -22,8 +22,8 @@ SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 TWICE = """
 import signal
 from rubnoise.cli.progress import watching
-with watching(1.0, shown=False) as watcher:
-    watcher(0.0, 0, 0)
+with watching(1.0, shown=False) as watch:
+    watch(0.0, 0, 0)
     signal.raise_signal(signal.SIGINT)
     print("one", flush=True)
     signal.raise_signal(signal.{second})

@@ -117,7 +117,7 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     )
     answer = call("theory", FIG5, "--csv", *points)
     heading, *rows = csv.reader(StringIO(answer.out))
-    assert heading == ["part", "name", "at", "value", "unit", "exact", "error", "z", "note"]
+    assert heading == ["part", "name", "at", "value", "unit", "exact", "error", "interval", "z", "note"]
     found = {(part, name, at): (value, unit) for part, name, at, value, unit, *_ in rows}
     json_ = told(FIG5, *points)
     assert found["slider", "expected_change", ""] == ("", "")

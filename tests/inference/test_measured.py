@@ -227,8 +227,9 @@ def test_the_command_answers_in_json_and_writes_files(contact_csv: Path, tmp_pat
     done = spawn("infer", str(contact_csv), *options, "--json", "-o", str(toml), "--report", str(page))
     assert done.code == 0, done.err
     answer = json.loads(done.out)
-    assert set(answer["estimates"]["diameter"]) == {"value", "standard_error", "interval", "unit"}
+    assert set(answer["estimates"]["diameter"]) == {"value", "error", "interval", "unit"}
     assert set(answer["estimates"]) == {
+        "law",
         "junction_count",
         "diameter",
         "relative_spread",
@@ -237,7 +238,7 @@ def test_the_command_answers_in_json_and_writes_files(contact_csv: Path, tmp_pat
         "noise",
     }
     assert set(answer["not_identified"]) == {"strength_spread"}
-    assert (answer["flags"], answer["refused"]) == ([], None)
+    assert (answer["failing"], answer["passed"]) == ([], True)
     assert 'law = "normal"' in toml.read_text(encoding="utf-8")
     text = page.read_text(encoding="utf-8")
     assert text.count("<svg") == 1

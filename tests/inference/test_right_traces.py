@@ -75,7 +75,7 @@ def test_unequal_strengths_are_undone_by_their_spread() -> None:
     equal = _read(contact, 5)
     assert _scores(equal)["junction_count"] < -BOUND
     assert _scores(equal)["shear_strength"] > BOUND
-    assert "equally strong" in equal.assumptions[0]
+    assert "equally strong" in equal.assumptions["strengths"]
     told = {each.strength_spread: each for each in equal.by_strength_spread}
     assert told[0.0].junction_count == pytest.approx(equal.estimates["junction_count"].value)
     assert told[0.5].junction_count == pytest.approx(1.25 * told[0.0].junction_count)
@@ -92,12 +92,12 @@ def test_a_filter_is_undone_by_its_corner(cycles: float, poles: int) -> None:
     given = _read(contact, 7, Assumed(bandwidth=cycles / 11.0, poles=poles))
     assert max(map(abs, _scores(given).values())) <= BOUND
     assert given.flags == []
-    said = re.findall(r"at ([0-9.]+) cycles per life", given.assumptions[1])
+    said = re.findall(r"at ([0-9.]+) cycles per life", given.assumptions["sensor"])
     assert float(said[0]) == pytest.approx(cycles, rel=0.03)
     without = _read(contact, 7)
     assert _scores(without)["junction_count"] > BOUND
     assert _scores(without)["shear_strength"] < -BOUND
-    assert "40 cycles per life or more" in without.assumptions[1]
+    assert "40 cycles per life or more" in without.assumptions["sensor"]
 
 
 def test_what_a_filter_takes_bends_as_its_slopes_say() -> None:

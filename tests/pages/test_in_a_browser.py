@@ -94,7 +94,7 @@ def test_a_condition_filters_and_a_wrong_one_says_why(browser: Any, address: str
     with opened(browser, f"{address}#from=0&to=400&where={quote('diameter > 5.7 um')}") as page:
         until(page, "document.getElementById('listed').textContent !== ''")
         told = call("junctions", one_way, "--where", "diameter > 5.7 um", "--json").json()
-        assert page.inner_text("#listed").startswith(f"{len(told['junctions']):,} of ")
+        assert page.inner_text("#listed").startswith(f"{told['matched']['value']:,} of ")
         page.fill("#where", "diametr > 5")
         page.click("#filter button")
         assert page.inner_text("#where-problem").startswith("no column diametr")
@@ -311,6 +311,10 @@ def test_two_runs_side_by_side_share_their_window(
         second = frames[1].evaluate("[view.window.from, view.window.to]")
         assert second != first
         frames[0].wait_for_function(f"view.window.from === {second[0]} && view.window.to === {second[1]}")
+        for frame in frames:
+            frame.wait_for_function("document.querySelectorAll('.chart').length > 0")
+        scale = "view.pixelOf('trace', 'real_contact_area')"
+        frames[0].wait_for_function(f"{scale} === {frames[1].evaluate(scale)}")
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,6 @@ def test_a_scenario_that_was_written_has_the_same_bits(desk, tmp_path):
 
 
 def test_a_picture_has_the_size_of_a_column(desk):
-    figure = desk["run"].plot("trace", size="single", title=False)
+    figure = desk["run"].plot("acf", size="single", title=False)
     assert np.allclose(figure.get_size_inches() * 25.4, (84.0, 60.0))
     assert not any(axes.get_title(loc="left") or axes.get_title() for axes in figure.axes)
