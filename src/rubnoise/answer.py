@@ -262,7 +262,8 @@ def _above_or_beside(label: str, numbers: str, width: int) -> list[str]:
 
 
 def _table_lines(table: Table, widest: int | None) -> Iterator[str]:
-    heads = [f"{name} ({table.units[name]})" if table.units.get(name) else name for name in table.columns]
+    words = {name: name.replace("_", " ").replace(".", ". ") for name in table.columns}
+    heads = [f"{text} ({table.units[name]})" if table.units.get(name) else text for name, text in words.items()]
     rows = list(zip(*(finite(column) for column in table.columns.values()), strict=True))
     chosen = rows if table.shown is None else [rows[number] for number in table.shown]
     cells = [[shown(cell) for cell in row] for row in chosen]

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from html import escape
+from textwrap import wrap
 from typing import Any, Final
 
 LONGEST: Final = 1500
@@ -69,14 +70,18 @@ def as_text(
 ) -> list[str]:
     """Return the lines of a table; the columns whose numbers are in ``numeric`` are aligned right.
 
-    Columns that do not fit into ``widest`` follow below, beside the first column again.
+    A column is as wide as its widest cell or the longest word of its name. Columns that do not fit into ``widest``
+    follow below, beside the first column again.
     """
-    cells = [list(names), *([str(cell) for cell in row] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    cells = [[str(cell) for cell in row] for row in rows]
+    widths = [max(map(len, [*name.split(), *(row[n] for row in cells)])) for n, name in enumerate(names)]
+    above = [wrap(name, width, break_on_hyphens=False) for name, width in zip(names, widths, strict=True)]
     right, lines = set(numeric), list[str]()
     for place, group in enumerate(_groups(widths, widest)):
         lines += [""] if place else []
-        for row in cells:
+        tall = max(len(above[n]) for n in group)
+        heads = [[""] * (tall - len(words)) + words for words in above]
+        for row in [*([head[line] for head in heads] for line in range(tall)), *cells]:
             aligned = (f"{row[n]:>{widths[n]}}" if n in right else f"{row[n]:<{widths[n]}}" for n in group)
             lines.append("  ".join(aligned).rstrip())
     return lines
