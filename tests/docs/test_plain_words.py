@@ -153,5 +153,5 @@ def test_the_smallest_scenario_is_one() -> None:
     assert "[sweep]" in sweep
     assert 'law = "empirical"' in sizes
     assert loads(text).resolved()["sliding"]["distance"] == "2000 um"
-    for key in ("mean_real_contact_area", "mean_junction_count", "distance"):
+    for key in ("mean_junction_count", "mean", "distance"):
         assert key in text

@@ -63,25 +63,20 @@ def crushed(figure: Any) -> list[str]:
     return [name for name, box in boxes.items() if box.height < LEAST * figure.dpi or box.width < 0.02 * figure.dpi]
 
 
+def assert_seen(figure: Any) -> None:
+    assert (flaws(figure), crushed(figure)) == ([], [])
+    plt.close(figure)
+
+
+HEARD = ["force", "displacement", "velocity", "normal-velocity", "load"]
+DRAWN = [(what, "area") for what in PICTURES] + [(what, of) for what in ("psd", "histogram") for of in HEARD]
+
+
 @pytest.mark.parametrize("size", ["single", "double"])
-@pytest.mark.parametrize("what", PICTURES)
-def test_nothing_is_cut_off_and_nothing_overlaps(run: rubnoise.Run, what: Any, size: str) -> None:
+@pytest.mark.parametrize(("what", "of"), DRAWN)
+def test_nothing_is_cut_off_and_nothing_overlaps(run: rubnoise.Run, what: Any, of: str, size: str) -> None:
     with suppress(rubnoise.Refused):  # a picture of what this run does not have
-        figure = run.plot(what, size=size)
-        assert flaws(figure) == []
-        assert crushed(figure) == []
-        plt.close(figure)
-
-
-@pytest.mark.parametrize("size", ["single", "double"])
-@pytest.mark.parametrize("what", ["psd", "histogram"])
-@pytest.mark.parametrize("of", ["force", "displacement", "velocity", "normal-velocity", "load"])
-def test_nor_in_those_of_force_motion_and_load(run: rubnoise.Run, what: Any, of: str, size: str) -> None:
-    with suppress(rubnoise.Refused):
-        figure = run.plot(what, of=of, size=size)
-        assert flaws(figure) == []
-        assert crushed(figure) == []
-        plt.close(figure)
+        assert_seen(run.plot(what, of=of, size=size))
 
 
 @pytest.mark.parametrize("size", ["single", "double"])
@@ -89,30 +84,28 @@ def test_nor_over_another_run(size: str) -> None:
     scenario = rubnoise.load("first/rubbing").replace(distance="4 mm")
     with rubnoise.run(scenario) as run, rubnoise.run(scenario, seed=2) as other:
         for what in ("slider", "phase"):
-            figure = run.plot(what, beside=other, size=size)
-            assert (flaws(figure), crushed(figure)) == ([], [])
-            plt.close(figure)
+            assert_seen(run.plot(what, beside=other, size=size))
+
+
+LAWS = {"birth.law": ["poisson", "regular"]}
+SWEPT = [
+    {"sliding.speed": ["5 mm/s", "10 mm/s", "20 mm/s", "40 mm/s"]},
+    {"interface.mean_junction_count": [5, 10, 20]} | LAWS,
+    LAWS,
+    {"interface.mean_real_contact_area": ["100 um^2", "120 um^2", "400 um^2"]},  # two too close for labels
+]
 
 
 @pytest.mark.parametrize("size", ["single", "double"])
-@pytest.mark.parametrize(
-    "grid",
-    [
-        {"sliding.speed": ["5 mm/s", "10 mm/s", "20 mm/s", "40 mm/s"]},
-        {"interface.mean_junction_count": [5, 10, 20], "birth.law": ["poisson", "regular"]},
-        {"birth.law": ["poisson", "regular"]},
-        {"interface.mean_real_contact_area": ["100 um^2", "120 um^2", "300 um^2"]},
-    ],
-)
-def test_nor_in_those_of_a_sweep_whose_axis_has_the_values_that_are_swept(grid: Any, size: str) -> None:
+@pytest.mark.parametrize("grid", SWEPT)
+def test_nor_in_a_sweep_whose_axis_has_the_values_that_are_swept(grid: Any, size: str) -> None:
     scenario = rubnoise.load("first/rubbing").replace(distance="300 um")
     with rubnoise.sweep(scenario, grid=grid, jobs=1) as sweep:
         figure = sweep.plot("real_contact_area_std", size=size)
-        assert (flaws(figure), crushed(figure)) == ([], [])
-        ticks = [each.get_text() for each in figure.axes[0].get_xticklabels()]
-        values = [str(value).split(" ")[0] for value in next(iter(grid.values()))]
-        assert values in (ticks, ["100", "120", "300"])  # of the last, two are too close for labels
-        plt.close(figure)
+    ticks = [each.get_text() for each in figure.axes[0].get_xticklabels()]
+    values = [str(value).split(" ")[0] for value in next(iter(grid.values()))]
+    assert (ticks == values) == (grid is not SWEPT[-1])
+    assert_seen(figure)
 
 
 def test_a_cut_and_an_overlap_would_be_seen() -> None:

@@ -93,16 +93,6 @@ def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk) -> None:
             assert abs(correlation(told["ticks"] + 8) - told["found"]) > 0.01
 
 
-# The stage stays in sight while a lesson is played, on projectors, desks and phones.
-
-
-def test_a_phone_has_the_lesson_on_its_first_screen(browser: Any, lesson_file: str) -> None:
-    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
-        top = page.locator(".lesson-question").bounding_box()["y"]
-        assert top < 0.6 * 844
-        assert page.locator("#knobs").bounding_box()["y"] > top
-
-
 # The surfaces from the side: hills of the circles that the dotted line cuts, which meet where the circles overlap.
 SIDE = """(() => {
   const { stage, run } = rub;

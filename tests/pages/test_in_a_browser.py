@@ -294,6 +294,16 @@ def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
         assert curves[-3:] == ["load", "separation", "normal_velocity"]
 
 
+def test_a_page_opens_in_a_frame_of_a_site(browser: Any, address: str, tmp_path: Path) -> None:
+    (tmp_path / "site.html").write_text(f'<iframe src="{address}"></iframe>', encoding="utf-8")
+    page, trouble = browser.new_page(), []
+    page.on("pageerror", lambda error: trouble.append(str(error)))
+    page.goto((tmp_path / "site.html").as_uri())
+    page.frames[1].wait_for_function("document.querySelector('#overview canvas') !== null")
+    assert trouble == []
+    page.close()
+
+
 def test_two_runs_side_by_side_share_their_window(
     browser: Any, one_way: Path, off_centre: Path, tmp_path: Path
 ) -> None:

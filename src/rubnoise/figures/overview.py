@@ -25,13 +25,13 @@ SHOWN_LIVES: Final = 40.0
 """Natural periods of a slider that are shown, and mean lives of a run without."""
 
 
-def overview_figure(stretch: Stretch, number: int | None = None) -> "Figure":
-    """Draw a run, and the life of one of its junctions: one in its middle of about the mean diameter, or ``number``.
+def overview_figure(stretch: Stretch) -> "Figure":
+    """Draw a run, and the life of one of its junctions: one in its middle, of about the mean diameter.
 
     With a slider its force and displacement are drawn below, without one area and count beside theory. Raises Refused
-    for a number without a junction.
+    for a run without junctions.
     """
-    junction = _chosen(stretch, number)
+    junction = _chosen(stretch)
     figure = new_figure(9.0, 5.4)
     below = ["force", "x"] if stretch.model.slider is not None else ["area", "count"]
     rows: Any = [["sum", "sum", "life"], *([name] * 3 for name in below)]
@@ -46,26 +46,18 @@ def overview_figure(stretch: Stretch, number: int | None = None) -> "Figure":
     return figure
 
 
-def _chosen(stretch: Stretch, number: int | None) -> Neighbours:
-    """Return the junction whose life is shown."""
+def _chosen(stretch: Stretch) -> Neighbours:
+    """Return the junction of about the mean diameter among those that are born in a life in the middle."""
     rows = stretch.file.rows("junctions")
     if rows == 0:
         raise Refused("no junction lives in this run; there is nothing to draw")
-    if number is None:
-        number = _typical(stretch, rows)
-    if not 0 <= number < rows:
-        raise Refused(f"junction {number}: not there; the run has junctions 0 to {rows - 1}")
-    begin = float(stretch.file.column("junctions", "birth_distance", number, number + 1)[0])
-    return neighbours(stretch.file, -1, begin, begin).only(number)
-
-
-def _typical(stretch: Stretch, rows: int) -> int:
-    """Return the junction of about the mean diameter among those that are born in a life in the middle."""
     middle = 0.5 * (stretch.start + stretch.stop)
     first = min(stretch.first_born(middle), rows - 1)
     last = max(stretch.first_born(middle + stretch.model.mean_life_distance), first + 1)
     diameter = stretch.file.column("junctions", "diameter", first, last)
-    return first + int(np.argmin(np.abs(diameter - stretch.model.sizes.moment(1))))
+    number = first + int(np.argmin(np.abs(diameter - stretch.model.sizes.moment(1))))
+    begin = float(stretch.file.column("junctions", "birth_distance", number, number + 1)[0])
+    return neighbours(stretch.file, -1, begin, begin).only(number)
 
 
 def _draw_sum(axes: "Axes", stretch: Stretch, junction: Neighbours) -> None:

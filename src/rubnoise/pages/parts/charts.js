@@ -248,7 +248,7 @@
     const [bottom, top] = [fromZero ? Math.min(0, low ?? 0) : (low ?? -1), high ?? 1];
     const margin = 0.06 * (top - bottom || 1);
     const range = [fromZero && bottom === 0 ? 0 : bottom - margin, top + margin];
-    return parent.shared ? parent.shared(window, name, range) : range;
+    return location.protocol === "about:" ? parent.shared(window, name, range) : range;
   };
 
   /** Make a chart for each curve that the run has. */
