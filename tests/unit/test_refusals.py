@@ -118,8 +118,9 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
 
 @pytest.mark.parametrize("expression", SAID.kept)
 def test_a_wrong_expression_is_refused_in_these_words(desk: dict[str, Any], expression: str) -> None:
-    with pytest.raises((rubnoise.RubnoiseError, QuantityError, KeyError, IndexError)) as refused:
+    with pytest.raises(Exception) as refused:  # noqa: PT011  (of which kind is asserted)
         eval(expression, dict(desk))  # noqa: S307  (a line of our own file)
+    assert isinstance(refused.value, rubnoise.RubnoiseError | QuantityError | KeyError | IndexError)
     said = str(refused.value)
     if expression.startswith("inferred("):  # a command says the same of its option
         keyword = expression.partition("(")[2].partition("=")[0]

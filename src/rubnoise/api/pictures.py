@@ -68,7 +68,7 @@ def drawn(
         near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
         hint = f'; did you mean "{near}"?' if near else ""
         raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
-    if isinstance(beside, str | os.PathLike):
+    if not (beside is None or isinstance(beside, Trace) or hasattr(beside, "reader")):
         beside = _measurement(beside, whole=what != "psd" or of != AREA)
     ends = ("start=", start), ("stop=", stop)
     first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends)
@@ -110,10 +110,10 @@ def picture_of(
     return drawing(what, Stretch.of(file, *ends), heard=heard, beside=other, measured=measured, look=look, ax=ax)
 
 
-def _measurement(path: str | os.PathLike[str], *, whole: bool) -> Trace:
+def _measurement(path: Any, *, whole: bool) -> Trace:
     """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
     with refusing_files(path):
-        if is_hdf5(path):
+        if isinstance(path, str | os.PathLike) and is_hdf5(path):
             opened = f'rubnoise.open("{os.fspath(path)}")'
             right = opened if whole else f"rubnoise.Trace({opened})"
             raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
