@@ -121,7 +121,7 @@ def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypat
         with pytest.raises(Refused, match=r"a\.mat: "):
             read_measured(path)
         savemat(path, {"a": VALUES})
-    assert read_measured(path).values.tolist() == VALUES.tolist()
+    assert read_measured(path, Asked(rate=1.0)).values.tolist() == VALUES.tolist()
 
 
 @pytest.mark.parametrize(
@@ -137,9 +137,9 @@ def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypat
         ([None, 1.0], "holds object"),
         (VALUES > 50.0, "holds bool"),
         (np.ma.masked_less(VALUES, 49.5), "masked"),
-        (np.append(VALUES, np.nan), "value 401 of trace is nan"),
-        (np.append(VALUES, 1e300), "value 401 of trace is 1e"),
-        (1e300 * VALUES, "value 1 of trace is 5e"),
+        (np.append(VALUES, np.nan), "sample 401 of trace is nan"),
+        (np.append(VALUES, 1e300), "sample 401 of trace is 1e"),
+        (1e300 * VALUES, "sample 1 of trace is 5e"),
         (1e-300 * VALUES, "give the values in a smaller unit"),
     ],
 )

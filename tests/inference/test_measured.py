@@ -117,7 +117,7 @@ def test_a_dataset_has_the_steps_of_its_scale(tmp_path: Path) -> None:
     assert read.step == pytest.approx(0.01)
     with h5py.File(path, "r+") as file:
         file["time"][14:] += 0.01
-    with pytest.raises(Refused, match=r"row 15: time grows by 0\.02 s"):
+    with pytest.raises(Refused, match=r"sample 15: time grows by 0\.02 s"):
         read_measured(f"{path}:force")
 
 
@@ -158,7 +158,7 @@ def test_a_dataset_in_another_file_is_not_read(tmp_path: Path) -> None:
         layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "force", (40,))
         file.create_virtual_dataset("virtual", layout)
     for name in ("force", "soft", "group/force"):
-        assert read_measured(f"{tmp_path}/a.h5:{name}").values.tolist() == FORCE.tolist()
+        assert read_measured(f"{tmp_path}/a.h5:{name}", Asked(rate=1.0)).values.tolist() == FORCE.tolist()
     for name, problem in (
         *((name, "is no dataset in it") for name in ("elsewhere", "led", "round", "elsewhere/x")),
         *((name, "has its values in other files") for name in ("outside", "virtual")),
@@ -173,7 +173,7 @@ def test_an_array_needs_a_rate_and_a_unit() -> None:
         infer(values, unit="mN", speed="1 mm/s")
     with pytest.raises(Refused, match="no unit"):
         infer(values, rate="1 kHz", speed="1 mm/s")
-    with pytest.raises(Refused, match="value 2 of trace is inf"):
+    with pytest.raises(Refused, match="sample 2 of trace is inf"):
         infer(np.array([1.0, np.inf]), rate="1 Hz", unit="N", speed="1 um/s")
 
 

@@ -88,7 +88,7 @@ def test_what_laboratories_write_is_read_the_same_by_infer_and_by_trace(tmp_path
 def test_a_preamble_of_numbers_is_no_data(tmp_path: Path, count: int) -> None:
     path = tmp_path / "a.csv"
     path.write_text("".join(f"{n}\n" for n in range(count)) + "force (N)\n" + "\n".join(FORCES), encoding="utf-8")
-    read = read_measured(path)
+    read = read_measured(path, Asked(rate=100.0))
     assert (read.values.tolist(), read.head.unit, read.place(0)) == (VALUES, "N", f"line {count + 2}")
 
 
@@ -123,8 +123,8 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
     with pytest.raises(Refused, match=r'has no line of names .*column=2, rate="10 kHz" and unit="N"') as refused:
         read_measured(path)
     assert '--column 2, --rate "10 kHz" and --unit N' in in_shell(str(refused.value))
-    read = read_measured(path, Asked(column="2"))
-    assert (read.values.tolist(), read.step, read.head.unit, read.place(0)) == (VALUES, None, "", "line 1")
+    read = read_measured(path, Asked(column="2", rate=100.0))
+    assert (read.values.tolist(), read.step, read.head.unit, read.place(0)) == (VALUES, 0.01, "", "line 1")
     with pytest.raises(Refused, match="has no line of names above its numbers"):
         rubnoise.Trace.from_csv(path)
     for words, missing in (
@@ -136,7 +136,7 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
     words = ["--column", "2", "--unit", "N", "--rate", "100 Hz"]
     assert call("infer", str(path), "--speed", "1 mm/s", *words).code == 3  # 40 samples are too few
     path.write_text("\n".join(FORCES), encoding="utf-8")
-    assert read_measured(path).values.tolist() == VALUES
+    assert read_measured(path, Asked(rate=100.0)).values.tolist() == VALUES
 
 
 def test_times_rounded_to_three_decimals_are_read_with_a_rate(tmp_path: Path) -> None:
