@@ -170,7 +170,7 @@ def _unpacked(name: str, raw: Any, about: Mapping[str, Any]) -> tuple[Head, Any]
             if (raw == filling).any():
                 values[raw == filling], missing = np.nan, f"its {key}, {filling:g}"
     unit = spelled(_text(about.get("units")).partition(" since ")[0])
-    return Head(name.rpartition("/")[2], unit, name, missing), values
+    return Head(name.rpartition("/")[2], unit, name, missing=missing), values
 
 
 def _text(attribute: Any) -> str:

@@ -62,19 +62,20 @@ class Source:
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     of_file: bool = False
+    head_line: int = 0
     begin: int = 0
     used: Sequence[int] = ()
     placed: int | None = None
 
     @property
     def where(self) -> str:
-        """The file, and where the names stand in it."""
-        return str(self.path)
+        """The file, and the line of the names in it."""
+        return f"{self.path}: line {self.head_line}" if self.head_line else str(self.path)
 
     @property
     def usable(self) -> Sequence[int]:
-        """The columns that have numbers."""
-        return range(len(self.heads))
+        """The columns that have numbers or times."""
+        return [number for number, head in enumerate(self.heads) if head.kind]
 
     @property
     def head(self) -> Head:

@@ -34,11 +34,15 @@ _SPELLINGS: Final = {"kp": "kgf", "msec": "ms", "usec": "us", "d": "day", "days"
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The name of a column and its unit, empty if it has none; the cell as ``written``; what nan means, if not nan."""
+    """The name of a column and its unit, empty if it has none, and the cell as ``written``.
+
+    Its cells are of a ``kind``, "number" or "time", empty for others; ``missing`` says what nan stands for.
+    """
 
     name: str
     unit: str
     written: str
+    kind: str = "number"
     missing: str = ""
 
 

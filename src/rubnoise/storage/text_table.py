@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from io import TextIOWrapper
-from itertools import islice
+from itertools import islice, zip_longest
 from pathlib import Path
 from typing import Final, Self
 
@@ -27,8 +27,8 @@ MARKS: Final = ("#", "%")
 
 ENCODINGS: Final = {
     "utf-8-sig": (),
-    "utf-16": ("is read as UTF-16",),
-    "cp1252": ("is not in UTF-8, and is read as Windows-1252",),
+    "utf-16": ("read as UTF-16",),
+    "cp1252": ("read as Windows-1252",),
 }
 """What is said of a text by its encoding."""
 
@@ -62,6 +62,12 @@ _RANKS: Final = (
     (True, True, False),
 )
 """Lines of names, worst first: whether they have units, whether they have a name for each column, are a comment."""
+
+Line = tuple[int, str]
+"""The number of a line, from 1 on, and its text."""
+
+Worth = tuple[bool, float, int, int]
+"""How well a form fits: whether there is a name for each column, the share of numbers, the rows, the cells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +126,7 @@ def encoding_of(path: Path) -> str:
     return "cp1252"
 
 
-def lines_of(path: Path, encoding: str) -> Iterator[tuple[int, str]]:
+def lines_of(path: Path, encoding: str) -> Iterator[Line]:
     """Yield lines with their numbers, from 1 on, which end in LF, CR LF or CR; raises Refused if it is no text."""
     with open_stream(path) as stream, TextIOWrapper(stream, encoding=encoding, errors="replace") as reader:
         for number, text in enumerate(iter(lambda: reader.readline(_LONGEST_LINE + 1), ""), 1):
@@ -129,36 +135,21 @@ def lines_of(path: Path, encoding: str) -> Iterator[tuple[int, str]]:
             if len(text) > _LONGEST_LINE:
                 why = f"has more than {_LONGEST_LINE:,} characters; a table has a row for each sample"
                 raise Refused(f"{path}: line {number}: {why}")
-            if text.strip():
-                yield number, text.rstrip("\n")
+            yield number, text.rstrip("\n")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TextTable(Source):
-    """A table of text, whose columns are read when they are needed.
-
-    ``first`` is the line where rows begin, ``head_line`` that of the names, 0 if there are none; ``usable`` are the
-    columns of numbers or times, ``clocks`` those of dates and clock times. ``unplaced`` says that the first cell of a
-    row is empty, where LabVIEW says its step alone.
-    """
+    """A table of text, whose columns are read when they are needed; ``first`` is the line where its rows begin."""
 
     encoding: str
     form: Form
-    head_line: int
     first: int
-    usable: Sequence[int]
-    clocks: frozenset[int]
-    unplaced: bool
 
-    @property
-    def where(self) -> str:
-        """The file, and the line of the names."""
-        return f"{self.path}: line {self.head_line}" if self.head_line else str(self.path)
-
-    def _rows(self) -> Iterator[tuple[int, str]]:
+    def _rows(self) -> Iterator[Line]:
         """Yield the lines that are rows: neither empty nor comments."""
         lines = lines_of(self.path, self.encoding)
-        return (line for line in lines if line[0] >= self.first and line[1][0] not in MARKS)
+        return (line for line in lines if line[0] >= self.first and line[1].strip() and line[1][0] not in MARKS)
 
     def with_columns(self, numbers: Sequence[int]) -> Self:
         """Return the table with some columns in memory, nan where no number stands; clocks go on after midnight."""
@@ -166,7 +157,7 @@ class TextTable(Source):
         while texts := [text for _, text in islice(rows, _PIECE)]:
             kept.append(self._parsed(texts, numbers))
         arrays = dict(zip(numbers, np.concatenate(kept).T, strict=True))
-        for number in self.clocks.intersection(numbers):
+        for number in (number for number in numbers if self.heads[number].kind == "time"):
             back = np.diff(arrays[number], prepend=arrays[number][:1]) < -43200.0
             arrays[number] = arrays[number] + 86400.0 * np.cumsum(back)
         return replace(self, arrays=arrays)
@@ -174,8 +165,10 @@ class TextTable(Source):
     def _parsed(self, texts: list[str], numbers: Sequence[int]) -> Doubles:
         """Return the values of rows: by numpy where they are plain, otherwise cell by cell."""
         mark, comma, whole = self.form.separator, self.form.decimal == ",", "\n".join(texts)
-        plain = '"' not in whole and not (comma and "." in whole) and self.clocks.isdisjoint(numbers)
-        if plain and not (self.unplaced and any(not text.startswith(mark) for text in texts)):
+        plain = (
+            '"' not in whole and not (comma and "." in whole) and "time" not in [self.heads[n].kind for n in numbers]
+        )
+        if plain and not (self._is_unplaced and any(not text.startswith(mark) for text in texts)):
             widths = {len(text.split()) if mark == " " else text.count(mark) + 1 for text in texts}
             changed = whole.replace(",", ".").split("\n") if comma else texts
             with suppress(ValueError):
@@ -188,15 +181,20 @@ class TextTable(Source):
 
     def _value(self, cells: Sequence[str], number: int) -> float | None:
         cell = cells[number] if number < len(cells) else ""
-        return moment(cell) if number in self.clocks else self.form.number(cell)
+        return moment(cell) if self.heads[number].kind == "time" else self.form.number(cell)
+
+    @property
+    def _is_unplaced(self) -> bool:
+        """Whether rows begin with an empty cell, since LabVIEW says their step alone; heads of its segments do not."""
+        return self.heads[0].name == "X_Value" and not self.heads[0].kind
 
     def _fits(self, cells: Sequence[str]) -> bool:
         """Whether a row has a cell for each name; behind the last number a cell may be missing, an empty one added."""
         spare = len(cells) == len(self.heads) + 1 and not cells[-1]
         wide = max(self.usable, default=0) < len(cells) <= len(self.heads) or spare
-        return wide and not (self.unplaced and cells[0])
+        return wide and not (self._is_unplaced and cells[0])
 
-    def _row(self, row: int) -> tuple[int, str]:
+    def _row(self, row: int) -> Line:
         return next(islice(self._rows(), self.begin + row, None))
 
     def place(self, row: int) -> str:
@@ -206,7 +204,7 @@ class TextTable(Source):
     def wrong(self, row: int, number: int) -> str:
         """Say why the cell of a row is no number."""
         cells = self.form.cells(self._row(row)[1])
-        if self.unplaced and cells[0]:
+        if self._is_unplaced and cells[0]:
             return f"{cells[0][:_SHOWN]!r} is no row; a trace is one segment"
         if not self._fits(cells):
             what = "names" if self.head_line else "cells in other rows"
@@ -220,7 +218,7 @@ class TextTable(Source):
 def read_table(path: Path) -> TextTable:
     """Return the table in a text, of the form that fits best; raises Refused if there is none."""
     encoding = encoding_of(path)
-    lines = list(islice(lines_of(path, encoding), _LOOKED_AT))
+    lines = list(islice((line for line in lines_of(path, encoding) if line[1].strip()), _LOOKED_AT))
     if not lines:
         raise Refused(f"{path}: has 0 lines; a line of names and a row for each sample are needed")
     forms = [Form(mark, decimal) for decimal in ".," for mark in "\t;, "]
@@ -235,57 +233,48 @@ def read_table(path: Path) -> TextTable:
     return max(tables, key=lambda each: each[0])[1]
 
 
-Worth = tuple[bool, float, int, int]
-"""How well a form fits: whether there is a name for each column, the share of numbers, the rows, the cells."""
-
-
-def _table(path: Path, encoding: str, form: Form, lines: Sequence[tuple[int, str]]) -> tuple[Worth, TextTable] | None:
+def _table(path: Path, encoding: str, form: Form, lines: Sequence[Line]) -> tuple[Worth, TextTable] | None:
     """Return the table that the first lines of a text have in one form, None if none has a number in it."""
     rows = [form.cells(text) if text[0] not in MARKS else [] for _, text in lines]
-    kinds = [[form.kind(cell) for cell in row] for row in rows]
-    widths = Counter(len(each) for each in kinds if any(each))
-    if not widths:
+    shapes = [tuple(map(form.kind, cells)) for cells in rows]
+    usual = Counter(shape for shape in shapes if any(shape)).most_common(1)
+    if not usual:
         return None
-    width = max(widths, key=lambda each: (widths[each], each))
-    table = [at for at, each in enumerate(kinds) if len(each) == width and any(each)]
-    counts = [Counter(kinds[at][n] for at in table) for n in range(width)]
-    share = [max(each["number"], each["time"]) / len(table) for each in counts]
-    core = [n for n in range(width) if share[n] >= 0.9 * max(share)]
-    whole = {at for at in table if all(kinds[at][n] for n in core)}
-    runs = (at for run in (4, 2, 1) for at in table if whole.issuperset(range(at, at + run)))
-    at, names, units = _names_above(form, lines, rows, kinds, next(runs, table[0]), width)
+    (shape, count), width = usual[0], len(usual[0][0])
+    runs = (at for run in (4, 2, 1) for at in range(len(shapes)) if shapes[at : at + run] == run * [shape])
+    begin = next(runs)
+    at, names, units = _names_above(form, lines, rows, shapes, begin, width)
     said = {row[0]: row[1:] for row in rows[: max(at, 0)] if row}
     step, below = 0.0, bool(units)
     if names[0] == "X_Value" and said.get("X_Dimension", [""])[0] == "Time":
         step, units = form.number(said.get("Delta_X", [""])[0]) or 0.0, ["s", *said.get("Y_Unit_Label", [])]
-    clocks = frozenset(n for n, each in enumerate(counts) if each["time"] > each["number"])
-    heads = [head_of(name) if name else Head(f"column {n}", "", "") for n, name in enumerate(names, 1)]
-    for n, (head, unit) in enumerate(zip(heads, [*units, *[""] * len(heads)], strict=False)):
-        heads[n] = replace(head, unit="s" if n in clocks else head.unit or spelled(unit))
-    if len(heads) == width - 1 and share[-1] == 0.0:
-        heads.append(Head(f"column {width}", "", ""))
-    usable = [n for n in range(min(width, len(heads))) if share[n] >= 0.5]
+    heads = []
+    for name, unit, kind, n in zip_longest(names, units, shape, range(1, max(width, len(names)) + 1), fillvalue=""):
+        head = head_of(name) if name else Head(f"column {n}", "", "")
+        heads.append(replace(head, unit="s" if kind == "time" else head.unit or spelled(unit), kind=kind))
     alone = width == 1 and at >= 0 and any(mark in lines[at][1].strip() for mark in "\t;,")
-    filled = sum(bool(cell) for at in table for cell in rows[at])
-    read = sum(each["number"] + each["time"] for each in counts)
-    return (at >= 0 and len(heads) == width and not alone, read / filled, len(table), width), TextTable(
+    share = sum(map(bool, shape)) / sum(map(bool, rows[begin]))
+    first = next(n for n, each in enumerate(shapes) if len(each) == width and any(each)) if at < 0 else at + 1 + below
+    return (at >= 0 and len(heads) == width and not alone, share, count, width), TextTable(
         path=path,
         heads=heads,
-        step=0.0 if 0 in usable else step,
+        step=0.0 if shape[0] else step,
         notes=tuple(f"{path}: {each}" for each in ENCODINGS[encoding]),
         of_file=True,
+        head_line=0 if at < 0 else lines[at][0],
         encoding=encoding,
         form=form,
-        head_line=0 if at < 0 else lines[at][0],
-        first=lines[table[0] if at < 0 else at + 1 + below][0],
-        usable=usable,
-        clocks=clocks,
-        unplaced=step > 0.0 and 0 not in usable,
+        first=lines[first][0],
     )
 
 
 def _names_above(
-    form: Form, lines: Sequence[tuple[int, str]], rows: list[list[str]], kinds: list[list[str]], begin: int, width: int
+    form: Form,
+    lines: Sequence[tuple[int, str]],
+    rows: list[list[str]],
+    shapes: list[tuple[str, ...]],
+    begin: int,
+    width: int,
 ) -> tuple[int, list[str], list[str]]:
     """Return the line of names above a table, the names, and the units below them; -1 if there is none.
 
@@ -295,12 +284,12 @@ def _names_above(
     units: list[str] = []
     for at, (_, text) in enumerate(lines[:begin]):
         are_units = bool(units)
-        units = _units_below(rows, at) if at + 1 < len(rows) and "number" not in kinds[at] + kinds[at + 1] else []
+        units = _units_below(rows, at) if at + 1 < len(rows) and "number" not in shapes[at] + shapes[at + 1] else []
         names = form.names(text, width)
         if len(names) == width + 1 and names[-1].lower() in ("", "comment"):
             names.pop()
         has_units = any(head_of(name).unit for name in names) or bool(units)
-        fits = abs(len(names) - width) <= has_units and (has_units or "number" not in kinds[at])
+        fits = abs(len(names) - width) <= has_units and (has_units or "number" not in shapes[at])
         if fits and not are_units and not text.startswith("***"):  # with which LabVIEW ends a head
             best = max(best, ((has_units, text[0] not in MARKS), at, names, units))
     return best[1:]
