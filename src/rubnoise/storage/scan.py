@@ -4,7 +4,7 @@ import re
 import warnings
 from collections.abc import Sequence
 from contextlib import redirect_stderr
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any, Final
@@ -31,15 +31,8 @@ class Told:
     channel: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scan:
-    """Heights and spacings in um, the first index along the sliding; ``history`` says how they were read."""
-
-    heights: Doubles = field(repr=False)
-    spacing: tuple[float, float]
-    periodic: bool = False
-    name: str
-    history: tuple[str, ...] = ()
+Scan = dict[str, Any]
+"""The fields of a HeightMap: heights and spacings in um, and the history that says how they were read."""
 
 
 def read_scan(path: Path, told: Told) -> Scan:
@@ -103,10 +96,7 @@ def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) ->
 def from_topography(
     topography: Any, name: str, told: Told, history: tuple[str, ...] = (), units: Sequence[str] = ("", "")
 ) -> Scan:
-    """Return an object of SurfaceTopography as a map; raises Refused as `read_scan` does.
-
-    ``units`` are those of its size and its heights, where it does not have them itself.
-    """
+    """Return an object of SurfaceTopography as a map, with other ``units`` of its size and its heights, or Refused."""
     if topography.dim != 2 or not topography.is_uniform:
         raise Refused(f"{name}: is a profile or has uneven points; a map of heights over an even grid is needed")
     if (points := int(np.prod(topography.nb_grid_pts))) > MOST_VALUES:
@@ -117,8 +107,8 @@ def from_topography(
     up = length_scale(told.height_unit or units[1] or own or told.unit, name, "height_unit")
     along, across = (float(step) * scale for step in topography.pixel_size)
     heights, done = _filled(topography, name)
-    scaled, periodic = np.ascontiguousarray(heights * up), bool(topography.is_periodic)
-    return Scan(heights=scaled, spacing=(along, across), periodic=periodic, name=name, history=(*history, *done))
+    scaled, about = np.ascontiguousarray(heights * up), {"name": name, "history": (*history, *done)}
+    return {"heights": scaled, "spacing": (along, across), "periodic": bool(topography.is_periodic), **about}
 
 
 def length_scale(unit: Any, name: str, keyword: str = "unit") -> float:
