@@ -32,7 +32,7 @@ SIZES = {"a slider": WHOLE, "the contact alone": BARE, "hardly any births": BARE
 PEAK = """
 import sys
 from rubnoise import load, run
-run(load(sys.argv[1], sys.argv[3:]), sys.argv[2]).close()
+run(load(sys.argv[1], sys.argv[3:]), sys.argv[2], force=True).close()
 status = dict(line.split(":", 1) for line in open("/proc/self/status"))
 print(int(status["VmHWM"].split()[0]) * 1024)
 """
