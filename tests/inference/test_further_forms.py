@@ -14,25 +14,18 @@ from scipy.io import savemat, wavfile
 import rubnoise
 from rubnoise.api import inferring
 from rubnoise.errors import Refused
-from tests.inference.test_forms import FORCE, HEAD, PLAIN, TIME, comma, table
+from tests.inference.test_forms import FORCE, HEAD, MARKS, PLAIN, TABS, TIME, Form, form, german, kept, table, written
 
-TABS, MARKS = "{t:.4f}\t{f:.5f}\n", "{t:.4f};{f:.5f}\n"
 RATE = {"rate": "2500 Hz"}
 ENDED = table(HEAD, PLAIN)
 LINES = ENDED.splitlines(keepends=True)
-Form = tuple[str, str | bytes, dict[str, str]]
-
-
-def form(head: str, row: str = PLAIN, made: Callable[..., str] = table, force: Any = FORCE, **options: str) -> Form:
-    """Return the ending, the text and the options of a table."""
-    return ".csv", made(head, row, force) if made is table else made(head, row), options
 
 
 def binary(ending: str, write: Callable[[Any], Any], **options: str) -> Form:
     """Return the ending, the bytes and the options of another file."""
     stream = io.BytesIO()
     write(stream)
-    return ending, stream.getvalue(), options
+    return kept(stream.getvalue(), ending, **options)
 
 
 def hdf5(stream: Any) -> None:
@@ -57,37 +50,37 @@ READ = {
         "X,CH1,Start,\nSequence,Volt,4e-4,\n", "{n},{f:.5f},,\n", column="CH1", unit="mN", from_="2", **RATE
     ),
     "settings beside": form("", '"Points",2500,,{t:.4f},{f:.5f}\n', column="5", unit="mN", **RATE),
-    "amplifier": form("Messung=Rig 3\nDatum=05.03.2024\n\nZeit\tKraft\ns\tmN\n", TABS, comma),
-    "trailing tab": form("Time [s]\tFt [mN]\tµ\n", "{t:.4f}\t{f:.5f}\t0,12\t\n", comma, column="Ft"),
+    "amplifier": german("Messung=Rig 3\nDatum=05.03.2024\n\nZeit\tKraft\ns\tmN\n", TABS),
+    "trailing tab": german("Time [s]\tFt [mN]\tµ\n", "{t:.4f}\t{f:.5f}\t0,12\t\n", column="Ft"),
     "forces": form("T (s)\tFx (mN)\tFz (N)\tCOF\n", "{t:.4f}\t{f:.5f}\t0.02\t0.1\n", column="Fx"),
     "data frame": form(",time (s),force (mN)\n", "{n},{t:.4f},{f:.5f}\n", column="force"),
     "statistics": form('"","t..s.","F..mN."\n', '"{n}",{t:.4f},{f:.5f}\n', column="F..mN.", unit="mN", **RATE),
-    "spreadsheet": form("sep=;\r\nZeit (s);Kraft (mN)\r\n", "{t:.4f};{f:.5f}\r\n", comma),
-    "counted": form("Nr\tZeit [s]\tKraft [mN]\n", "{n}\t{t:.4f}\t{f:.5f}\n", comma, column="Kraft"),
+    "spreadsheet": german("sep=;\r\nZeit (s);Kraft (mN)\r\n", "{t:.4f};{f:.5f}\r\n"),
+    "counted": german("Nr\tZeit [s]\tKraft [mN]\n", "{n}\t{t:.4f}\t{f:.5f}\n", column="Kraft"),
     # lines and letters
-    "mark of bytes": (".csv", ("\ufeff" + ENDED).replace("\n", "\r\n"), {}),
-    "old Macintosh": (".csv", ENDED.replace("\n", "\r"), {}),
-    "big ends": (".csv", ("\ufeff" + ENDED).encode("utf-16-be"), {}),
-    "blank lines": (".csv", ENDED.replace("\n", "\r\r\n"), {}),
-    "remark at the end": (".csv", ENDED + "# stopped by hand\n", {}),
-    "nothing at the end": (".csv", ENDED + "\n\n\n", {}),
+    "mark of bytes": kept(("\ufeff" + ENDED).replace("\n", "\r\n")),
+    "old Macintosh": kept(ENDED.replace("\n", "\r")),
+    "big ends": kept(("\ufeff" + ENDED).encode("utf-16-be")),
+    "blank lines": kept(ENDED.replace("\n", "\r\r\n")),
+    "remark at the end": kept(ENDED + "# stopped by hand\n"),
+    "nothing at the end": kept(ENDED + "\n\n\n"),
     # names and units
     "after a comma": form("Time, s\tForce, mN\n", TABS),
-    "symbol and unit": form("t/s;F_R/mN\n", MARKS, comma),
-    "in words": form("Zeit t in s;Reibkraft FR in mN\n", MARKS, comma),
-    "Greek mu": form("time (s),force (\u03bcN)\n", force=1000.0 * FORCE),
+    "symbol and unit": german("t/s;F_R/mN\n", MARKS),
+    "in words": german("Zeit t in s;Reibkraft FR in mN\n", MARKS),
+    "Greek mu": form("time (s),force (\u03bcN)\n", PLAIN, 1000.0 * FORCE),
     "milliseconds": form("time (ms),force (mN)\n", "{n}.0,{f:.5f}\n", **RATE),
     "German seconds": form("time (Sekunden);force (mN)\n", MARKS),
     "epoch": form("timestamp (s),force (mN)\n", "17096292{n:02d},{f:.5f}\n", **RATE),
     "distance": form("Sliding distance (mm),force (mN)\n"),
     "humidity": form("time (s),humidity (%),force (mN)\n", "{t:.4f},45,{f:.5f}\n", column="force"),
     # numbers and times
-    "minutes": (".csv", "t (min),F (mN)\n" + "".join(f"{t / 60},{f}\n" for t, f in zip(TIME, FORCE, strict=True)), {}),
-    "days": (".csv", "t (d),F (mN)\n" + "".join(f"{t / 86400},{f}\n" for t, f in zip(TIME, FORCE, strict=True)), {}),
-    "narrow spaces": (".csv", table("t (s);F (µN)\n", "{t:.4f};{f:,.2f}\n", 1e3 * FORCE).replace(",", "\u202f"), {}),
+    "minutes": kept("t (min),F (mN)\n" + "".join(f"{t / 60},{f}\n" for t, f in zip(TIME, FORCE, strict=True))),
+    "days": kept("t (d),F (mN)\n" + "".join(f"{t / 86400},{f}\n" for t, f in zip(TIME, FORCE, strict=True))),
+    "narrow spaces": kept(table("t (s);F (µN)\n", "{t:.4f};{f:,.2f}\n", 1e3 * FORCE).replace(",", "\u202f")),
     "plus": form(HEAD, "+{t:.4f},+{f:.5f}\n"),
     "American dates": form("when,force (mN)\n", "{moment:%m/%d/%Y %H:%M:%S.%f},{f:.5f}\n"),
-    "cut last row": (".csv", ENDED + "9.9", {"to": f"{FORCE.size}"}),
+    "cut last row": kept(ENDED + "9.9", to=f"{FORCE.size}"),
     # other kinds of files
     "MATLAB": binary(
         ".mat", lambda to: savemat(to, {"t": TIME, "F": FORCE[:, None], "rig": "3"}), unit="mN", column="F"
@@ -96,35 +89,30 @@ READ = {
     "HDF5": binary(".h5:/rig/force", hdf5),
 }
 REFUSED: dict[str, tuple[Form, list[str]]] = {
-    "gap": ((".csv", "".join(LINES[:200] + LINES[201:]), {}), ["line 201", "time"]),
-    "empty cell": ((".csv", spoiled(""), {}), ["line 102", "force"]),
-    "word": ((".csv", spoiled("#N/A"), {}), ["line 102", "force", "#N/A"]),
-    "not a number": ((".csv", spoiled("NaN"), {}), ["line 102", "force", "nan"]),
-    "unit in a cell": ((".csv", spoiled("12.3 mN"), {}), ["line 102", "force", "12.3 mN"]),
-    "second head": ((".csv", ENDED + ENDED, {}), [f"line {FORCE.size + 2}", "time"]),
-    "backwards": ((".csv", HEAD + "".join(reversed(LINES[1:])), {}), ["time"]),
+    "gap": (kept("".join(LINES[:200] + LINES[201:])), ["line 201", "time"]),
+    "empty cell": (kept(spoiled("")), ["line 102", "force"]),
+    "word": (kept(spoiled("#N/A")), ["line 102", "force", "#N/A"]),
+    "not a number": (kept(spoiled("NaN")), ["line 102", "force", "nan"]),
+    "unit in a cell": (kept(spoiled("12.3 mN")), ["line 102", "force", "12.3 mN"]),
+    "second head": (kept(ENDED + ENDED), [f"line {FORCE.size + 2}", "time"]),
+    "backwards": (kept(HEAD + "".join(reversed(LINES[1:]))), ["time"]),
     "coarse clock": (form("Uhrzeit,force (mN)\n", "{moment:%H:%M:%S},{f:.5f}\n"), ["Uhrzeit", "rate"]),
     "two forces": (form("t (s),Fx (mN),Fy (mN)\n", "{t:.4f},{f:.5f},1.0\n"), ["column", "Fx", "Fy"]),
     "no unit": (form("time (s),force\n"), ["force", "unit"]),
     "no time": (form("force (mN)\n", "{f:.5f}\n"), ["rate"]),
-    "packed text": ((".csv.gz", gzip.compress(ENDED.encode()), {}), ["gz"]),
+    "packed text": (kept(gzip.compress(ENDED.encode()), ".csv.gz"), ["gz"]),
     "packed arrays": (binary(".npz", lambda to: np.savez(to, force=FORCE)), ["npz"]),
     "workbook": (binary(".xlsx", lambda to: np.savez(to, force=FORCE)), ["CSV"]),
-    "objects": ((".json", '{"force": [1.5, 2.5]}', {}), ["line 1"]),
+    "objects": (kept('{"force": [1.5, 2.5]}', ".json"), ["line 1"]),
     "two columns": (binary(".h5:/rig/both", hdf5, **RATE), ["both"]),
+    "no MATLAB": (kept("text", ".mat"), ["-v6 or -v7"]),
+    "channels": (binary(".wav", lambda to: wavfile.write(to, 2500, np.c_[FORCE, FORCE])), ["1, 2"]),
+    "one row": (kept("".join(LINES[:2])), ["1 rows"]),
     "whole file": (binary(".h5", hdf5, **RATE), ["rig/force"]),
-    "unheard option": ((".csv", ENDED, {"dt": "0.4 ms"}), ["dt=", "rate"]),
+    "unheard option": (kept(ENDED, dt="0.4 ms"), ["dt=", "rate"]),
 }
-INFER_ALONE = ("two forces", "no unit")
+INFER_ALONE = ("two forces", "no unit", "channels")
 """A Trace keeps several columns, and those without a unit."""
-
-
-def written(folder: Path, form: Form) -> str:
-    """Write a file, and return how it is named, with the dataset within."""
-    ending, _, dataset = form[0].partition(":")
-    path, content = folder / f"a{ending}", form[1]
-    path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return f"{path}:{dataset}" if dataset else str(path)
 
 
 @pytest.mark.parametrize("name", READ)

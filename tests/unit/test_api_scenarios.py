@@ -248,18 +248,6 @@ def _written(folder: Path, text: str, name: str = "m.csv") -> Path:
     return folder / name
 
 
-@pytest.mark.parametrize(
-    ("header", "separator"),
-    [("time (ms),velocity (mm/s)", ","), ("time [ms];velocity [mm/s]", ";"), ("time (ms)\tvelocity (mm/s)", "\t")],
-)
-def test_headers_carry_units_in_several_forms(tmp_path: Path, header: str, separator: str) -> None:
-    rows = "\n".join(f"{n / 2}{separator}{n}" for n in range(5))
-    trace = rubnoise.Trace.from_csv(_written(tmp_path, f"# a comment\n{header}\n{rows}\n"))
-    assert dict(trace.units) == {"time": "s", "velocity": "um/s"}
-    assert trace.step == pytest.approx(0.0005)
-    np.testing.assert_allclose(trace["velocity"], 1000.0 * np.arange(5))
-
-
 def test_what_export_writes_is_read(tmp_path: Path) -> None:
     scenario = rubnoise.example("paper/fig5").replace(distance="100 um")
     rubnoise.run(scenario, tmp_path / "x.h5").close()
@@ -278,27 +266,6 @@ def test_a_decimal_comma_beside_semicolons_and_units_of_others() -> None:
     trace = rubnoise.Trace.from_arrays({"time (s)": [0.0, 1.0, 2.0], "sensor (V)": [1, 2, 3], "force (mN)": [1, 2, 3]})
     assert dict(trace.units) == {"time": "s", "sensor": "V", "force": "uN"}
     assert trace["force"].tolist() == [1000.0, 2000.0, 3000.0]
-
-
-@pytest.mark.parametrize(
-    ("rows", "told"),
-    [
-        ("0,1\n1,2\n2,x\n", "line 4: v: 'x' is no number"),
-        ("0,1\n1,\n2,3\n", "line 3: v: '' is no number"),
-        ("0,1\n1,nan\n2,3\n", "line 3: v is nan; every sample needs a number"),
-        ("0,1\n1,2,3\n2,3\n", "line 3: 3 cells; there are 2 names"),
-        ("0,1\n1,1\n2,1\n5,1\n6,1\n7,1\n", "line 5: time grows by 3 s"),
-        ("0,1\n1,1\n1,1\n2,1\n3,1\n", "line 4: time grows by 0 s"),
-        ("3,1\n2,1\n1,1\n", "time does not grow"),
-        ("0.000,1\n1.000,1\n2.000,1\n3.200,1\n4.000,1\n", r"line 5: time grows by 1\.2 s"),
-        ("0,1\n", "1 rows"),
-        ("", "no row of numbers"),
-    ],
-)
-def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, rows: str, told: str) -> None:
-    path = _written(tmp_path, "time (s),v (mm/s)\n" + rows)
-    with pytest.raises(rubnoise.Refused, match=told):
-        rubnoise.Trace.from_csv(path)
 
 
 @pytest.mark.parametrize("header", ["time (s),v (mm^^2)", "time (s),v (s),v (s)"])
