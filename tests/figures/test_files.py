@@ -39,11 +39,13 @@ def drawn_as(kind: Format) -> bytes:
         return as_bytes(figure, kind)
 
 
+@pytest.mark.slow
 def test_a_figure_is_the_same_in_another_process() -> None:
     done = subprocess.run([sys.executable, "-c", ANEW], capture_output=True, text=True, check=True)
     assert done.stdout.split() == [hashlib.sha256(drawn_as(kind)).hexdigest() for kind in FORMATS]
 
 
+@pytest.mark.slow("pdf")
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_file_is_of_its_kind_and_names_no_date(kind: Format) -> None:
     picture = drawn_as(kind)
@@ -74,6 +76,7 @@ def _model(values: dict[str, Any]) -> Model:
     return rubnoise.build(values).model()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", EVERY.values(), ids=EVERY)
 def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]) -> None:
     png = theory_picture(_model(values), "a contact", "png")

@@ -86,6 +86,7 @@ PALE = {"histogram", "sizes", "life_distances", "gaps", "contact"}
 """Pictures in which nothing is exact, and those whose colours are mixed."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in {"landmarks", "load"}])
 def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: Any) -> None:
     png = picture(name, full, "png")

@@ -1,5 +1,6 @@
 """One trace in the forms of testers: `infer` and Trace read the same of each, or refuse it in words."""
 
+import tomllib
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -21,11 +22,6 @@ TIME = np.arange(FORCE.size) / 2500.0
 BEGUN = datetime(2024, 3, 5, 23, 59, 59, 900_000, tzinfo=UTC)
 SPOILED = FORCE.copy()
 SPOILED[100] = -9999.0
-LABVIEW = (
-    "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\t\n\t\nChannels\t2\t\n"
-    "Y_Unit_Label\tmN\tV\nX_Dimension\tTime\tTime\nX0\t0,0\t0,0\nDelta_X\t0,000400\t0,000400\n"
-    "***End_of_Header***\t\t\nX_Value\tForce\tAux\tComment\n"
-)
 
 
 def table(head: str, row: str, force: Any = FORCE, *, comma: bool = False) -> str:
@@ -37,84 +33,36 @@ def table(head: str, row: str, force: Any = FORCE, *, comma: bool = False) -> st
     return head + "".join(each.replace(".", ",") if comma else each for each in rows)
 
 
-PLAIN, TABS, MARKS = "{t:.4f},{f:.5f}\n", "{t:.4f}\t{f:.5f}\n", "{t:.4f};{f:.5f}\n"
+PLAIN = "{t:.4f},{f:.5f}\n"
 HEAD = "time (s),force (mN)\n"
-GERMAN = str.maketrans(",.", ".,")
-Form = tuple[str, bytes, dict[str, str]]
+FORMS = tomllib.loads(Path(__file__).with_name("forms.toml").read_text(encoding="utf-8"))
 
 
-def kept(text: str | bytes, ending: str = ".csv", encoding: str = "utf-8", **options: str) -> Form:
-    """Return ending, content and options of a file."""
-    return ending, text if isinstance(text, bytes) else text.encode(encoding), options
-
-
-def form(head: str, row: str = PLAIN, force: Any = FORCE, *, encoding: str = "utf-8", **options: str) -> Form:
-    """Return ending, content and options of a table."""
-    return kept(table(head, row, force), encoding=encoding, **options)
-
-
-def german(head: str, row: str = MARKS, *, encoding: str = "utf-8", **options: str) -> Form:
-    """Return ending, content and options of a table with decimal commas."""
-    return kept(table(head, row, comma=True), encoding=encoding, **options)
-
-
-FORMS = {
-    # what stands above the table
-    "units in a row": german("Time;Force;Speed\ns;mN;mm/s\n", "{t:.4f};{f:.5f};1.0\n"),
-    "names behind #": form("# rig 3\n# time (s)\tforce (mN)\n", TABS),
-    "names behind %": form("% time (s)  force (mN)\n", "{t:.4f}  {f:.5f}\n"),
-    "preamble": german("Rig;3\nLoad;20,5\n\nZeit [s];Kraft [mN]\n"),
-    "spaces": form("   Time[s]      Ff[mN]\n", "{t:10.4f}  {f:10.5f}\n"),
-    "Windows": german("Prüfung\n\nZeit [s];Kraft [mN];T [°C]\n", "{t:.4f};{f:.5f};21.0\n", encoding="cp1252"),
-    "UTF-16": german("Zeit [s]\tKraft [mN]\n", TABS, encoding="utf-16"),
-    "LabVIEW": german(LABVIEW, "\t{f:.5f}\t0.0\t\n", column="Force"),
-    # columns that are not used
-    "text": form("time (s),force (mN),state\n", "{t:.4f},{f:.5f},RUN\n"),
-    "nothing": form("time (s),force (mN),,T (C)\n", "{t:.4f},{f:.5f},,21.0\n", column="force"),
-    "unknown unit": form("time (s),force (mN),b (mV/V)\n", "{t:.4f},{f:.5f},0.1\n"),
-    "as written": form("time (s),force (mN),force (N)\n", "{t:.4f},{f:.5f},0.02\n", column="force (mN)"),
-    # time and place
-    "dates": form("when,force (mN)\n", "{moment:%Y-%m-%dT%H:%M:%S.%f}+01:00,{f:.5f}\n"),
-    "German dates": german("wann;force [mN]\n", "{moment:%d-%m-%Y %H:%M:%S.%f};{f:.5f}\n"),
-    "midnight": german("Uhrzeit;force [mN]\n", "{moment:%H:%M:%S.%f};{f:.5f}\n"),
-    "to and fro": form("Ff (mN),X (mm),Time (s)\n", "{f:.5f},5.0,{t:.4f}\n", column="Ff"),
-    "rate": form("X Position (mm),Ff (mN)\n", "5.0,{f:.5f}\n", column="Ff", rate="2500 Hz"),
-    "chosen time": form("time (s),own (s),Ff (mN)\n", "{n},{t:.4f},{f:.5f}\n", column="Ff", time="own"),
-    "second block": kept(table(HEAD, PLAIN) + "0.0,1.0\n0.0004,x\n", to=f"{FORCE.size}"),
-    "footer": kept(table(HEAD, PLAIN) + "Test completed at 12:00\n", to=f"{FORCE.size}"),
-    "idle": form(HEAD + "-5.0,\n-4.0,\n", from_="3"),
-    # numbers and units
-    "quotes": german('"Zeit [s]","Kraft [mN]"\n', '"{t:.4f}","{f:.5f}"\n'),
-    "thousands": kept(table("Zeit [s];Kraft [µN]\n", "{t:.4f};{f:,.5f}\n", 1000.0 * FORCE).translate(GERMAN)),
-    "Fortran": kept(table(HEAD, "{t:.6E},{f:.8E}\n").replace("E", "D")),
-    "minus": kept(table(HEAD, PLAIN, -FORCE).replace("-", "\u2212"), unit="-1 mN"),
-    "kilograms": form("time (s),F (kg)\n", "{t:.4f},{f:.12f}\n", FORCE / 9806.65, unit="9.80665 N"),
-    "kilopond": form("time (s),F (kp)\n", "{t:.4f},{f:.12f}\n", FORCE / 9806650 * 1000),
-}
-
-
-def written(folder: Path, form: Form) -> str:
-    """Write a file, and return how it is named, with the dataset within."""
-    ending, _, dataset = form[0].partition(":")
-    path = folder / f"a{ending}"
-    path.write_bytes(form[1])
-    return f"{path}:{dataset}" if dataset else str(path)
+def written(form: dict[str, Any]) -> str:
+    """Return the text of a form."""
+    force = form.get("times", 1.0) * FORCE
+    text = table(form.get("head", HEAD), form.get("row", PLAIN), force, comma=form.get("comma", False))
+    return text.translate(str.maketrans(*form.get("letters", ("", "")))) + form.get("below", "")
 
 
 @pytest.mark.parametrize("name", FORMS)
 def test_a_form_is_read(tmp_path: Path, name: str) -> None:
-    path, keys = written(tmp_path, FORMS[name]), dict[str, Any](FORMS[name][2])
-    trace = rubnoise.Trace(path, **keys)
+    options, encoding = FORMS[name].get("options", {}), FORMS[name].get("encoding", "utf-8")
+    path = tmp_path / "a.csv"
+    path.write_bytes(written(FORMS[name]).encode(encoding))
+    options = {key: value.replace("SIZE", f"{FORCE.size}") for key, value in options.items()}
+    keys = {key if key != "from" else "from_": value for key, value in options.items()}
+    trace = rubnoise.Trace(path, **keys)  # type: ignore[arg-type]
     force = next(each for each in trace if trace.units[each] == "uN")
     np.testing.assert_allclose(trace[force], 1000.0 * FORCE, rtol=1e-7)
     assert (trace.units[trace.place], trace.step) == ("s", pytest.approx(4e-4, rel=1e-6))
-    found = rubnoise.infer(path, speed="1 mm/s", law="fixed", pulse="lens", **keys)
+    found = rubnoise.infer(path, speed="1 mm/s", law="fixed", pulse="lens", **keys)  # type: ignore[arg-type]
     np.testing.assert_allclose(found.signal.scale * found.signal.values, 1000.0 * FORCE, rtol=1e-7)
     assert found.signal.tick == pytest.approx(0.4, rel=1e-6)
-    assert any("Windows-1252" in note for note in found.signal.notes) == (name == "Windows")
-    words = [word for key, value in keys.items() for word in (f"--{key.rstrip('_')}", value)]
+    assert any(encoding[-4:] in note for note in found.signal.notes) == (encoding == "cp1252")
+    words = [word for key, value in options.items() for word in (f"--{key}", value)]
     if words:
-        assert call("infer", path, "--speed", "1 mm/s", "--law", "fixed", *words).code in (0, 3)
+        assert call("infer", str(path), "--speed", "1 mm/s", "--law", "fixed", *words).code in (0, 3)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,10 @@ from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter
 from tests.frozen import examples
 
-pytestmark = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the scripts read what Linux tells")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the scripts read what Linux tells"),
+]
 KILLED = (
     Story(name="events with slider", sections=SLIDER, engine="events", distance="10 mm", tick="1 um"),
     Story(name="compressed", compression="gzip", distance="20 mm", tick="1 um"),
