@@ -87,16 +87,10 @@ def test_a_bad_trace_is_refused_by_name_and_line(
 def test_a_dataset_has_the_steps_of_its_scale(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
-        file["force"] = FORCE
-        file["time"] = 0.01 * np.arange(40.0)
+        file["force"], file["time"] = FORCE, 0.01 * np.arange(40.0) + 0.01 * (np.arange(40) > 13)
         file["time"].attrs["units"] = "s"
         file["time"].make_scale("time")
         file["force"].dims[0].attach_scale(file["time"])
-    read = read_measured(f"{path}:force")
-    assert read.values.tolist() == FORCE.tolist()
-    assert read.step == pytest.approx(0.01)
-    with h5py.File(path, "r+") as file:
-        file["time"][14:] += 0.01
     with pytest.raises(Refused, match=r"sample 15: time grows by 0\.02 s"):
         read_measured(f"{path}:force")
 

@@ -22,68 +22,6 @@ def rows(separator: str = ",", *, comma: bool = False) -> str:
     return (text.replace(".", ",") if comma else text).replace("\t", separator)
 
 
-LABVIEW = """LabVIEW Measurement\t
-Writer_Version\t2
-Separator\tTab
-Decimal_Separator\t.
-X_Columns\tOne
-Operator\tMaier
-Date\t2014/03/27
-***End_of_Header***\t
-
-Channels\t1\t
-Samples\t40\t
-Y_Unit_Label\tN\t
-X_Dimension\tTime\t
-X0\t0.0000000000000000E+0\t
-Delta_X\t0.010000\t
-***End_of_Header***\t
-X_Value\tForce\tComment
-"""
-DIN = "Pr\u00fcfung nach DIN 50324\nPr\u00fcfer;M\u00fcller\nNormalkraft;5;N\nProben\n3\n1000\n\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        (f"time (s),force (mN)\n{rows()}\n", "mN"),
-        (f"Time/s;Force/N\n{rows(';')}\n", "N"),
-        (f"Time / s;Force / mN\n{rows(';')}\n", "mN"),
-        (f"time_s,force_N\n{rows()}\n", "N"),
-        (f"Time [s]\tForce [N]\n{rows(chr(9))}\n", "N"),
-        (f"Time (Seconds),Force (Newton)\n{rows()}\n", "newton"),
-        (f"Zeit in s;Kraft in N\n{rows(';')}\n", "N"),
-        (f"Time;Force\ns;N\n{rows(';')}\n", "N"),
-        (f"Time;Force\n[s];[mN]\n{rows(';')}\n", "mN"),
-        (f"Time;Force\n(s);(mN)\n\n{rows(';')}\n", "mN"),
-        (f"Zeit (s);Kraft (N)\n{rows(';', comma=True)}\n", "N"),
-        (f"Zeit (s)\tKraft (N)\n{rows(chr(9), comma=True)}\n", "N"),
-        (f"\ufefftime (s),force (N)\n{rows()}\n", "N"),
-        (f"time (s),force (N)\n{rows()}\n".replace("\n", "\r\n"), "N"),
-        (f"time (s),force (N)\n{rows()}\n".replace("\n", "\r"), "N"),
-        (f'"time (s)","force, normal (N)"\n{rows()}\n', "N"),
-        (LABVIEW + rows("\t"), "N"),
-        (DIN + f"Zeit;Kraft\ns;N\n{rows(';', comma=True)}\n", "N"),
-        (DIN + f"Zeit [s];Kraft [N]\n{rows(';', comma=True)}\n", "N"),
-        ("time (s),force (N),\n" + rows().replace("\n", ",\n") + ",\n", "N"),
-        (f"1000\ntime (s),force (N)\n{rows()}\n", "N"),
-        (f"# of a tribometer\n\ntime (s),force (V)\n# begin\n{rows()}\n", "V"),
-    ],
-)
-def test_what_laboratories_write_is_read_the_same_by_infer_and_by_trace(tmp_path: Path, text: str, unit: str) -> None:
-    path = tmp_path / "a.csv"
-    path.write_bytes(text.encode())
-    read = read_measured(path)
-    assert (read.head.unit, read.along, read.step) == (unit, "time", pytest.approx(0.01, rel=1e-12))
-    assert read.values.tolist() == VALUES
-    trace = rubnoise.Trace.from_csv(path)
-    (column,) = [name for name in trace if name != trace.place]
-    factor = {"mN": 1e3, "N": 1e6, "newton": 1e6, "V": 1.0}[unit]
-    assert trace[column].tolist() == [factor * value for value in VALUES]
-    assert (trace.units[trace.place], trace.step) == ("s", pytest.approx(0.01, rel=1e-12))
-    assert trace.units[column] == ("V" if unit == "V" else "uN")
-
-
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_a_preamble_of_numbers_is_no_data(tmp_path: Path, count: int) -> None:
     path = tmp_path / "a.csv"

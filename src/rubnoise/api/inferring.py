@@ -188,10 +188,9 @@ def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Source | None:
             raise Refused(
                 f"{path}: column=: {name} is neither friction_force, which needs a strength, nor real_contact_area"
             )
-        unit = "uN" if name == "friction_force" else "um^2"
+        head = Head(name, "uN" if name == "friction_force" else "um^2", name)
         values = np.asarray(there[name][:], dtype=np.float64)
-        step = run.scenario.model().tick
-    held = Source(path=path, heads=[Head(name, unit, name)], arrays={0: values}, step=step, along="distance")
+        held = Source(path=path, heads=[head], arrays={0: values}, step=run.scenario.model().tick, along="distance")
     return measured(held, replace(asked, column=None))
 
 
