@@ -54,14 +54,6 @@ _MOMENT: Final = re.compile(
     r" *([aApP])?(?:[mM])?(?:Z| ?[+-][0-9]{2}:?[0-9]{2})?"
 )
 _NAMES_BY_SPACES: Final = re.compile(r"[^\s(\[]+(?: ?[(\[][^)\]]*[)\]])?")
-_RANKS: Final = (
-    (False, True, True),
-    (True, False, False),
-    (False, True, False),
-    (True, True, True),
-    (True, True, False),
-)
-"""Lines of names, worst first: whether they have units, whether they have a name for each column, are a comment."""
 
 Line = tuple[int, str]
 """The number of a line, from 1 on, and its text."""
