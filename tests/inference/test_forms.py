@@ -38,9 +38,8 @@ HEAD = "time (s),force (mN)\n"
 FORMS = tomllib.loads(Path(__file__).with_name("forms.toml").read_text(encoding="utf-8"))
 
 
-def written(name: str) -> str:
+def written(form: dict[str, Any]) -> str:
     """Return the text of a form."""
-    form = FORMS[name]
     force = form.get("times", 1.0) * FORCE
     text = table(form.get("head", HEAD), form.get("row", PLAIN), force, comma=form.get("comma", False))
     return text.translate(str.maketrans(*form.get("letters", ("", "")))) + form.get("below", "")
@@ -50,7 +49,7 @@ def written(name: str) -> str:
 def test_a_form_is_read(tmp_path: Path, name: str) -> None:
     options, encoding = FORMS[name].get("options", {}), FORMS[name].get("encoding", "utf-8")
     path = tmp_path / "a.csv"
-    path.write_bytes(written(name).encode(encoding))
+    path.write_bytes(written(FORMS[name]).encode(encoding))
     options = {key: value.replace("SIZE", f"{FORCE.size}") for key, value in options.items()}
     keys = {key if key != "from" else "from_": value for key, value in options.items()}
     trace = rubnoise.Trace(path, **keys)  # type: ignore[arg-type]

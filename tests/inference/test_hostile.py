@@ -121,4 +121,4 @@ def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypat
         with pytest.raises(Refused, match=r"a\.mat: "):
             read_measured(path)
         savemat(path, {"a": VALUES})
-    assert read_measured(path).values.tolist() == VALUES.tolist()
+    assert read_measured(path, Asked(rate=1.0)).values.tolist() == VALUES.tolist()

@@ -170,18 +170,6 @@ def _written(folder: Path, text: str, name: str = "m.csv") -> Path:
     return folder / name
 
 
-@pytest.mark.parametrize(
-    ("header", "separator"),
-    [("time (ms),velocity (mm/s)", ","), ("time [ms];velocity [mm/s]", ";"), ("time (ms)\tvelocity (mm/s)", "\t")],
-)
-def test_headers_carry_units_in_several_forms(tmp_path: Path, header: str, separator: str) -> None:
-    rows = "\n".join(f"{n / 2}{separator}{n}" for n in range(5))
-    trace = rubnoise.Trace.from_csv(_written(tmp_path, f"# a comment\n{header}\n{rows}\n"))
-    assert dict(trace.units) == {"time": "s", "velocity": "um/s"}
-    assert trace.step == pytest.approx(0.0005)
-    np.testing.assert_allclose(trace["velocity"], 1000.0 * np.arange(5))
-
-
 def test_what_export_writes_is_read(tmp_path: Path) -> None:
     scenario = rubnoise.example("paper/fig5").replace(distance="100 um")
     rubnoise.run(scenario, tmp_path / "x.h5").close()

@@ -161,7 +161,7 @@ def test_a_column_of_a_run_has_its_place_and_its_unit() -> None:
     for wrong in (RECORD.trace["distance"], RECORD.junctions["diameter"]):
         with pytest.raises(rubnoise.Refused, match="the trace has no time and no distance"):
             rubnoise.infer(wrong)
-    with pytest.raises(rubnoise.Refused, match=r"row \d+: distance grows"):
+    with pytest.raises(rubnoise.Refused, match=r"sample \d+: distance grows"):
         rubnoise.infer(RECORD.trace.where("real_contact_area > 100")["friction_force"])
     with pytest.raises(rubnoise.Refused, match="speed= is needed: the trace is over time"):  # with a rate it is samples
         rubnoise.infer(over_distance, rate="10 kHz")
