@@ -134,13 +134,13 @@ def pytest_report_header(config: pytest.Config) -> list[str]:
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     if config.option.slow or not collection_path.is_relative_to(ROOT):
         return None
-    return times.is_slow(collection_path.relative_to(ROOT).as_posix()) or None
+    return times.is_slow_file(collection_path) or None
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not config.option.slow:
-        left = [item for item in items if times.is_slow(item.nodeid) or "browser" in item.fixturenames]
+        left = [item for item in items if times.is_slow(item)]
         config.hook.pytest_deselected(items=left)
         items[:] = [item for item in items if item not in set(left)]
 

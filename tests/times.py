@@ -1,45 +1,40 @@
-"""How much CPU each case takes with all processes that it starts, and which cases are slow: tests/slow.txt.
+"""How much CPU each case takes with all processes that it starts, and which cases are slow.
 
-What makes a fixture that cases share is measured apart, and divided among the cases that ask for it.
+The mark `slow` alone means every case of a test, or of a file as `pytestmark`; with words it means the cases that have
+one of these words in their name. What makes a fixture that cases share is measured apart, and divided among the cases
+that ask for it.
 """
 
 import json
 import os
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-SLOW = Path(__file__).with_name("slow.txt")
 LIMIT = 0.5
-"""A case that takes more CPU than this (s) is slow: it runs with --all, or if its file is named."""
+"""A case that takes more CPU than this (s) is slow: it is to be marked."""
 WORST = 10
 """So many cases are printed after a run."""
+SLOW_FILE = re.compile(r"^pytestmark = (\[\n    )?pytest\.mark\.slow,?$", re.MULTILINE)
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
-@cache
-def slow() -> frozenset[str]:
-    """Return the cases, tests, files and folders that are slow, by their names for pytest."""
-    lines = SLOW.read_text(encoding="utf-8").splitlines() if SLOW.exists() else []
-    return frozenset(line for line in lines if not line.startswith("#"))
+def is_slow(item: pytest.Item) -> bool:
+    """Return whether a case waits for --all: it is marked as slow, or needs a browser."""
+    case = item.name.partition("[")[2]
+    marked = any(not mark.args or any(word in case for word in mark.args) for mark in item.iter_markers("slow"))
+    return marked or "browser" in getattr(item, "fixturenames", ())
 
 
-def is_slow(name: str) -> bool:
-    """Return whether a case, a file or a folder waits for --all, by its name for pytest."""
-    return any(part in slow() for part in parts(name))
-
-
-def parts(name: str) -> list[str]:
-    """Return the name of a case, of its test, of its file and of the folders around it, smallest first."""
-    test = name.partition("[")[0]
-    path = Path(test.partition("::")[0])
-    return [name, test, *(place.as_posix() for place in (path, *path.parents))]
+def is_slow_file(path: Path) -> bool:
+    """Return whether every test of a file is slow, which is seen without loading it."""
+    return path.suffix == ".py" and bool(SLOW_FILE.search(path.read_text(encoding="utf-8")))
 
 
 def cpu_seconds() -> float:
@@ -62,6 +57,7 @@ class Times:
     """A plugin of pytest that measures every case of one process."""
 
     cases: dict[str, float] = field(default_factory=dict)
+    slow: set[str] = field(default_factory=set)
     made: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     users: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
     shared: float = 0.0
@@ -73,6 +69,7 @@ class Times:
             return (yield)
         finally:
             self.cases[item.nodeid] = max(0.0, cpu_seconds() - before - self.shared)
+            self.slow |= {item.nodeid} if is_slow(item) else set()
             for name, definitions in item._fixtureinfo.name2fixturedefs.items():
                 if definitions[-1].scope != "function":
                     number = getattr(getattr(item, "callspec", None), "indices", {}).get(name, 0)
@@ -94,6 +91,7 @@ class Times:
         """Return what was measured, for a file or for another process."""
         return {
             "cases": self.cases,
+            "slow": sorted(self.slow),
             "made": dict(self.made),
             "users": {key: sorted(users) for key, users in self.users.items()},
         }
@@ -101,6 +99,7 @@ class Times:
     def add(self, other: dict[str, Any]) -> None:
         """Take in what another process, or another run of other cases, has measured."""
         self.cases |= other["cases"]
+        self.slow |= set(other["slow"])
         for key, costs in other["made"].items():
             self.made[key] += costs
         for key, users in other["users"].items():

@@ -2,7 +2,8 @@
 
 The golden runs and draws of tests/golden are computed again under other settings of the processor, of Python and of
 threads, and with the oldest and the newest libraries that pyproject.toml allows, in environments that are made in a
-temporary folder; `--here` leaves those out. Prints a table with what differs; exit code 1 where anything does.
+temporary folder; `--here` leaves those out. Prints a table in Markdown with the largest difference of a golden value,
+over the largest of its column, and with what differs; exit code 1 where anything does.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import tempfile
 import time
 import tomllib
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
 GLIBC_PLAIN = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"
-VERSION = "import sys; print('{}.{}'.format(*sys.version_info))"
 FEATURES = """
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 print(*(name for name in __cpu_dispatch__ if __cpu_features__[name]))
@@ -109,35 +110,38 @@ def _answer(place: Place, code: str, environment: Mapping[str, str]) -> str:
 
 
 def golden(source: Path = ROOT) -> dict[str, dict[str, Any]]:
-    """Return the hashes that the stream version of a source stands for."""
+    """Return the hashes and values that the stream version of a source stands for."""
     streams = (source / "src" / "rubnoise" / "streams.py").read_text(encoding="utf-8")
     version = re.findall(r"^STREAM_VERSION = (\d+)$", streams, re.MULTILINE)[0]
     files = {"runs": f"stream_{version}.json", "draws": f"draws_{version}.json"}
-    return {
-        part: json.loads((source / "tests" / "golden" / name).read_text(encoding="utf-8"))
-        for part, name in files.items()
-    }
+    folder = source / "tests" / "golden"
+    return {part: json.loads((folder / name).read_text(encoding="utf-8")) for part, name in files.items()}
 
 
 def differing(found: Mapping[str, Any], expected: Mapping[str, Any]) -> list[str]:
-    """Return the names of the hashes and values that are not what they should be, or are on one side alone."""
-    one, other = dict(_flat(found, "")), dict(_flat(expected, ""))
-    return [name for name in sorted(one.keys() | other.keys()) if not _alike(name, one.get(name), other.get(name))]
+    """Return the names of the hashes and values that are not what they should be, or are on one side alone.
 
-
-def _alike(name: str, one: Any, other: Any) -> bool:
-    """Return whether hashes are equal, or values that follow the number of rows and the largest within 1e-10 of it.
-
-    A slider that pushes back magnifies what rounds differently, at every stick, to 2e-5 within a second. A velocity is
-    all rounding where the force is constant, so the largest counts as 10 um or um/s at least.
+    A slider that pushes back magnifies what rounds differently, at every stick, to 2e-5 within a second.
     """
-    if not (isinstance(one, list) and isinstance(other, list)) or len(one) < 3:
-        return bool(one == other)
-    bound = max(other[1], 10.0) * (2e-5 if "two-way" in name else 1e-10)
-    return len(one) == len(other) and all(
-        abs(a - b) <= bound or (a != a and b != b)  # noqa: PLR0124  (not a number)
-        for a, b in zip(one, other, strict=True)
-    )
+    found_by_name = differences(found, expected)
+    return [name for name, off in found_by_name.items() if not off <= (2e-5 if "two-way" in name else 1e-10)]
+
+
+def differences(found: Mapping[str, Any], expected: Mapping[str, Any]) -> dict[str, float]:
+    """Return by name how far values are off, over the largest of the column; inf for others, and for other hashes.
+
+    A velocity is all rounding where the force is constant, so the largest counts as 10 um or um/s at least.
+    """
+    one, other = dict(_flat(found, "")), dict(_flat(expected, ""))
+    return {name: _off(one.get(name), other.get(name)) for name in sorted(one.keys() | other.keys())}
+
+
+def _off(one: Any, other: Any) -> float:
+    """Return the largest difference of values that follow the number of rows and the largest, over the largest."""
+    if one == other or not (isinstance(one, list) and isinstance(other, list)) or len(one) != len(other):
+        return 0.0 if one == other else inf
+    pairs = [(a, b) for a, b in zip(one, other, strict=True) if a == a or b == b]  # noqa: PLR0124  (not a number)
+    return max(abs(a - b) if a == a and b == b else inf for a, b in pairs) / max(other[1], 10.0)  # noqa: PLR0124
 
 
 def _flat(tree: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
@@ -153,20 +157,12 @@ def requirements(oldest: bool) -> list[str]:  # noqa: FBT001  (one of two)
     return [f"{name}=={version}" if oldest else name for name, _, version in parts]
 
 
-def version_of(python: Path) -> str:
-    """Return a Python's version in two numbers; ends the program where there is no such Python."""
-    try:
-        return _answer(Place(str(python), python), VERSION, os.environ).strip()
-    except OSError as problem:
-        raise SystemExit(f"{python}: {problem.strerror}") from None
-
-
-def environments(pythons: Mapping[str, Path], source: Path, folder: Path) -> Iterator[Place]:
+def environments(pythons: Sequence[Path], source: Path, folder: Path) -> Iterator[Place]:
     """Make an environment of the oldest and one of the newest libraries for each Python, and yield them."""
-    for version, python in pythons.items():
+    for number, python in enumerate(pythons):
         for oldest in (True, False):
-            name = f"{version}, {'oldest' if oldest else 'newest'}"
-            made = Place(name, folder / name.replace(", ", "-") / "bin" / "python", source)
+            name = f"{python.name}, {'oldest' if oldest else 'newest'}"
+            made = Place(name, folder / f"{number}-{oldest}" / "bin" / "python", source)
             _run(python, "-m", "venv", "--without-pip", str(made.python.parent.parent))
             install = ("-m", "pip", "--python", str(made.python), "install", "--quiet", "--only-binary=:all:")
             _run(sys.executable, *install, "--disable-pip-version-check", *requirements(oldest))
@@ -180,17 +176,18 @@ def _run(*command: str | Path) -> None:
 
 
 def compared(place: Place, cache: Path) -> bool:
-    """Print a line for each setting in a place, and return whether all had the golden bits."""
+    """Print a row for each setting in a place, and return whether all had the golden bits."""
     expected, usual, well = golden(place.source), None, True
     for setting in settings(features_of(place)):
         begun = time.monotonic()
         found = outcome(place, setting, cache)
         usual = found["exp"] if usual is None else usual
-        other = differing({part: found[part] for part in expected}, expected)
-        bits = f"{len(other)} differ: {other[0]}" if other else "the same"
+        made = {part: found[part] for part in expected}
+        other, largest = differing(made, expected), max(differences(made, expected).values())
         exponential = "the same" if found["exp"] == usual else "others"
-        told = (place.name, found["numpy"], setting.name, exponential, bits, f"{time.monotonic() - begun:.0f} s")
-        print("{:20} {:8} {:28} {:14} {}  {}".format(*told), flush=True)
+        verdict = f"{len(other)} differ: {other[0]}" if other else "as golden"
+        cells = (place.name, found["numpy"], setting.name, exponential, f"{largest:.1e}", verdict)
+        print("|", " | ".join(cells), f"| {time.monotonic() - begun:.0f} s |", flush=True)
         well &= not other
     return well
 
@@ -201,15 +198,15 @@ def main() -> int:
     parser.add_argument("--here", action="store_true", help="only in the environment that dev.py has made")
     parser.add_argument("--python", action="append", default=[], help="make environments for this Python as well")
     asked = parser.parse_args()
-    pythons = {version_of(python): python for python in (PYTHON, *map(Path, asked.python))}
-    print("{:20} {:8} {:28} {:14} {}".format("libraries", "numpy", "setting", "library exp", "bits of the golden runs"))
+    print("| libraries | numpy | setting | library exp | largest difference | golden runs | time |")
+    print("|---|---|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory(prefix="rubnoise-determinism-") as place:
         folder, cache = Path(place), Path(place) / "machine code"
         # What is compared with one set of hashes must be one source, also if the source is edited meanwhile.
         (folder / "source").mkdir()
         source = copy_into(folder / "source")
         well = compared(Place("as set up", PYTHON, source), cache)
-        for made in () if asked.here else environments(pythons, source, folder):
+        for made in () if asked.here else environments([PYTHON, *map(Path, asked.python)], source, folder):
             well &= compared(made, cache)
     return 0 if well else 1
 

@@ -1,7 +1,7 @@
 """Draw the pictures that explain the model: `.venv/bin/python tools/draw_pages.py`, after `tools/dev.py sync`.
 
 Each goes to docs/pictures/drawn as NAME.svg for a light page and NAME-dark.svg for a dark one. Curves are those of the
-program: lives from `rubnoise.simulate`, spectra from `rubnoise.exact`, the tree from the schema of the file. All are
+program: lives from `rubnoise.simulate`, spectra from `rubnoise.exact`, the tree from the groups of a run. All are
 so narrow that a phone shows their letters.
 """
 
@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 import rubnoise
-from rubnoise.storage.schema import GROUPS
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "pictures" / "drawn"
 BLUE, ORANGE, GREEN, PALE = "#2f7ed8", "#e07b1a", "#2a9d63", "#8a8f98"
@@ -26,7 +25,6 @@ INK: Final = {"": "#1b1f24", "-dark": "#e3e6ea"}
 WIDTH: Final = 5.2
 """Of a picture, in inches: 11 points are 10 px on a phone."""
 TREE_WIDTH: Final = 4.0
-SHOWN: Final = ("junctions", "trace", "slider", "load", "landmarks", "balance", "blocks", "life_curve")
 
 
 def sketch() -> Figure:
@@ -188,11 +186,8 @@ def corner() -> Figure:
 
 def tree() -> Figure:
     """Draw the groups of a result, with the columns of each below its name."""
-    rows = [
-        (f"/{group.name}", _wrapped([column.name for column in group.columns]))
-        for group in GROUPS
-        if group.name in SHOWN
-    ]
+    run = rubnoise.simulate(rubnoise.example("paper/fig5").replace({"sliding.distance": "60 um"}))
+    rows = [(f"/{name}", _wrapped(list(group))) for name, group in run.groups().items()]
     rows += [("/summary", ["what was measured, beside theory"]), ("/provenance", ["how to repeat it"])]
     height = sum(len(lines) + 1.3 for _, lines in rows) + 1.5
     figure, axes = plt.subplots(figsize=(TREE_WIDTH, 0.2 * height))

@@ -18,6 +18,7 @@ FROZEN = tuple(
         "docs/test_constants",
         "unit/test_laws",
         "unit/test_pulses",
+        "unit/test_refusals",
         "unit/test_scenario_traps",
     )
 )

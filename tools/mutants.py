@@ -1,19 +1,15 @@
-"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N] [--resume FILE]`.
+"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N]`.
 
 Each fault of tools/faults is put into a copy of the program, and the test that is named beside it runs there. It has
 to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
 has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
-it is. With `--resume FILE` each verdict is kept in the file as it is reached, and the same command, stopped and called
-again, tries only what is left; a change of program or tests makes all verdicts void. Prints a table; exit code 1
-where a fault survives. dev.py has to have set up before.
+it is. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import hashlib
-import json
 import os
 import re
 import shutil
@@ -260,57 +256,18 @@ def _evidence(mutant: Mutant, trial: Trial) -> tuple[bool, str]:
     return abs(z) >= SEEN, f"z = {z:+.1f}, {figure}"
 
 
-class Kept:
-    """Verdicts in a file, one line each, that hold while program and tests are what they were; none without a file."""
-
-    def __init__(self, path: Path | None, folder: Path) -> None:
-        """Read the verdicts that were reached with the same program and tests as in a copy."""
-        self._path, self._state = path, _state_of(folder)
-        self.found: dict[str, Verdict] = {}
-        if path is not None and path.exists():
-            for line in path.read_text(encoding="utf-8").splitlines():
-                state, name, killed, evidence, seconds = json.loads(line)
-                if state == self._state:
-                    self.found[name] = Verdict(killed, evidence, seconds)
-
-    def keep(self, mutant: Mutant, verdict: Verdict) -> None:
-        """Add a verdict."""
-        self.found[mutant.name] = verdict
-        if self._path is not None:
-            line = json.dumps([self._state, mutant.name, verdict.killed, verdict.evidence, verdict.seconds])
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write(line + "\n")
-
-
-def _state_of(folder: Path) -> str:
-    """Return a hash of the files that a copy was made with, and of the faults."""
-    found = hashlib.sha256(repr(MUTANTS).encode())
-    for path in sorted(path for name in COPIED[:2] for path in (folder / name).rglob("*")):
-        if path.is_file() and path.suffix != ".pyc":
-            found.update(repr(path.relative_to(folder)).encode())
-            found.update(path.read_bytes())
-    return found.hexdigest()
-
-
-def verdicts(
-    mutants: Iterable[Mutant], folders: Sequence[Path], kept: Kept | None = None
-) -> Iterable[tuple[Mutant, Verdict]]:
-    """Try faults in turn, as many at a time as there are copies; those of which a verdict is kept are not tried."""
+def verdicts(mutants: Iterable[Mutant], folders: Sequence[Path]) -> Iterable[tuple[Mutant, Verdict]]:
+    """Try faults in turn, as many at a time as there are copies."""
     free: SimpleQueue[Path] = SimpleQueue()
     for folder in folders:
         free.put(folder)
 
     def attempt(mutant: Mutant) -> tuple[Mutant, Verdict]:
-        if kept is not None and mutant.name in kept.found:
-            return mutant, kept.found[mutant.name]
         folder = free.get()
         try:
-            verdict = judged(mutant, folder)
+            return mutant, judged(mutant, folder)
         finally:
             free.put(folder)
-        if kept is not None:
-            kept.keep(mutant, verdict)
-        return mutant, verdict
 
     with ThreadPoolExecutor(len(folders)) as pool:
         yield from pool.map(attempt, mutants)
@@ -340,27 +297,24 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults by name; all where none is given")
     parser.add_argument("--tenth", metavar="K", help="only each tenth fault from the K-th on; or today")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
-    parser.add_argument("--resume", type=Path, metavar="FILE", help="keep verdicts there, and go on from those")
     asked = parser.parse_args()
     mutants = chosen(asked.names)
     if asked.tenth is not None:
         mutants = tenth(asked.tenth, mutants)
     with tempfile.TemporaryDirectory(prefix="rubnoise-mutants-") as place:
         folders = [copy_into(Path(tempfile.mkdtemp(dir=place))) for _ in range(max(asked.jobs, 1))]
-        return _report(mutants, folders, Kept(asked.resume, folders[0]))
+        return _report(mutants, folders)
 
 
-def _report(mutants: Sequence[Mutant], folders: Sequence[Path], kept: Kept) -> int:
-    left = [mutant for mutant in mutants if mutant.name not in kept.found]
-    if left:
-        sound = tried(folders[0], sorted({test_of(mutant, folders[0]) for mutant in left}))
-        if not sound.passed:
-            print(sound.report, "without any fault these tests have to pass", sep="\n", file=sys.stderr)
-            return 1
-        z, figure = sound.largest
-        print(f"{'no fault':44} passed     largest z = {z:+.1f}, {figure}", flush=True)
+def _report(mutants: Sequence[Mutant], folders: Sequence[Path]) -> int:
+    sound = tried(folders[0], sorted({test_of(mutant, folders[0]) for mutant in mutants}))
+    if not sound.passed:
+        print(sound.report, "without any fault these tests have to pass", sep="\n", file=sys.stderr)
+        return 1
+    z, figure = sound.largest
+    print(f"{'no fault':44} passed     largest z = {z:+.1f}, {figure}", flush=True)
     survived = 0
-    for mutant, verdict in verdicts(mutants, folders, kept):
+    for mutant, verdict in verdicts(mutants, folders):
         survived += not verdict.killed
         word = "killed" if verdict.killed else "SURVIVED"
         print(f"{mutant.name:44} {word:9}  {verdict.evidence:48} {mutant.test}  {verdict.seconds:.0f} s", flush=True)

@@ -18,10 +18,15 @@ from rubnoise.tables import as_html, as_text
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
 
-HEADS: Final = ("part", "name", "value", "unit", "exact", "error", "z", "note")
+HEADS: Final = ("part", "name", "value", "unit", "exact", "error", "interval", "z", "note")
 """The columns of a table of rows."""
 
-BESIDE: Final[Mapping[str, tuple[int, str]]] = {"exact": (14, ".7g"), "error": (11, ".3g"), "z": (8, "+.2f")}
+BESIDE: Final[Mapping[str, tuple[int, str]]] = {
+    "exact": (14, ".7g"),
+    "error": (11, ".3g"),
+    "interval": (21, ".4g"),
+    "z": (8, "+.2f"),
+}
 """What may stand beside a value in text: the width of its column, and how its numbers are written."""
 
 WIDTH: Final = 80
@@ -34,7 +39,7 @@ class Row:
     """One line of an answer: a number or words under a name, in a part; ``note`` says what there is to say of it.
 
     Without a value it is a question without an answer, and the note is the reason. ``error`` is the standard error; of
-    a relation that holds but for rounding, what rounding makes.
+    a relation that holds but for rounding, what rounding makes. ``interval`` holds 95 %.
     """
 
     part: str = ""
@@ -43,6 +48,7 @@ class Row:
     unit: str = ""
     exact: float | None = None
     error: float | None = None
+    interval: tuple[float, float] | None = None
     z: float | None = None
     note: str = ""
     fails: bool = False
@@ -70,7 +76,7 @@ class LeftOut:
 class Table:
     """A curve, or any list of equal things: columns by name, with their units.
 
-    Text shows the rows whose numbers are in ``shown``, and all if that is None.
+    Text shows the rows whose numbers are in ``shown``, and all if that is None; of an empty one not even its name.
     """
 
     name: str
@@ -142,7 +148,7 @@ class Answer:
             place, *others = table.columns
             for name in others:
                 for at, value in zip(table.columns[place], table.columns[name], strict=True):
-                    lines.append(_csv(table.name, name, at, value, table.units.get(name, ""), "", "", "", ""))
+                    lines.append(_csv(table.name, name, at, value, table.units.get(name, ""), *[""] * len(HEADS[4:])))
         return "\n".join(lines)
 
     def to_pandas(self) -> "pd.DataFrame":
@@ -151,15 +157,15 @@ class Answer:
             import pandas as pd
         return pd.DataFrame([{name: getattr(row, name) for name in HEADS} for row in self.rows], columns=list(HEADS))
 
-    def to_text(self, width: int = WIDTH) -> str:
-        """Return the answer as lines for a terminal of a width."""
+    def to_text(self, width: int = WIDTH, widest: int | None = None) -> str:
+        """Return the answer as lines for a terminal of a width; tables are as wide as they are, at most ``widest``."""
         lines = [printable(self.title)]
-        tables = {table.name: table for table in self.tables}
+        tables = {table.name: table for table in self.tables if table.shown is None or len(table.shown)}
         for part, rows in groupby(self.rows, key=lambda row: row.part):
             lines += _part_lines(part, list(rows), width)
-            lines += _table_lines(tables.pop(part)) if part in tables else []
+            lines += _table_lines(tables.pop(part), widest) if part in tables else []
         for table in tables.values():
-            lines += ["", table.name.replace("_", " "), *_table_lines(table)]
+            lines += ["", *filter(None, [table.name.replace("_", " ")]), *_table_lines(table, widest)]
         for note in self.notes:
             lines.append(_sentence(note if note.startswith("warning: ") else f"note: {note}", width, "  "))
         return "\n".join([*lines, "", *self._verdict(width)] if self.judged else lines)
@@ -255,17 +261,23 @@ def _above_or_beside(label: str, numbers: str, width: int) -> list[str]:
     return [label, *([" " * indent + numbers] if numbers else [])]
 
 
-def _table_lines(table: Table) -> Iterator[str]:
-    heads = [f"{name} ({table.units[name]})" if table.units.get(name) else name for name in table.columns]
+def _table_lines(table: Table, widest: int | None) -> Iterator[str]:
+    words = {name: name.replace("_", " ").replace(".", ". ") for name in table.columns}
+    heads = [f"{text} ({table.units[name]})" if table.units.get(name) else text for name, text in words.items()]
     rows = list(zip(*(finite(column) for column in table.columns.values()), strict=True))
     chosen = rows if table.shown is None else [rows[number] for number in table.shown]
     cells = [[shown(cell) for cell in row] for row in chosen]
-    yield from (f"  {line}" for line in as_text(heads, cells, range(len(heads))))
+    yield from (f"  {line}".rstrip() for line in as_text(heads, cells, range(len(heads)), widest and widest - 2))
+    if len(chosen) < len(rows):
+        yield f"  and {len(rows) - len(chosen):,} more, which --json has"
 
 
 def _cell(name: str, value: Any) -> str:
     if value is None:
         return ""
+    if name == "interval":
+        low, high = (format(end, BESIDE[name][1]) for end in value)
+        return f"{low} to {high}" if isfinite(value[1]) else f"from {low}"
     if name not in BESIDE or not isinstance(value, float):
         return shown(value)
     text = format(value, BESIDE[name][1])

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from html import escape
+from textwrap import wrap
 from typing import Any, Final
 
 LONGEST: Final = 1500
@@ -64,14 +65,34 @@ def as_html(heading: str, names: Sequence[str], rows: Iterable[Sequence[object]]
     )
 
 
-def as_text(names: Sequence[str], rows: Iterable[Sequence[object]], numeric: Iterable[int] = ()) -> list[str]:
-    """Return the lines of a table; the columns whose numbers are in ``numeric`` are aligned right."""
-    cells = [list(names), *([str(cell) for cell in row] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    right = set(numeric)
-    return [
-        "  ".join(
-            f"{cell:>{width}}" if n in right else f"{cell:<{width}}" for n, (cell, width) in enumerate(each)
-        ).rstrip()
-        for each in (list(zip(row, widths, strict=True)) for row in cells)
-    ]
+def as_text(
+    names: Sequence[str], rows: Iterable[Sequence[object]], numeric: Iterable[int] = (), widest: int | None = None
+) -> list[str]:
+    """Return the lines of a table; the columns whose numbers are in ``numeric`` are aligned right.
+
+    A column is as wide as its widest cell or the longest word of its name. Columns that do not fit into ``widest``
+    follow below, beside the first column again.
+    """
+    cells = [[str(cell) for cell in row] for row in rows]
+    widths = [max(map(len, [*name.split(), *(row[n] for row in cells)])) for n, name in enumerate(names)]
+    above = [wrap(name, width, break_on_hyphens=False) for name, width in zip(names, widths, strict=True)]
+    right, lines = set(numeric), list[str]()
+    for place, group in enumerate(_groups(widths, widest)):
+        lines += [""] if place else []
+        tall = max(len(above[n]) for n in group)
+        heads = [[""] * (tall - len(words)) + words for words in above]
+        for row in [*([head[line] for head in heads] for line in range(tall)), *cells]:
+            aligned = (f"{row[n]:>{widths[n]}}" if n in right else f"{row[n]:<{widths[n]}}" for n in group)
+            lines.append("  ".join(aligned).rstrip())
+    return lines
+
+
+def _groups(widths: Sequence[int], widest: int | None) -> list[list[int]]:
+    """Return the numbers of columns in groups that fit, each beginning with the first column."""
+    groups = [[0]]
+    for number in range(1, len(widths)):
+        taken = sum(widths[each] + 2 for each in groups[-1]) + widths[number]
+        if widest is not None and taken > widest and len(groups[-1]) > 1:
+            groups.append([0])
+        groups[-1].append(number)
+    return groups

@@ -15,7 +15,6 @@ import pytest
 
 import rubnoise
 from tests.architecture.sources import PACKAGE, ROOT, files, imported_packages, undocumented
-from tests.times import slow
 from tools import package_map
 
 # Imports go down only, as the contract in pyproject.toml says.
@@ -35,6 +34,7 @@ def test_the_contract_is_kept() -> None:
     assert code == 0, report
 
 
+@pytest.mark.slow
 def test_breaches_are_seen(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
@@ -60,11 +60,13 @@ def test_breaches_are_seen(tmp_path: Path) -> None:
 
 
 # The map on docs/design.md is drawn from the imports; tests/docs/test_plain_words.py refuses an outdated one.
+@pytest.mark.slow
 def test_one_file_of_python_draws_and_no_other_arrow_is_left_out() -> None:
     assert package_map.exceptions() - {("rubnoise", "**")} == {("rubnoise.api.pictures", "figures")}
     assert "figures" not in package_map.arrows()["api"]
 
 
+@pytest.mark.slow
 def test_every_arrow_goes_down() -> None:
     depth = {room: number for number, layer in enumerate(package_map.layers()) for room in layer}
     drawn = package_map.arrows()
@@ -97,6 +99,7 @@ def test_who_opens_a_result_does_not_wait_for_what_runs_one() -> None:
     assert _loaded("import rubnoise\nrubnoise.open") == {"numpy", "h5py"}
 
 
+@pytest.mark.slow
 def test_what_only_reads_loads_no_compiler(tmp_path: Path) -> None:
     rubnoise.run(rubnoise.example("paper/fig4").replace(distance="50 um"), tmp_path / "x.h5").close()
     info = f"""
@@ -142,6 +145,7 @@ def test_the_version_is_the_same_everywhere() -> None:
     assert {project["version"], citation[1], importlib.metadata.version("rubnoise")} == {rubnoise.__version__}
 
 
+@pytest.mark.slow
 def test_python_m_rubnoise_is_the_command_line() -> None:
     done = subprocess.run([sys.executable, "-m", "rubnoise", "--help"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -160,6 +164,7 @@ def _users(library: str) -> set[str]:
     return {path.relative_to(PACKAGE).parts[0] for path in files() if library in imported_packages(path.read_text())}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("library", "owner"), [("h5py", "storage"), ("simpy", "simulation")])
 def test_a_library_has_one_owner(library: str, owner: str) -> None:
     assert _users(library) == {owner}
@@ -177,6 +182,7 @@ def test_imports_are_found_wherever_they_stand() -> None:
     assert imported_packages(text) == {"a", "c", "g", "rubnoise"}
 
 
+@pytest.mark.slow
 def test_every_import_is_declared() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = [requirement for extra in project["optional-dependencies"].values() for requirement in extra]
@@ -196,6 +202,7 @@ def test_every_file_stays_readable() -> None:
     assert {name: count for name, count in lines.items() if count > MOST_LINES} == {}
 
 
+@pytest.mark.slow
 def test_public_names_of_every_file_are_documented() -> None:
     assert {name: found for name, found in _of_every_file(undocumented).items() if found} == {}
 
@@ -203,11 +210,3 @@ def test_public_names_of_every_file_are_documented() -> None:
 def test_a_missing_docstring_is_found() -> None:
     text = "def a(): 'x'\ndef b(): ...\nclass C:\n    'x'\n    def d(self): ...\n    def _e(self): ...\n"
     assert undocumented(text) == ["b", "C.d"]
-
-
-def test_what_is_listed_as_slow_is_there() -> None:
-    """A case that was renamed would run every day; its parameters are left to `check times`."""
-    for name in slow():
-        path, _, test = name.partition("[")[0].partition("::")
-        assert (ROOT / path).exists(), name
-        assert not test or f"def {test.rpartition('::')[2]}(" in (ROOT / path).read_text(encoding="utf-8"), name

@@ -88,7 +88,7 @@ class Answer:
         return values_of(self.json())
 
 
-ROW = {"value", "unit", "exact", "error", "z", "note"}
+ROW = {"value", "unit", "exact", "error", "interval", "z", "note"}
 
 
 def values_of(told: Any) -> Any:

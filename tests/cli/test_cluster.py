@@ -1,9 +1,7 @@
 """Sweeps on a cluster: the bits that a pool gives, and what docs/sweeps.md says of trust."""
 
-import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +13,6 @@ from shlex import split
 
 import pytest
 
-import rubnoise
 from rubnoise.runs import executors
 from tests.architecture.sources import ROOT
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
@@ -66,6 +63,7 @@ def file(here: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, Processes]) -> None:
     answer = spawn("sweep", file, "-o", "afar", "--cluster", scheduler[0])
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
@@ -73,6 +71,7 @@ def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, P
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
+@pytest.mark.slow
 def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (_, worker, _) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
@@ -83,6 +82,7 @@ def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, schedu
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
+@pytest.mark.slow
 def test_a_sweep_whose_scheduler_is_killed_is_resumed(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (boss, *workers) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
@@ -103,6 +103,7 @@ LATER = (
 )
 
 
+@pytest.mark.slow
 def test_workers_of_another_version_get_no_work(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, _ = scheduler
     options = ("--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard")
@@ -131,18 +132,16 @@ def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.M
     assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
 
 
-# What docs/sweeps.md says of trust: where Dask listens after its commands, and that its own settings of TLS are used.
-pytest.importorskip("distributed", reason="the extra cluster is not installed")
-
+# What docs/sweeps.md says of trust: where Dask listens after its commands.
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```text\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 LINES = [line for block in BLOCKS for line in block.splitlines()]
 PROC = Path("/proc/self/net/tcp")
 
 
-def _command(beginning: str, *, tls: bool) -> list[str]:
+def _command(beginning: str) -> list[str]:
     """Return the words of a command of the page, for this machine and one worker."""
-    line = next(line for line in LINES if line.startswith(beginning) and ("tls" in line) is tls)
+    line = next(line for line in LINES if line.startswith(beginning) and "tls" not in line)
     line = re.sub(r"\b10\.0\.0\.\d+", "127.0.0.1", line.removesuffix(" &"))
     return split(line.replace("--nworkers 16", "--nworkers 1").replace("--port 8786", "--port 0"))
 
@@ -167,16 +166,13 @@ class Dask:
         self._ending.callback(_end, process)
         return process.pid
 
-    def cluster(self, *, tls: bool, file: str = "scheduler.json") -> tuple[str, list[int]]:
-        """Start scheduler and workers by the page's commands; return the address, and the numbers of all processes."""
-        words = _command("dask scheduler", tls=tls)
-        boss = self.start(*words, *(() if "--scheduler-file" in words else ("--scheduler-file", file)))
-        _until(Path(file).exists)
-        address = str(json.loads(Path(file).read_text(encoding="utf-8"))["address"])
-        words = [address if word.startswith("tls://") else word for word in _command("dask worker", tls=tls)]
-        worker = self.start(*words)
+    def cluster(self) -> list[int]:
+        """Start scheduler and workers by the page's commands; return the numbers of all processes."""
+        boss = self.start(*_command("dask scheduler"))
+        _until(Path("scheduler.json").exists)
+        worker = self.start(*_command("dask worker"))
         _until(lambda: sum(bool(_listening([process])) for process in _family(worker)) >= 2)  # and its nanny
-        return address, [boss, *_family(worker)]
+        return [boss, *_family(worker)]
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:
@@ -238,42 +234,12 @@ def _target(entry: Path) -> str:
 LOOPBACK = "0100007F"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
 def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
-    _, processes = started.cluster(tls=False)
-    answer = spawn(*_swept(_command("rubnoise sweep", tls=False)))
+    processes = started.cluster()
+    names = {"fig7.toml": "s.toml", "/shared/fig7": "afar"}
+    answer = spawn(*(names.get(word, word) for word in _command("rubnoise sweep")[1:]))
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
     assert len(processes) >= 3
     assert _listening(processes) == {LOOPBACK}
-
-
-def _swept(words: list[str], address: str = "") -> list[str]:
-    """Return the arguments of the page's sweep for the file and folder of these tests."""
-    names = {"fig7.toml": "s.toml", "/shared/fig7": "afar"}
-    return [names.get(word, address if word.startswith("tls://") else word) for word in words[1:]]
-
-
-needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the keys, is missing")
-
-
-@needs_openssl
-def test_a_sweep_over_tls_gives_the_same_bits(started: Dask, monkeypatch: pytest.MonkeyPatch) -> None:
-    line = next(line for line in LINES if line.startswith("openssl"))
-    subprocess.run(split(line), check=True, capture_output=True)
-    for name, value in (line.removeprefix("export ").split("=") for line in LINES if line.startswith("export DASK")):
-        monkeypatch.setenv(name, value)
-    address, _ = started.cluster(tls=True)
-    assert address.startswith("tls://127.0.0.1:")
-    answer = spawn(*_swept(_command("rubnoise sweep", tls=True), address))
-    assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
-    assert call("sweep", "s.toml", "-o", "near", "--jobs", "1", "-q").code == 0
-    assert runs_of(Path("afar")) == runs_of(Path("near"))
-    from distributed import Client, Security
-
-    files = {"tls_ca_file": "cert.pem", "tls_client_cert": "cert.pem", "tls_client_key": "key.pem"}
-    with (
-        Client(address, security=Security(require_encryption=True, **files), set_as_default=False) as client,
-        rubnoise.sweep("s.toml", "python", executor=client) as sweep,
-    ):
-        assert sweep.count("done") == 6
-    assert runs_of(Path("python")) == runs_of(Path("near"))

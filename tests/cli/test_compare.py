@@ -35,6 +35,7 @@ def rewrite(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
         file["provenance"].attrs["scenario_resolved"] = np.bytes_(json.dumps(resolved))
 
 
+@pytest.mark.slow
 def test_a_right_run_agrees(result: Path) -> None:
     answer = call("compare", "x.h5")
     assert (answer.code, answer.err) == (0, "")
@@ -50,6 +51,7 @@ def test_a_right_run_agrees(result: Path) -> None:
     assert "*" not in answer.out
 
 
+@pytest.mark.slow
 def test_a_part_says_where_its_record_begins(here: Path) -> None:
     """Displacement is taken from where its start is forgotten, and by `info` from the start."""
     quick = ("--set", "slider.damping=0.5 N*s/m", "--set", "output.tick=0.5 um")

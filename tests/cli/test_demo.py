@@ -2,9 +2,13 @@
 
 from pathlib import Path
 
+import pytest
+
 import rubnoise
 from rubnoise.cli.demo import FILES
 from tests.cli.terminal import call
+
+pytestmark = pytest.mark.slow
 
 
 def test_a_demo_makes_all_its_files_and_may_be_made_again(here: Path) -> None:

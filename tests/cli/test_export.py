@@ -166,6 +166,7 @@ def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, ki
     _equal(found, wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", TABLES)
 def test_csv_on_standard_output_is_what_a_file_holds(here: Path, rows: Any, group: str) -> None:
     answer = spawn("export", "run.h5", "--to", "csv", "--group", group, "-o", "-")
@@ -222,6 +223,7 @@ def test_where_one_file_cannot_be_written_none_is(here: Path, kind: str) -> None
     assert names(here) == ["run.h5"]
 
 
+@pytest.mark.slow
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     rubnoise.run(rubnoise.load("../given/contact.toml", ["sliding.distance=1 m", "output.tick=0.5 um"]), "x.h5")
     export_of_it: subprocess.Popen[str] = begin(

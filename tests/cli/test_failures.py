@@ -61,6 +61,7 @@ def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, mon
     assert names(here) == ["contact.h5"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize(
     "asked", [("theory", SHORT, "--json"), ("check", SHORT), ("schema",)], ids=lambda words: words[0]
@@ -84,6 +85,7 @@ def test_an_output_that_is_full_is_told_in_a_line(here: Path) -> None:
     assert (done.returncode, said) == (1, "output: No space left on device\n")
 
 
+@pytest.mark.slow
 def test_names_that_a_terminal_cannot_show_are_escaped(here: Path) -> None:
     done = subprocess.run(
         command("check", SHORT, "--set", "title=friction of µm"),
@@ -127,6 +129,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.slow("verify-runs-0", "sweep-runs-0")
 @pytest.mark.parametrize(("keep", "name", "seed"), CASES)
 def test_a_sweep_that_was_tampered_with_is_answered_in_a_sentence(
     folders: Path, tmp_path: Path, keep: str, name: str, seed: int, monkeypatch: pytest.MonkeyPatch

@@ -175,6 +175,7 @@ def _held(path: Path) -> Iterator[None]:
     part.unlink()
 
 
+@pytest.mark.slow("teach", "theory")
 @pytest.mark.parametrize("command", WRITERS)
 def test_a_second_writer_is_refused(place: Path, command: str) -> None:
     (place / "there").mkdir()
@@ -187,6 +188,7 @@ def test_a_second_writer_is_refused(place: Path, command: str) -> None:
     assert names(place / "there") == []
 
 
+@pytest.mark.slow("teach", "theory", "junction")
 @pytest.mark.parametrize("command", WRITERS)
 def test_what_is_there_is_replaced_only_by_force(place: Path, command: str) -> None:
     """The control of the tests above, too: the same words write where nothing is in the way."""
@@ -292,6 +294,7 @@ print(json.dumps([(answer.code, answer.out, answer.err) for answer in answers]))
 """
 
 
+@pytest.mark.slow
 def test_what_may_not_be_read_is_refused_in_a_line(place: Path, unprivileged: tuple[str, ...]) -> None:
     """Both where a file is closed and where its folder is; for each command that reads, and for parts and sweeps."""
     closed = place / "closed"

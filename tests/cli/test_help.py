@@ -64,6 +64,7 @@ def _words(text: str) -> str:
     return " ".join(re.sub(r"\[(required|default: .*?)\]", " ", text).split())
 
 
+@pytest.mark.slow
 def test_help_of_no_command_loads_anything_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

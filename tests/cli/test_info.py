@@ -46,19 +46,6 @@ def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) 
     assert "a short contact" in call("info", "top.h5").out
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("plot",), ("listen",)],
-)
-def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[str, ...]) -> None:
-    answer = call(words[0], SLIDER, *words[1:])
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == (
-        f"{SLIDER}: is a scenario, not a result; `rubnoise check {SLIDER}` says what follows from it,"
-        " `rubnoise run` runs it\n"
-    )
-
-
 # `rubnoise teach`: the page of lessons as a file.
 DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>')
 
@@ -70,6 +57,7 @@ def data_of(path: Path) -> dict[str, object]:
     return data
 
 
+@pytest.mark.slow
 def test_without_a_file_it_is_about_a_first_contact(here: Path) -> None:
     answer = call("teach")
     assert (answer.code, answer.err) == (0, "")
@@ -81,6 +69,7 @@ def test_without_a_file_it_is_about_a_first_contact(here: Path) -> None:
     assert data["record"] is None
 
 
+@pytest.mark.slow
 def test_a_scenario_sets_the_knobs(here: Path) -> None:
     assert call("teach", "../given/contact.toml", "-o", "page.html").code == 0
     data = data_of(here / "page.html")

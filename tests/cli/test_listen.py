@@ -48,7 +48,7 @@ def test_the_velocity_is_heard_where_nothing_is_said(result: Path, here: Path) -
     assert first == "x_velocity.wav: 0.300021 s of velocity, 48,000 samples a second of 24 bits"
     assert names(here) == ["x.h5", "x_velocity.wav"]
     assert any("natural frequency" in each and "heard at 38.98 Hz" in each for each in lines)
-    assert any("audible, 20 Hz to 20 kHz" in each for each in lines)
+    assert any("audible share" in each and "20 Hz to 20 kHz" in each for each in lines)
 
 
 @pytest.mark.parametrize("words", [(), ("--what", "velocity"), ("--what", "normal-velocity")])
@@ -70,7 +70,7 @@ def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) 
     scale, mean = float(told.pop("full_scale")), float(told.pop("mean"))
     unit = {"velocity": "um/s", "force": "uN", "displacement": "um"}[what]
     assert told == {"quantity": what, "unit": unit, "speed_up": "1.0", "sample_rate": "48000", "run": "x.h5"}
-    assert f"{scale:.7g} {unit}, the loudest sample 3 dB below" in answer.out
+    assert f"{scale:.7g} {unit} (the loudest sample 3 dB below)" in answer.out
     samples = _samples(here / "a.wav")
     assert np.abs(samples).max() == pytest.approx(10.0 ** (-3.0 / 20.0), abs=1e-6)
     with h5py.File(result) as file:
@@ -80,6 +80,7 @@ def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) 
     assert np.abs(found - wanted)[20:-20].max() < 2e-3 * np.abs(values - mean).max()
 
 
+@pytest.mark.slow
 def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, here: Path) -> None:
     """In the band that a laptop plays too: at the speed-up that is taken by default."""
     quiet = ("--set", "interface.mean_junction_count=80")
@@ -96,7 +97,7 @@ def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, her
         with h5py.File(here / f"{name}.h5") as file:
             spreads.append(float(np.std(file["slider/velocity"][:])))
     wanted = 20.0 * np.log10(spreads[0] / spreads[1])
-    levels = [float(each.split()[-9]) for each in answer.out.splitlines() if "level in 200 to 4000 Hz" in each]
+    levels = [float(each.split()[1]) for each in answer.out.splitlines() if each.startswith("  level ")]
     # Chosen: runs of 0.25 mm hold so few swings that the share of each in the band is known to some 12 %, half a dB.
     assert levels[0] - levels[1] == pytest.approx(wanted, abs=1.0)
     assert abs(wanted) > 3.0
@@ -112,6 +113,7 @@ def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
     assert (answer.code, answer.err) == (2, "x.h5: the force does not vary, so there is nothing to hear\n")
 
 
+@pytest.mark.slow
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     assert call("run", SLIDER, "-q", "-o", "x.h5", "--set", "sliding.distance=6 mm").code == 0
     # A hundredth of the true speed: ten minutes of sound, which take a while to write.

@@ -35,12 +35,14 @@ def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> N
     assert names(here) == ["x.h5", "x_trace.png"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["lives", "histogram", "psd", "acf", "count", "slider", "phase"])
 def test_every_picture_has_a_name_of_its_own(result: Path, here: Path, what: str) -> None:
     assert call("plot", "x.h5", what).out == f"x_{what}.png\n"
     assert names(here) == ["x.h5", f"x_{what}.png"]
 
 
+@pytest.mark.slow("pdf")
 @pytest.mark.parametrize("kind", BEGINNINGS)
 def test_the_ending_chooses_the_format(result: Path, here: Path, kind: str) -> None:
     (here / "sub").mkdir()
@@ -49,6 +51,7 @@ def test_the_ending_chooses_the_format(result: Path, here: Path, kind: str) -> N
     assert names(here / "sub") == [f"a.{kind.upper()}"]
 
 
+@pytest.mark.slow
 def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
     said = "the run has no slider to draw; [slider] in its scenario would give it one\n"
     for what in ("slider", "phase"):
@@ -93,6 +96,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "study"
 
 
+@pytest.mark.slow
 def test_a_study_is_what_the_index_says(swept: Path) -> None:
     with rubnoise.open_sweep(swept) as sweep:
         study = study_of_sweep(sweep, STD)
@@ -110,6 +114,7 @@ def test_a_study_is_what_the_index_says(swept: Path) -> None:
         assert quantities_of(sweep)[-1] == "junction_count_std"
 
 
+@pytest.mark.slow
 def test_a_quantity_is_drawn(swept: Path, here: Path) -> None:
     answer = call("plot", swept, "junction_count_mean", "-o", "n.png")
     assert (answer.code, answer.out, answer.err) == (0, "n.png\n", "")

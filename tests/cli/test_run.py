@@ -44,6 +44,7 @@ def _fed(given: bytes, *words: str | Path) -> Answer:
     return Answer(code=done.returncode, out=done.stdout.decode(), err=done.stderr.decode())
 
 
+@pytest.mark.slow
 def test_a_scenario_and_a_trace_may_come_through_a_pipe(here: Path) -> None:
     text = CONTACT + "[run]\nseed = 7\n"
     (here / "seven.toml").write_text(text, encoding="utf-8")
@@ -146,6 +147,7 @@ with rubnoise.open(sys.argv[1]) as run:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("numbers", CLOSED, ids=str)
 def test_streams_that_are_closed_keep_nothing_from_being_written_and_read(here: Path, numbers: list[int]) -> None:
     closed = " ".join(map(str, numbers))
@@ -155,6 +157,7 @@ def test_streams_that_are_closed_keep_nothing_from_being_written_and_read(here: 
     assert spawn_program(AS_A_LIBRARY, closed, "x.h5").code == 11
 
 
+@pytest.mark.slow
 def test_questions_about_a_scenario_load_no_compiler_and_no_file_format(here: Path) -> None:
     assert _told(QUESTIONS)[-1] == "loaded:"
 
@@ -194,6 +197,7 @@ def test_a_file_larger_than_the_process_may_write(here: Path, how: str) -> None:
     assert names(here) == []
 
 
+@pytest.mark.slow("limited by the shell")
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="only Linux limits the address space")
 @pytest.mark.parametrize("how", ["limited by the shell", *HOW])
 def test_more_memory_than_the_process_may_have(here: Path, how: str) -> None:

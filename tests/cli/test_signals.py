@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.progress import SIGNALS, stoppable
+from rubnoise.cli.signals import SIGNALS, stoppable
 from rubnoise.errors import RunStopped
 from tests.cli.terminal import LONG, begin, call, names, spawn_program, stop
 
@@ -22,8 +22,8 @@ SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 TWICE = """
 import signal
 from rubnoise.cli.progress import watching
-with watching(1.0, shown=False) as watcher:
-    watcher(0.0, 0, 0)
+with watching(1.0, shown=False) as watch:
+    watch(0.0, 0, 0)
     signal.raise_signal(signal.SIGINT)
     print("one", flush=True)
     signal.raise_signal(signal.{second})
@@ -31,6 +31,7 @@ with watching(1.0, shown=False) as watcher:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_stops_a_run_and_an_older_result_stays(here: Path, number: signal.Signals, code: int) -> None:
     assert call("run", SLIDER, "-o", "short.h5", "-q").code == 0  # no kernel is left to be compiled
@@ -101,6 +102,7 @@ def installed(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_run_works_where_kernels_cannot_be_kept(here: Path, installed: Path, unprivileged: tuple[str, ...]) -> None:
     environment = {name: text for name, text in os.environ.items() if not name.startswith(("NUMBA_", "XDG_"))}
     environment |= {"PYTHONPATH": str(installed), "HOME": str(installed / "absent")}
@@ -119,6 +121,7 @@ def test_a_run_works_where_kernels_cannot_be_kept(here: Path, installed: Path, u
     assert not [path for path in installed.rglob("*") if path.suffix in {".pyc", ".nbi", ".nbc"}]
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_written_is_refused(here: Path, installed: Path, unprivileged: tuple[str, ...]) -> None:
     run = [sys.executable, "-m", "rubnoise", "run", "../given/contact.toml", "-o", str(installed / "x.h5")]
     done = subprocess.run([*unprivileged, *run], capture_output=True, text=True, check=False)

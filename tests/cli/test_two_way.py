@@ -85,6 +85,7 @@ def test_engines_give_equal_bits_and_the_contact_of_one_way(ran: Path) -> None:
     assert {name.lstrip("/") for name in shared if here[name] != one_way[name]} == own
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", ["1e-4", "1e-12"])
 @pytest.mark.parametrize("count", ["1", "20"])
 def test_a_right_run_keeps_all_of_it(here: Path, count: str, tolerance: str) -> None:
@@ -108,6 +109,7 @@ def test_compare_has_the_exact_laws_and_leaves_the_one_way_motion_out(ran: Path)
     assert "energy (uN um)" in shown
 
 
+@pytest.mark.slow
 def test_a_sweep_of_both_couplings_keeps_what_each_has(here: Path) -> None:
     Path("s.toml").write_text(
         f'format = 1\nextends = "{SLIDER}"\n[sliding]\ndistance = "1 mm"\n[output]\ntick = "1 um"\n'

@@ -5,6 +5,7 @@ the new version. Version 1, of which one file is kept, was never published.
 """
 
 import hashlib
+import json
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -21,77 +22,43 @@ from rubnoise.storage.schema import FORMAT_VERSION
 
 # Files of format version 2, kept as they were written: what is read out of them never changes.
 HERE = Path(__file__).parent
+KEPT = json.loads((HERE / "kept.json").read_text(encoding="utf-8"))
+"""What each file has, by the stem of its name."""
+
 WHOLE, BARE = HERE / "format_2.h5", HERE / "format_2_bare.h5"
-BYTES = {
-    WHOLE: "3752d056aa034fd44b1f1a63f5edc20d0fab891abc9e3d10946c2b6d992402ae",
-    BARE: "94461e85b16b5cb178bf3c08ade3e038937a07c15fab104f953328b53064207b",
-}
-JUNCTION_3 = {
-    WHOLE: {
-        "junction": 3,
-        "birth_distance": -3.402881436071391,
-        "death_distance": 15.584931883872647,
-        "life_distance": 18.98781331994404,
-        "diameter": 9.49390665997202,
-        "max_area": 70.7912851442336,
-        "shear_strength": 250.0,
-        "birth_time": -0.0034028814360713908,
-        "death_time": 0.015584931883872647,
-        "state": 1,
-    },
-    BARE: {
-        "junction": 3,
-        "birth_distance": 4.3815649432089145,
-        "death_distance": 15.336016093312237,
-        "life_distance": 10.954451150103322,
-        "diameter": 5.477225575051661,
-        "max_area": 23.56194490192345,
-        "state": 0,
-    },
-}
-TRACE = ("distance", "real_contact_area", "junction_count")
-SLIDER = ("time", "distance", "friction_force", "displacement", "velocity")
-COLUMNS = {
-    WHOLE: {"trace": (*TRACE, "friction_force"), "slider": SLIDER},
-    BARE: {"trace": TRACE},
-}
-STATES = {WHOLE: {0: 16, 1: 5, 2: 7}, BARE: {0: 47, 2: 3}}
-SCENARIOS = {WHOLE: HERE / "whole.toml", BARE: HERE / "bare.toml"}
-MEAN_AREA = {WHOLE: (176.19864791862852, 201.49999999999997), BARE: (86.32424005862853, 100.0)}
-TICKS = {WHOLE: 201, BARE: 1096}
 FILES = pytest.mark.parametrize("path", [WHOLE, BARE], ids=lambda path: path.stem)
 
 
 @FILES
 def test_the_kept_file_is_the_one_that_was_kept(path: Path) -> None:
-    assert hashlib.sha256(path.read_bytes()).hexdigest() == BYTES[path]
+    assert hashlib.sha256(path.read_bytes()).hexdigest() == KEPT[path.stem]["sha256"]
 
 
 @FILES
 def test_junction_3_is_what_it_was(path: Path) -> None:
+    kept = KEPT[path.stem]["junction_3"]
     with open_run(path) as run:
-        assert {name: run.column("junctions", name)[3] for name in run.columns["junctions"]} == JUNCTION_3[path]
+        assert {name: run.column("junctions", name)[3] for name in run.columns["junctions"]} == kept
     with rubnoise.open(path) as opened:
         junction = opened.junction(3)
-        assert {name: getattr(junction, name) for name in JUNCTION_3[path] if name != "junction"} == {
-            name: value for name, value in JUNCTION_3[path].items() if name != "junction"
-        }
+        assert {"junction": 3} | {name: getattr(junction, name) for name in kept if name != "junction"} == kept
 
 
 @FILES
 def test_every_column_is_there_and_has_its_hash(path: Path) -> None:
+    kept = KEPT[path.stem]
     with open_run(path) as run:
-        assert {name: run.columns[name] for name in COLUMNS[path]} == COLUMNS[path]
-        assert run.columns.keys() == {"junctions", "life_curve", *COLUMNS[path]}
-        assert Counter(run.column("junctions", "state").tolist()) == STATES[path]
-        assert run.extent.ticks == TICKS[path]
+        assert {name: list(run.columns[name]) for name in kept["columns"]} == kept["columns"]
+        assert run.columns.keys() == {"junctions", "life_curve", *kept["columns"]}
+        assert Counter(run.column("junctions", "state").tolist()) == dict(kept["states"])
+        assert run.extent.ticks == kept["ticks"]
         assert run.damaged() == ()
 
 
 @FILES
 def test_a_changed_byte_is_noticed_in_any_column(path: Path, tmp_path: Path) -> None:
     shutil.copy(path, tmp_path / "run.h5")
-    for group, names in COLUMNS[path].items():
+    for group, names in KEPT[path.stem]["columns"].items():
         with h5py.File(tmp_path / "run.h5", "r+") as file:
             for name in names:
                 file[group][name][7] += 1
@@ -101,13 +68,14 @@ def test_a_changed_byte_is_noticed_in_any_column(path: Path, tmp_path: Path) -> 
 
 @FILES
 def test_scenario_summary_and_origin_are_read(path: Path) -> None:
-    scenario = rubnoise.load(SCENARIOS[path])
+    kept = HERE / KEPT[path.stem]["scenario"]
+    scenario = rubnoise.load(kept)
     with rubnoise.open(path) as run:
-        assert run.provenance["scenario_toml"] == SCENARIOS[path].read_text(encoding="utf-8")
+        assert run.provenance["scenario_toml"] == kept.read_text(encoding="utf-8")
         assert run.scenario.resolved() == scenario.resolved()
         assert run.provenance["calibrated_diameter"] == scenario.model().calibrated_diameter
         mean = next(figure for figure in run.summary if figure.name == "real_contact_area_mean")
-    assert (mean.observed, mean.expected) == MEAN_AREA[path]
+    assert [mean.observed, mean.expected] == KEPT[path.stem]["mean_area"]
 
 
 # Files of other versions, and files that hold more than this version knows.

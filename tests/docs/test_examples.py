@@ -94,11 +94,13 @@ SAVED = re.compile(r'\.save\("(\w+)')
 WITHOUT_INPUT = {"new", "examples"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", FIRST)
 def test_each_of_the_five_pages_can_be_followed_alone(workplace: Path, page: str) -> None:
     _follow(page)
 
 
+@pytest.mark.slow
 def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
     for page in PAGES:
         _follow(page)
@@ -144,6 +146,7 @@ def test_a_page_reads_nothing_that_only_another_page_makes(page: str) -> None:
         there |= made
 
 
+@pytest.mark.slow("Run.plot", "SweepResult", "open_sweep", "sweeps.")
 @pytest.mark.parametrize("test", DOCTESTS, ids=lambda test: test.name)
 def test_a_docstring_holds_what_it_says(workplace: Path, test: doctest.DocTest) -> None:
     told: list[str] = []
@@ -208,6 +211,7 @@ def test_its_pictures_are_there_and_small() -> None:
     assert sum(len(content) for name, content in files.items() if name.startswith("gallery/")) < 1_200_000
 
 
+@pytest.mark.slow
 def test_its_pictures_are_what_its_commands_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def called(_folder: Path, command: str) -> None:
         assert call(*split(command)[1:]).code == 0, command
@@ -294,8 +298,3 @@ def test_every_page_is_on_the_site() -> None:
 def test_a_broken_link_is_found(text: str, said: str) -> None:
     assert list(broken(ROOT / "docs" / "theory.md", text)) == [said]
     assert list(broken(ROOT / "docs" / "theory.md", f"`{text}`\n```\n{text}\n```\n")) == []
-
-
-# The first hour: twenty things in Python, each in six lines or fewer (test_examples runs them).
-API = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
-PAGE = API.partition("\n## The first hour\n")[2].partition("\n## ")[0]

@@ -113,6 +113,7 @@ def cells(page: str) -> dict[str, list[str]]:
 ROWS = cells(detection.PAGE.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BY_NAME)
 def test_a_row_is_what_theory_says(name: str) -> None:
     assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/studies detection"
@@ -199,6 +200,7 @@ def test_tables_of_free_motion_are_those_of_its_data() -> None:
     assert free_motion.tables(FREE).items() <= parts_of(page).items()
 
 
+@pytest.mark.slow
 def test_a_level_of_free_motion_is_what_its_seeds_give() -> None:
     live, loss, value, duration = free_motion.CONTACTS[0]
     seeds = range(free_motion.SEED, free_motion.SEED + free_motion.RUNS)

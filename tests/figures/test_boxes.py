@@ -14,6 +14,8 @@ from matplotlib.text import Text
 import rubnoise
 from rubnoise.figures.catalogue import PICTURES
 
+pytestmark = pytest.mark.slow
+
 RUNS = {
     "first/rubbing": "4 mm",
     "paper/fig5_two_way": "2 mm",
@@ -52,13 +54,58 @@ def flaws(figure: Any) -> list[str]:
     return found
 
 
+LEAST = 5.0 / 25.4  # inches
+
+
+def crushed(figure: Any) -> list[str]:
+    """Return the panes that are too low or too narrow to see anything in."""
+    boxes = {axes.get_ylabel() or axes.get_title(): axes.get_window_extent() for axes in figure.axes}
+    return [name for name, box in boxes.items() if box.height < LEAST * figure.dpi or box.width < 0.02 * figure.dpi]
+
+
+def assert_seen(figure: Any) -> None:
+    assert (flaws(figure), crushed(figure)) == ([], [])
+    plt.close(figure)
+
+
+HEARD = ["force", "displacement", "velocity", "normal-velocity", "load"]
+DRAWN = [(what, "area") for what in PICTURES] + [(what, of) for what in ("psd", "histogram") for of in HEARD]
+
+
 @pytest.mark.parametrize("size", ["single", "double"])
-@pytest.mark.parametrize("what", PICTURES)
-def test_nothing_is_cut_off_and_nothing_overlaps(run: rubnoise.Run, what: Any, size: str) -> None:
+@pytest.mark.parametrize(("what", "of"), DRAWN)
+def test_nothing_is_cut_off_and_nothing_overlaps(run: rubnoise.Run, what: Any, of: str, size: str) -> None:
     with suppress(rubnoise.Refused):  # a picture of what this run does not have
-        figure = run.plot(what, size=size)
-        assert flaws(figure) == []
-        plt.close(figure)
+        assert_seen(run.plot(what, of=of, size=size))
+
+
+@pytest.mark.parametrize("size", ["single", "double"])
+def test_nor_over_another_run(size: str) -> None:
+    scenario = rubnoise.load("first/rubbing").replace(distance="4 mm")
+    with rubnoise.run(scenario) as run, rubnoise.run(scenario, seed=2) as other:
+        for what in ("slider", "phase"):
+            assert_seen(run.plot(what, beside=other, size=size))
+
+
+LAWS = {"birth.law": ["poisson", "regular"]}
+SWEPT = [
+    {"sliding.speed": ["5 mm/s", "10 mm/s", "20 mm/s", "40 mm/s"]},
+    {"interface.mean_junction_count": [5, 10, 20]} | LAWS,
+    LAWS,
+    {"interface.mean_real_contact_area": ["100 um^2", "120 um^2", "400 um^2"]},  # two too close for labels
+]
+
+
+@pytest.mark.parametrize("size", ["single", "double"])
+@pytest.mark.parametrize("grid", SWEPT)
+def test_nor_in_a_sweep_whose_axis_has_the_values_that_are_swept(grid: Any, size: str) -> None:
+    scenario = rubnoise.load("first/rubbing").replace(distance="300 um")
+    with rubnoise.sweep(scenario, grid=grid, jobs=1) as sweep:
+        figure = sweep.plot("real_contact_area_std", size=size)
+    ticks = [each.get_text() for each in figure.axes[0].get_xticklabels()]
+    values = [str(value).split(" ")[0] for value in next(iter(grid.values()))]
+    assert (ticks == values) == (grid is not SWEPT[-1])
+    assert_seen(figure)
 
 
 def test_a_cut_and_an_overlap_would_be_seen() -> None:

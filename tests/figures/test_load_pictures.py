@@ -53,6 +53,7 @@ def test_what_needs_the_area_of_a_touch_is_refused_in_words(bouncing: Stretch, n
         picture(name, bouncing, "png")
 
 
+@pytest.mark.slow
 def test_the_spectrum_of_the_normal_velocity_follows_theory(weighed: Stretch) -> None:
     (ratio,) = [axes for axes in drawing("psd", weighed, heard="normal-velocity").axes if axes.get_ylabel() == "ratio"]
     (line,) = [line for line in ratio.lines if "over expected" in str(line.get_label())]

@@ -31,22 +31,6 @@ SCENARIO: dict[str, Any] = {
     "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05},
     "output": {"tick": "0.1 um"},
 }
-FEW = {
-    "format": 1,
-    "interface": {"mean_real_contact_area": 20.0, "mean_junction_count": 0.5},
-    "sliding": {"distance": 400.0, "start": "empty"},
-}
-TRIANGLES = FEW | {
-    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 5},
-    "pulse": {"shape": "triangle"},
-    "birth": {"law": "regular"},
-}
-CONSTANT = SCENARIO | {
-    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 4},
-    "diameter": {"law": "fixed"},
-    "pulse": {"shape": "triangle"},
-    "birth": {"law": "regular"},
-}
 
 
 def _stretch(folder: Path, values: dict[str, Any]) -> Iterator[Stretch]:
@@ -58,11 +42,6 @@ def _stretch(folder: Path, values: dict[str, Any]) -> Iterator[Stretch]:
 @pytest.fixture(scope="module")
 def full(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
     yield from _stretch(tmp_path_factory.mktemp("full"), SCENARIO)
-
-
-@pytest.fixture(scope="module", params=[FEW, TRIANGLES], ids=["few junctions", "regular triangles"])
-def odd(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
-    yield from _stretch(tmp_path_factory.mktemp("odd"), request.param)
 
 
 def _lines(name: str, stretch: Stretch) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -86,6 +65,7 @@ PALE = {"histogram", "sizes", "life_distances", "gaps", "contact"}
 """Pictures in which nothing is exact, and those whose colours are mixed."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in {"landmarks", "load"}])
 def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: Any) -> None:
     png = picture(name, full, "png")
@@ -97,9 +77,11 @@ def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name
     assert picture(name, full, "png") == png
 
 
-@pytest.fixture(scope="module")
-def constant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
-    yield from _stretch(tmp_path_factory.mktemp("constant"), CONSTANT)
+def test_the_junction_at_a_glance_is_of_about_the_mean_size(full: Stretch) -> None:
+    with house_style():
+        life = PICTURES["overview"](full).axes[1]
+    peak = max(life.lines[0].get_ydata())
+    assert peak == pytest.approx(0.25 * np.pi * full.model.sizes.moment(1) ** 2, rel=0.05)
 
 
 def test_lives_add_up_to_the_trace(full: Stretch) -> None:

@@ -113,6 +113,7 @@ def test_the_curve_of_another_contact_is_rejected() -> None:
     assert not _rejected(study_of_points(points, STD, title="", units={COUNT: "1"}).lines[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("runs", [1, 2])
 def test_the_same_study_is_the_same_picture(runs: int) -> None:
     first, again = (study_picture(_study({COUNT: [10, 20, 40]}, runs=runs), "svg") for _ in range(2))

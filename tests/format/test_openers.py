@@ -182,6 +182,7 @@ def test_h5dump_shows_structure_and_values(path: Path) -> None:
     assert np.array_equal(np.array(values.split(","), dtype=np.uint32), count)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("units", sorted({column.units for group in GROUPS for column in group.columns}))
 def test_pint_reads_every_unit(units: str) -> None:
     base = {"um": 1e-6, "um^2": 1e-12, "MPa": 1e6, "s": 1.0, "um/s": 1e-6, "uN": 1e-6, "1": 1.0}

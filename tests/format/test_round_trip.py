@@ -41,6 +41,7 @@ def assert_holds(path: Path, rows: Rows) -> None:
         assert run.damaged() == ()
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20, 60), deadline=None)
 @given(
     junctions=sizes,
@@ -79,6 +80,7 @@ def test_hash_is_that_of_the_raw_bytes(tmp_path: Path, compression: Compression)
                 assert file[group][name].attrs[HASH].decode() == expected
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(12, 40), deadline=None)
 @given(
     compression=st.sampled_from(("none", "gzip")),
@@ -138,6 +140,7 @@ def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
     return peak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_memory_does_not_grow_with_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression

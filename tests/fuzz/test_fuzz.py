@@ -17,6 +17,8 @@ from survival.stories import NAME
 from rubnoise.storage.reader import open_run
 from tests.unit.tampering import tell
 
+pytestmark = pytest.mark.slow
+
 # A few of the damaged and hostile files of `tools/fuzz_results.py`, and proof that the script would notice.
 ON_LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the limits are those of Linux")
 FEW = 12

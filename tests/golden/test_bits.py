@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -61,6 +62,7 @@ def test_one_bit_changes_a_hash() -> None:
     assert changed == [("trace", "real_contact_area")]
 
 
+@pytest.mark.slow
 def test_kernels_for_a_plain_processor_give_the_same_values(tmp_path: Path) -> None:
     """Compiled without vectors of eight and without an instruction that multiplies and adds at once."""
     plain = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(tmp_path)}
@@ -82,6 +84,7 @@ TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
 """One setting of each kind, in one process every day; --all tries each setting alone."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "names",
     [
@@ -119,11 +122,13 @@ def in_plain_arithmetic(*command: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_every_law_has_its_golden_bits() -> None:
     assert draws() == EXPECTED_DRAWS
     assert len(set(EXPECTED_DRAWS.values())) == len(EXPECTED_DRAWS) - 1  # one size alone is the same among the living
 
 
+@pytest.mark.slow
 def test_no_bit_depends_on_the_instructions_of_the_processor() -> None:
     assert json.loads(in_plain_arithmetic("-m", "tests.golden.hashes", "draws")) == EXPECTED_DRAWS
 
@@ -158,93 +163,8 @@ BUILTINS = {"pow", "sum"}
 REORDERING = "compiled_for_speed"
 """How loops are compiled whose sums the compiler may reorder."""
 
-ALLOWED = {
-    **{
-        f"contact/births/{place}": "for the theory alone"
-        for place in (
-            "gamma.py GammaBirths.excess np.arctan",
-            "gamma.py GammaBirths.excess np.exp",
-            "gamma.py GammaBirths.excess np.expm1",
-            "gamma.py GammaBirths.excess np.log1p",
-            "gamma.py GammaBirths.variance **",
-            "poisson.py PoissonBirths.variance **",
-            "scattered.py ClusteredBirths.excess np.exp",
-            "scattered.py JitteredBirths.excess np.exp",
-            "scattered.py JitteredBirths.line_share np.exp",
-        )
-    },
-    "contact/laws/discrete.py Mixture.density sum": "for the theory alone",
-    "contact/laws/lognormal.py lognormal_moment **": "of mpmath numbers, rounded once by who asks",
-    "contact/overlap.py junction_area np.arccos": "for curves and figures; columns come from the kernels' polynomials",
-    "contact/pulses.py ParabolaPulse.cubed_integral **": "for the theory alone",
-    "contact/pulses.py ParabolaPulse.life_integral **": "of the first power where anything is stored",
-    "contact/pulses.py ParabolaPulse.squared_integral **": "for the theory alone",
-    "contact/pulses.py ParabolaPulse.tail **": "for the theory alone",
-    "contact/pulses.py math.prod": "of ParabolaPulse.life_integral",
-    "contact/pulses.py TrianglePulse.life_integral **": "of the first power where anything is stored",
-    "contact/laws/fixed.py Fixed.moment **": "of a fraction, rounded once",
-    "contact/laws/normal.py Normal.density np.exp": "for the theory alone",
-    "contact/laws/gamma.py Exponential.density np.exp": "for the theory alone",
-    "contact/laws/gamma.py Exponential.moment **": "of a fraction, rounded once",
-    "contact/laws/gamma.py Gamma.density np.exp": "for the theory alone",
-    "contact/laws/gamma.py Gamma.density np.log": "for the theory alone",
-    "contact/laws/fixed.py **": "of mpmath numbers, rounded once by who asks",
-    "contact/laws/gamma.py **": "of mpmath numbers, rounded once by who asks",
-    "contact/laws/power.py **": "of mpmath numbers, rounded once by who asks",
-    "contact/laws/power.py Power.density **": "for the theory alone",
-    "contact/laws/weibull.py Weibull.density **": "for the theory alone",
-    "contact/laws/weibull.py Weibull.density np.exp": "for the theory alone",
-    "contact/laws/weibull.py Weibull.support **": "for the theory alone",
-    "contact/pulses.py LensPulse.area_so_far **": "for the theory alone",
-    "contact/pulses.py LensPulse.area_so_far np.arccos": "for the theory alone",
-    "contact/off_centre.py _OffCentre.lives_left np.arccos": "for the theory alone",
-    "contact/off_centre.py OffCentreParabola.tail **": "for the theory alone",
-    "contact/off_centre.py OffCentreParabola.squared_slope **": "for the theory alone",
-    "contact/off_centre.py OffCentreParabola.squared_integral **": "for the theory alone",
-    "contact/off_centre.py OffCentreParabola.cubed_integral **": "for the theory alone",
-    "contact/off_centre.py OffCentreParabola.life_integral **": "of the first power where anything is stored",
-    "contact/off_centre.py OffCentreLens.tail **": "for the theory alone",
-    "contact/off_centre.py _integral_moment **": "for the theory alone",
-    "contact/off_centre.py _integral_moment np.cos": "for the theory alone",
-    "contact/off_centre.py _integral_moment np.sum": "for the theory alone",
-    "contact/off_centre.py _life **": "for the theory alone",
-    "contact/off_centre.py _life np.arcsinh": "for the theory alone",
-    "contact/off_centre.py _life np.cos": "for the theory alone",
-    "contact/off_centre.py _life np.cosh": "for the theory alone",
-    "contact/off_centre.py _life np.sin": "for the theory alone",
-    "contact/off_centre.py _life np.sum": "for the theory alone",
-    "contact/off_centre.py _life_integral **": "for the theory alone",
-    "contact/off_centre.py _life_integral np.cos": "for the theory alone",
-    "contact/off_centre.py _life_integral np.sin": "for the theory alone",
-    "contact/off_centre.py _life_integral np.sum": "for the theory alone",
-    "contact/off_centre.py area_of np.hypot": "for curves and figures; columns come from the kernels' polynomials",
-    "contact/off_centre.py overlap np.arccos": "for curves and figures; columns come from the kernels' polynomials",
-    "contact/pulses.py TrianglePulse.cubed_integral **": "for the theory alone",
-    "contact/pulses.py TrianglePulse.squared_integral **": "for the theory alone",
-    "contact/pulses.py TrianglePulse.tail **": "for the theory alone",
-    "contact/laws/gamma.py gamma_moment **": "of mpmath numbers, rounded once by who asks",
-    "contact/laws/lognormal.py Lognormal.density np.exp": "for the theory alone",
-    "contact/laws/lognormal.py Lognormal.density np.log": "for the theory alone",
-    "contact/laws/__init__.py law_for .std": "the standard deviation of a law, a number that is given",
-    "record/central_sums.py rubnoise.compiling.compiled_for_speed": "for /summary, which no promise covers",
-    "record/tally.py Moments.add_plain .mean": "for readers of a column; nothing of it is stored",
-    "record/tally.py Moments.add_plain .sum": "for readers of a column; nothing of it is stored",
-    "record/tally.py Moments._merge **": "for /summary, which no promise covers",
-    "record/tally.py Moments.excess_kurtosis **": "for /summary, which no promise covers",
-    "record/tally.py Moments.skewness **": "for /summary, which no promise covers",
-    "simulation/ticks.py cmath.sqrt": "decides a whole number only: how often a tick is divided",
-    "simulation/ticks.py math.hypot": "decides a whole number only: how often a tick is divided",
-    "simulation/ticks.py _error **": "decides a whole number only: how often a tick is divided",
-    "simulation/ticks.py _liveliness **": "decides a whole number only: how often a tick is divided",
-    "simulation/ticks.py _rates **": "decides a whole number only: how often a tick is divided",
-    "simulation/kernel.py lobatto np.linalg": "of constants, within what a computed column may differ",
-    "simulation/kernel.py _lens_series **": "of constants, within what a computed column may differ",
-    "simulation/kernel.py _lens_series np.cumprod": "likewise",
-    **{
-        f"simulation/linear.py propagator {each}": "of constants, within what a computed column may differ"
-        for each in ("@", "np.einsum", "scipy.linalg.expm", "scipy.linalg.matrix_balance")
-    },
-}
+WHY = tomllib.loads(Path(__file__).with_name("allowed.toml").read_text(encoding="utf-8"))
+ALLOWED = {place: why for why, places in WHY.items() for place in places}
 """Where such an operation stands, and why no stored bit comes from it."""
 
 

@@ -1,6 +1,7 @@
 """One trace in the forms of testers: `infer` and Trace read the same of each, or refuse it in words."""
 
-from collections.abc import Callable, Mapping
+import tomllib
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,6 @@ TIME = np.arange(FORCE.size) / 2500.0
 BEGUN = datetime(2024, 3, 5, 23, 59, 59, 900_000, tzinfo=UTC)
 SPOILED = FORCE.copy()
 SPOILED[100] = -9999.0
-LABVIEW = (
-    "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\t\n\t\nChannels\t2\t\n"
-    "Y_Unit_Label\tmN\tV\nX_Dimension\tTime\tTime\nX0\t0,0\t0,0\nDelta_X\t0,000400\t0,000400\n"
-    "***End_of_Header***\t\t\nX_Value\tForce\tAux\tComment\n"
-)
 
 
 def table(head: str, row: str, force: Any = FORCE, *, comma: bool = False) -> str:
@@ -37,82 +33,24 @@ def table(head: str, row: str, force: Any = FORCE, *, comma: bool = False) -> st
     return head + "".join(each.replace(".", ",") if comma else each for each in rows)
 
 
-def comma(head: str, row: str) -> str:
-    return table(head, row, comma=True)
-
-
 PLAIN = "{t:.4f},{f:.5f}\n"
 HEAD = "time (s),force (mN)\n"
-FORMS: Mapping[str, tuple[Callable[[], str], dict[str, str], str]] = {
-    # what stands above the table
-    "units in a row": (lambda: comma("Time;Force;Speed\ns;mN;mm/s\n", "{t:.4f};{f:.5f};1.0\n"), {}, "utf-8"),
-    "names behind #": (lambda: table("# rig 3\n# time (s)\tforce (mN)\n", "{t:.4f}\t{f:.5f}\n"), {}, "utf-8"),
-    "names behind %": (lambda: table("% time (s)  force (mN)\n", "{t:.4f}  {f:.5f}\n"), {}, "utf-8"),
-    "preamble": (lambda: comma("Rig;3\nLoad;20,5\n\nZeit [s];Kraft [mN]\n", "{t:.4f};{f:.5f}\n"), {}, "utf-8"),
-    "spaces": (lambda: table("   Time[s]      Ff[mN]\n", "{t:10.4f}  {f:10.5f}\n"), {}, "utf-8"),
-    "Windows": (lambda: comma("Prüfung\n\nZeit [s];Kraft [mN];T [°C]\n", "{t:.4f};{f:.5f};21.0\n"), {}, "cp1252"),
-    "UTF-16": (lambda: comma("Zeit [s]\tKraft [mN]\n", "{t:.4f}\t{f:.5f}\n"), {}, "utf-16"),
-    "LabVIEW": (lambda: comma(LABVIEW, "\t{f:.5f}\t0.0\t\n"), {"column": "Force"}, "utf-8"),
-    # columns that are not used
-    "text": (lambda: table("time (s),force (mN),state\n", "{t:.4f},{f:.5f},RUN\n"), {}, "utf-8"),
-    "nothing": (lambda: table("time (s),force (mN),,T (C)\n", "{t:.4f},{f:.5f},,21.0\n"), {"column": "force"}, "utf-8"),
-    "unknown unit": (lambda: table("time (s),force (mN),b (mV/V)\n", "{t:.4f},{f:.5f},0.1\n"), {}, "utf-8"),
-    "as written": (
-        lambda: table("time (s),force (mN),force (N)\n", "{t:.4f},{f:.5f},0.02\n"),
-        {"column": "force (mN)"},
-        "utf-8",
-    ),
-    # time and place
-    "dates": (lambda: table("when,force (mN)\n", "{moment:%Y-%m-%dT%H:%M:%S.%f}+01:00,{f:.5f}\n"), {}, "utf-8"),
-    "German dates": (
-        lambda: comma("wann;force [mN]\n", "{moment:%d/%m/%Y %H:%M:%S.%f};{f:.5f}\n").replace("/", "."),
-        {},
-        "utf-8",
-    ),
-    "midnight": (lambda: comma("Uhrzeit;force [mN]\n", "{moment:%H:%M:%S.%f};{f:.5f}\n"), {}, "utf-8"),
-    "to and fro": (
-        lambda: table("Ff (mN),X (mm),Time (s)\n", "{f:.5f},5.0,{t:.4f}\n"),
-        {"column": "Ff"},
-        "utf-8",
-    ),
-    "rate": (
-        lambda: table("X Position (mm),Ff (mN)\n", "5.0,{f:.5f}\n"),
-        {"column": "Ff", "rate": "2500 Hz"},
-        "utf-8",
-    ),
-    "chosen time": (
-        lambda: table("time (s),own (s),Ff (mN)\n", "{n},{t:.4f},{f:.5f}\n"),
-        {"column": "Ff", "time": "own"},
-        "utf-8",
-    ),
-    "second block": (lambda: table(HEAD, PLAIN) + "0.0,1.0\n0.0004,x\n", {"to": f"{FORCE.size}"}, "utf-8"),
-    "footer": (lambda: table(HEAD, PLAIN) + "Test completed at 12:00\n", {"to": f"{FORCE.size}"}, "utf-8"),
-    "idle": (lambda: HEAD + "-5.0,\n-4.0,\n" + table("", PLAIN), {"from": "3"}, "utf-8"),
-    # numbers and units
-    "quotes": (lambda: comma('"Zeit [s]","Kraft [mN]"\n', '"{t:.4f}","{f:.5f}"\n'), {}, "utf-8"),
-    "thousands": (
-        lambda: table("Zeit [s];Kraft [µN]\n", "{t:.4f};{f:,.5f}\n", 1000.0 * FORCE).translate(
-            str.maketrans(",.", ".,")
-        ),
-        {},
-        "utf-8",
-    ),
-    "Fortran": (lambda: table(HEAD, "{t:.6E},{f:.8E}\n").replace("E", "D"), {}, "utf-8"),
-    "minus": (lambda: table(HEAD, PLAIN, -FORCE).replace("-", "\u2212"), {"unit": "-1 mN"}, "utf-8"),
-    "kilograms": (
-        lambda: table("time (s),F (kg)\n", "{t:.4f},{f:.12f}\n", FORCE / 9806.65),
-        {"unit": "9.80665 N"},
-        "utf-8",
-    ),
-    "kilopond": (lambda: table("time (s),F (kp)\n", "{t:.4f},{f:.12f}\n", FORCE / 9806650 * 1000), {}, "utf-8"),
-}
+FORMS = tomllib.loads(Path(__file__).with_name("forms.toml").read_text(encoding="utf-8"))
+
+
+def written(form: dict[str, Any]) -> str:
+    """Return the text of a form."""
+    force = form.get("times", 1.0) * FORCE
+    text = table(form.get("head", HEAD), form.get("row", PLAIN), force, comma=form.get("comma", False))
+    return text.translate(str.maketrans(*form.get("letters", ("", "")))) + form.get("below", "")
 
 
 @pytest.mark.parametrize("name", FORMS)
 def test_a_form_is_read(tmp_path: Path, name: str) -> None:
-    text, options, encoding = FORMS[name]
+    options, encoding = FORMS[name].get("options", {}), FORMS[name].get("encoding", "utf-8")
     path = tmp_path / "a.csv"
-    path.write_bytes(text().encode(encoding))
+    path.write_bytes(written(FORMS[name]).encode(encoding))
+    options = {key: value.replace("SIZE", f"{FORCE.size}") for key, value in options.items()}
     keys = {key if key != "from" else "from_": value for key, value in options.items()}
     trace = rubnoise.Trace(path, **keys)  # type: ignore[arg-type]
     force = next(each for each in trace if trace.units[each] == "uN")

@@ -3,13 +3,11 @@
 import struct
 import zlib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from scipy.io import savemat, wavfile
 
-import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.storage.foreign import read_measured
 from rubnoise.storage.measured import Asked
@@ -93,6 +91,7 @@ def bomb(path: Path, *, rows: int, told: int) -> None:
     path.write_bytes(head + struct.pack("<II", 15, len(packed)) + packed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rows", "told"), [(1 << 25, 1 << 25), (1 << 25, 100), (1 << 20, 1 << 27)])
 def test_a_matlab_file_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, rows: int, told: int) -> None:
     path = tmp_path / "a.mat"
@@ -102,6 +101,7 @@ def test_a_matlab_file_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, rows
         read_measured(path)
 
 
+@pytest.mark.slow
 def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.mat"
     for content, problem in (
@@ -121,28 +121,4 @@ def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypat
         with pytest.raises(Refused, match=r"a\.mat: "):
             read_measured(path)
         savemat(path, {"a": VALUES})
-    assert read_measured(path).values.tolist() == VALUES.tolist()
-
-
-@pytest.mark.parametrize(
-    ("values", "problem"),
-    [
-        ([], "has the shape"),
-        (np.empty((0, 3)), "has the shape"),
-        (5.0, "has the shape"),
-        (np.zeros((3, 3)), "has the shape"),
-        (1j * VALUES, "holds complex128"),
-        (np.array(["a", "b"]), "holds"),
-        ([[1.0], [1.0, 2.0]], "of one length"),
-        ([None, 1.0], "holds object"),
-        (VALUES > 50.0, "holds bool"),
-        (np.ma.masked_less(VALUES, 49.5), "masked"),
-        (np.append(VALUES, np.nan), "value 401 of trace is nan"),
-        (np.append(VALUES, 1e300), "value 401 of trace is 1e"),
-        (1e300 * VALUES, "value 1 of trace is 5e"),
-        (1e-300 * VALUES, "give the values in a smaller unit"),
-    ],
-)
-def test_values_that_are_no_trace_are_refused(values: Any, problem: str) -> None:
-    with pytest.raises(Refused, match=problem):
-        rubnoise.infer(values, rate="1 kHz", speed="1 mm/s", unit="mN")
+    assert read_measured(path, Asked(rate=1.0)).values.tolist() == VALUES.tolist()

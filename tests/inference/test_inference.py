@@ -39,6 +39,7 @@ def found(normal: Signal) -> InferenceResult:
     return infer_signal(normal, zero="known", law="normal")
 
 
+@pytest.mark.slow
 def test_parabolas_are_read_and_told_from_lenses() -> None:
     """A lens that is fitted to parabolic lives misreads their size; lenses are not read as parabolas either."""
     model = contact("lognormal", 0.3, 20.0, 1500)
@@ -132,6 +133,7 @@ def test_bands_at_their_expectation_give_back_the_population(name: str) -> None:
     assert place.noise == pytest.approx(2e-3, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "seed"), [("normal", 5), ("lognormal", 6), ("exponential", 7)])
 def test_number_size_spread_and_strength_lie_where_they_are(law: str, seed: int) -> None:
     model = contact(law, SHAPES[law], 20, 450)
@@ -147,6 +149,7 @@ def test_number_size_spread_and_strength_lie_where_they_are(law: str, seed: int)
     assert got.flags == []
 
 
+@pytest.mark.slow
 def test_scaling_the_trace_scales_strengths_and_scaling_ticks_scales_sizes(
     normal: Signal, found: InferenceResult
 ) -> None:
@@ -170,6 +173,7 @@ def test_without_a_zero_and_a_strength_number_and_strength_are_not_told(normal: 
     assert set(got.not_identified) == {"junction_count", "mean_real_contact_area", "shear_strength", "strength_spread"}
 
 
+@pytest.mark.slow
 def test_laws_are_compared_and_intervals_hold_those_not_told_apart(normal: Signal) -> None:
     got = infer_signal(normal, zero="known")
     told = {each.law: each.told_apart for each in got.laws}
@@ -191,6 +195,7 @@ def test_noise_is_found_and_none_where_there_is_none(found: InferenceResult, nor
     assert abs(z(found, "noise", 1.5 * true)) > BOUND
 
 
+@pytest.mark.slow
 def test_a_masked_line_does_no_harm(normal: Signal) -> None:
     place = np.arange(normal.values.size)
     humming = replace(normal, values=normal.values + 0.3 * normal.values.std() * np.sin(0.9 * place))
@@ -201,6 +206,7 @@ def test_a_masked_line_does_no_harm(normal: Signal) -> None:
     assert abs(z(got, "diameter", 5.5)) <= BOUND
 
 
+@pytest.mark.slow
 def test_a_drift_is_told_from_junctions(normal: Signal) -> None:
     steps = np.random.default_rng(3).standard_normal(normal.values.size)
     drifting = replace(normal, values=normal.values + 0.04 * normal.values.std() * np.cumsum(steps))
@@ -225,12 +231,14 @@ def _other(kind: str) -> np.ndarray:
     return 50.0 + values + 0.05 * values.std() * rng.standard_normal(n)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["white noise", "sine", "lorentzian", "exponential pulses"])
 def test_what_is_no_contact_is_flagged_or_refused(kind: str) -> None:
     got = infer_signal(Signal(values=_other(kind), tick=0.17, unit="uN", scale=1.0))
     assert got.flags or got.refused_because
 
 
+@pytest.mark.slow
 def test_a_trace_backwards_in_a_mirror_is_the_same_trace(normal: Signal, found: InferenceResult) -> None:
     again = infer_signal(replace(normal, values=normal.values[::-1].copy()), zero="known", law="normal")
     for name, each in found.estimates.items():
@@ -255,6 +263,7 @@ def test_what_is_no_trace_of_one_stroke_is_refused(values: np.ndarray, reason: s
     assert got.estimates == {}
 
 
+@pytest.mark.slow
 def test_too_short_and_too_coarse_records_name_what_is_needed(normal: Signal) -> None:
     short = infer_signal(replace(normal, values=normal.values[:500]), law="fixed")
     assert "20 are needed" in str(short.refused_because)
@@ -262,6 +271,7 @@ def test_too_short_and_too_coarse_records_name_what_is_needed(normal: Signal) ->
     assert "3 are needed" in str(coarse.refused_because)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["normal", "lognormal", "exponential"])
 def test_errors_are_as_large_as_they_say(law: str) -> None:
     """z over independent traces has mean 0 and variance 1: bounds 4/sqrt(n) and 4 sqrt(2/n) (1 + 1/2 for its tails)."""

@@ -8,7 +8,6 @@ import h5py
 import numpy as np
 import pint
 import pytest
-from scipy.io import savemat, wavfile
 
 import rubnoise
 from rubnoise.api.inferring import infer
@@ -35,25 +34,6 @@ def contact_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def written(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
-
-
-@pytest.mark.parametrize(
-    ("head", "separator", "unit", "step", "along"),
-    [
-        ("time (s),force (mN)", ",", "mN", 0.5, "time"),
-        ("time [ms]\tforce [N]", "\t", "N", 0.0005, "time"),
-        ("distance_um;friction_force_uN", ";", "uN", 0.5, "distance"),
-        ("distance (mm),friction (V)", ",", "V", 500.0, "distance"),
-    ],
-)
-def test_headers_say_units_and_places(
-    tmp_path: Path, head: str, separator: str, unit: str, step: float, along: str
-) -> None:
-    rows = "\n".join(f"{0.5 * n}{separator}{value}" for n, value in enumerate(FORCE.tolist()))
-    read = read_measured(written(tmp_path / "a.csv", f"# a comment\n{head}\n\n{rows}\n"))
-    assert (read.head.unit, read.along) == (unit, along)
-    assert read.step == pytest.approx(step, rel=1e-9)
-    assert read.values.tolist() == FORCE.tolist()
 
 
 ROWS = [f"{0.1 * n:.1f},{50.0 + np.sin(n):.4f}" for n in range(200)]
@@ -107,40 +87,12 @@ def test_a_bad_trace_is_refused_by_name_and_line(
 def test_a_dataset_has_the_steps_of_its_scale(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
-        file["force"] = FORCE
-        file["time"] = 0.01 * np.arange(40.0)
+        file["force"], file["time"] = FORCE, 0.01 * np.arange(40.0) + 0.01 * (np.arange(40) > 13)
         file["time"].attrs["units"] = "s"
         file["time"].make_scale("time")
         file["force"].dims[0].attach_scale(file["time"])
-    read = read_measured(f"{path}:force")
-    assert read.values.tolist() == FORCE.tolist()
-    assert read.step == pytest.approx(0.01)
-    with h5py.File(path, "r+") as file:
-        file["time"][14:] += 0.01
-    with pytest.raises(Refused, match=r"row 15: time grows by 0\.02 s"):
+    with pytest.raises(Refused, match=r"sample 15: time grows by 0\.02 s"):
         read_measured(f"{path}:force")
-
-
-def test_a_wave_file_has_its_rate_and_channels(tmp_path: Path) -> None:
-    both = np.stack([FORCE, -FORCE], axis=-1) / 100.0
-    wavfile.write(tmp_path / "a.wav", 8000, np.rint(both * 2**15).astype(np.int16))
-    with pytest.raises(Refused, match="takes one of: 1, 2"):
-        read_measured(tmp_path / "a.wav")
-    read = read_measured(tmp_path / "a.wav", Asked(column="2"))
-    assert read.step == 1.0 / 8000
-    assert read.values == pytest.approx(-FORCE / 100.0, abs=2e-5)
-    broken = written(tmp_path / "b.wav", "RIFF but no sound")
-    with pytest.raises(Refused, match="no WAV file"):
-        read_measured(broken)
-
-
-def test_a_matlab_file_has_its_variables(tmp_path: Path) -> None:
-    savemat(tmp_path / "a.mat", {"t": 0.01 * np.arange(40.0), "force": FORCE, "note": "x"})
-    read = read_measured(tmp_path / "a.mat")
-    assert read.values.tolist() == FORCE.tolist()
-    assert read.step == pytest.approx(0.01)
-    with pytest.raises(Refused, match="-v6 or -v7"):
-        read_measured(written(tmp_path / "b.mat", "text"))
 
 
 def test_a_dataset_in_another_file_is_not_read(tmp_path: Path) -> None:
@@ -158,7 +110,7 @@ def test_a_dataset_in_another_file_is_not_read(tmp_path: Path) -> None:
         layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "force", (40,))
         file.create_virtual_dataset("virtual", layout)
     for name in ("force", "soft", "group/force"):
-        assert read_measured(f"{tmp_path}/a.h5:{name}").values.tolist() == FORCE.tolist()
+        assert read_measured(f"{tmp_path}/a.h5:{name}", Asked(rate=1.0)).values.tolist() == FORCE.tolist()
     for name, problem in (
         *((name, "is no dataset in it") for name in ("elsewhere", "led", "round", "elsewhere/x")),
         *((name, "has its values in other files") for name in ("outside", "virtual")),
@@ -173,10 +125,11 @@ def test_an_array_needs_a_rate_and_a_unit() -> None:
         infer(values, unit="mN", speed="1 mm/s")
     with pytest.raises(Refused, match="no unit"):
         infer(values, rate="1 kHz", speed="1 mm/s")
-    with pytest.raises(Refused, match="value 2 of trace is inf"):
+    with pytest.raises(Refused, match="sample 2 of trace is inf"):
         infer(np.array([1.0, np.inf]), rate="1 Hz", unit="N", speed="1 um/s")
 
 
+@pytest.mark.slow
 def test_a_unit_replaces_that_of_a_file_and_not_that_of_a_trace(contact_csv: Path) -> None:
     """A Trace is in uN already, whatever its file was in."""
     asked: dict[str, Any] = {"speed": "1 mm/s", "zero": "known", "law": "normal"}
@@ -193,6 +146,7 @@ def test_a_unit_replaces_that_of_a_file_and_not_that_of_a_trace(contact_csv: Pat
             infer(known, unit="mN", **asked, **more)
 
 
+@pytest.mark.slow
 def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path: Path) -> None:
     found = rubnoise.infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
     scenario = rubnoise.load(written(tmp_path / "found.toml", found.to_toml()))
@@ -209,6 +163,7 @@ def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path
         assert abs(np.log(second.value / first.value)) <= 4.0 * error, name
 
 
+@pytest.mark.slow
 def test_the_bootstrap_agrees_with_the_errors(contact_csv: Path) -> None:
     found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", bootstrap=12)
     for name in ("junction_count", "diameter", "shear_strength"):
@@ -217,14 +172,16 @@ def test_the_bootstrap_agrees_with_the_errors(contact_csv: Path) -> None:
         assert found.bootstrap[name].unit == found.estimates[name].unit
 
 
+@pytest.mark.slow
 def test_the_command_answers_in_json_and_writes_files(contact_csv: Path, tmp_path: Path) -> None:
     page, toml = tmp_path / "page.html", tmp_path / "found.toml"
     options = ["--speed", "1 mm/s", "--zero", "known", "--law", "normal"]
     done = spawn("infer", str(contact_csv), *options, "--json", "-o", str(toml), "--report", str(page))
     assert done.code == 0, done.err
     answer = json.loads(done.out)
-    assert set(answer["estimates"]["diameter"]) == {"value", "standard_error", "interval", "unit"}
+    assert set(answer["estimates"]["diameter"]) == {"value", "error", "interval", "unit"}
     assert set(answer["estimates"]) == {
+        "law",
         "junction_count",
         "diameter",
         "relative_spread",
@@ -233,7 +190,7 @@ def test_the_command_answers_in_json_and_writes_files(contact_csv: Path, tmp_pat
         "noise",
     }
     assert set(answer["not_identified"]) == {"strength_spread"}
-    assert (answer["flags"], answer["refused"]) == ([], None)
+    assert (answer["failing"], answer["passed"]) == ([], True)
     assert 'law = "normal"' in toml.read_text(encoding="utf-8")
     text = page.read_text(encoding="utf-8")
     assert text.count("<svg") == 1

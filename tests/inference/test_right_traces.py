@@ -67,6 +67,7 @@ def _scores(found: InferenceResult) -> dict[str, float]:
     }
 
 
+@pytest.mark.slow
 def test_unequal_strengths_are_undone_by_their_spread() -> None:
     contact = Contact(strength_spread=0.5)
     given = _scores(_read(contact, 5, Assumed(strength_spread=0.5)))
@@ -74,7 +75,7 @@ def test_unequal_strengths_are_undone_by_their_spread() -> None:
     equal = _read(contact, 5)
     assert _scores(equal)["junction_count"] < -BOUND
     assert _scores(equal)["shear_strength"] > BOUND
-    assert "equally strong" in equal.assumptions[0]
+    assert "equally strong" in equal.assumptions["strengths"]
     told = {each.strength_spread: each for each in equal.by_strength_spread}
     assert told[0.0].junction_count == pytest.approx(equal.estimates["junction_count"].value)
     assert told[0.5].junction_count == pytest.approx(1.25 * told[0.0].junction_count)
@@ -84,18 +85,19 @@ def test_unequal_strengths_are_undone_by_their_spread() -> None:
     assert known.by_strength_spread[0].junction_count == pytest.approx(1.25 * known.estimates["junction_count"].value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cycles", "poles"), [(5.0, 1), (10.0, 1), (8.0, 2)])
 def test_a_filter_is_undone_by_its_corner(cycles: float, poles: int) -> None:
     contact = Contact(bandwidth=cycles, poles=poles, lives=900)
     given = _read(contact, 7, Assumed(bandwidth=cycles / 11.0, poles=poles))
     assert max(map(abs, _scores(given).values())) <= BOUND
     assert given.flags == []
-    said = re.findall(r"at ([0-9.]+) cycles per life", given.assumptions[1])
+    said = re.findall(r"at ([0-9.]+) cycles per life", given.assumptions["sensor"])
     assert float(said[0]) == pytest.approx(cycles, rel=0.03)
     without = _read(contact, 7)
     assert _scores(without)["junction_count"] > BOUND
     assert _scores(without)["shear_strength"] < -BOUND
-    assert "40 cycles per life or more" in without.assumptions[1]
+    assert "40 cycles per life or more" in without.assumptions["sensor"]
 
 
 def test_what_a_filter_takes_bends_as_its_slopes_say() -> None:
@@ -121,6 +123,7 @@ def test_single_passes_add_up_to_the_average_of_all() -> None:
     assert np.ptp(single[1]) > 0.5 * single[1].mean(), "passes near the edge hold less"
 
 
+@pytest.mark.slow
 def test_passes_off_the_centre_are_read_and_told_from_those_through_it() -> None:
     contact = Contact(off_centre=True)
     right = _read(contact, 8, Assumed(pulse=OFF_CENTRE_LENS))
@@ -141,6 +144,7 @@ def test_passes_off_the_centre_are_read_and_told_from_those_through_it() -> None
     assert _read(Contact(), 8).other_offset is None, "what fits is not compared unasked"
 
 
+@pytest.mark.slow
 def test_a_drift_is_flagged_or_allowed_for() -> None:
     """A ramp of 0.3 moves N by 9 %: z of its line has the mean 2.1 in a trace so long, and 8.5 in one of 16 times."""
     moved = _read(Contact(drift=0.3), 9)
@@ -154,6 +158,7 @@ def test_a_drift_is_flagged_or_allowed_for() -> None:
     assert any("drift: a line" in words for words in _read(long, 9).flags)
 
 
+@pytest.mark.slow
 def test_the_line_through_right_traces_rises_as_far_as_it_says() -> None:
     """Over 200 short traces z has the mean 0 and the variance 1."""
     contact = Contact(lives=50, per_life=16)
@@ -168,6 +173,7 @@ def test_the_line_through_right_traces_rises_as_far_as_it_says() -> None:
     assert abs(np.var(np.multiply(2.0, z)) - 1.0) > BOUND * np.sqrt(2.0 / 200)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["ar1", "pink", "sawtooth"])
 def test_a_trace_without_junctions_is_told_so(kind: str) -> None:
     values = without_junctions(kind, 5000, np.random.default_rng(1))
@@ -183,6 +189,7 @@ def test_a_trace_without_junctions_is_told_so(kind: str) -> None:
 STROKES = Contact(strokes=6, lives=80, zero=0.4)
 
 
+@pytest.mark.slow
 def test_strokes_are_cut_at_their_reversals_and_tell_the_zero() -> None:
     values = trace(STROKES, np.random.default_rng(11))
     length = STROKES.lives * STROKES.per_life

@@ -22,73 +22,11 @@ def rows(separator: str = ",", *, comma: bool = False) -> str:
     return (text.replace(".", ",") if comma else text).replace("\t", separator)
 
 
-LABVIEW = """LabVIEW Measurement\t
-Writer_Version\t2
-Separator\tTab
-Decimal_Separator\t.
-X_Columns\tOne
-Operator\tMaier
-Date\t2014/03/27
-***End_of_Header***\t
-
-Channels\t1\t
-Samples\t40\t
-Y_Unit_Label\tN\t
-X_Dimension\tTime\t
-X0\t0.0000000000000000E+0\t
-Delta_X\t0.010000\t
-***End_of_Header***\t
-X_Value\tForce\tComment
-"""
-DIN = "Pr\u00fcfung nach DIN 50324\nPr\u00fcfer;M\u00fcller\nNormalkraft;5;N\nProben\n3\n1000\n\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        (f"time (s),force (mN)\n{rows()}\n", "mN"),
-        (f"Time/s;Force/N\n{rows(';')}\n", "N"),
-        (f"Time / s;Force / mN\n{rows(';')}\n", "mN"),
-        (f"time_s,force_N\n{rows()}\n", "N"),
-        (f"Time [s]\tForce [N]\n{rows(chr(9))}\n", "N"),
-        (f"Time (Seconds),Force (Newton)\n{rows()}\n", "newton"),
-        (f"Zeit in s;Kraft in N\n{rows(';')}\n", "N"),
-        (f"Time;Force\ns;N\n{rows(';')}\n", "N"),
-        (f"Time;Force\n[s];[mN]\n{rows(';')}\n", "mN"),
-        (f"Time;Force\n(s);(mN)\n\n{rows(';')}\n", "mN"),
-        (f"Zeit (s);Kraft (N)\n{rows(';', comma=True)}\n", "N"),
-        (f"Zeit (s)\tKraft (N)\n{rows(chr(9), comma=True)}\n", "N"),
-        (f"\ufefftime (s),force (N)\n{rows()}\n", "N"),
-        (f"time (s),force (N)\n{rows()}\n".replace("\n", "\r\n"), "N"),
-        (f"time (s),force (N)\n{rows()}\n".replace("\n", "\r"), "N"),
-        (f'"time (s)","force, normal (N)"\n{rows()}\n', "N"),
-        (LABVIEW + rows("\t"), "N"),
-        (DIN + f"Zeit;Kraft\ns;N\n{rows(';', comma=True)}\n", "N"),
-        (DIN + f"Zeit [s];Kraft [N]\n{rows(';', comma=True)}\n", "N"),
-        ("time (s),force (N),\n" + rows().replace("\n", ",\n") + ",\n", "N"),
-        (f"1000\ntime (s),force (N)\n{rows()}\n", "N"),
-        (f"# of a tribometer\n\ntime (s),force (V)\n# begin\n{rows()}\n", "V"),
-    ],
-)
-def test_what_laboratories_write_is_read_the_same_by_infer_and_by_trace(tmp_path: Path, text: str, unit: str) -> None:
-    path = tmp_path / "a.csv"
-    path.write_bytes(text.encode())
-    read = read_measured(path)
-    assert (read.head.unit, read.along, read.step) == (unit, "time", pytest.approx(0.01, rel=1e-12))
-    assert read.values.tolist() == VALUES
-    trace = rubnoise.Trace.from_csv(path)
-    (column,) = [name for name in trace if name != trace.place]
-    factor = {"mN": 1e3, "N": 1e6, "newton": 1e6, "V": 1.0}[unit]
-    assert trace[column].tolist() == [factor * value for value in VALUES]
-    assert (trace.units[trace.place], trace.step) == ("s", pytest.approx(0.01, rel=1e-12))
-    assert trace.units[column] == ("V" if unit == "V" else "uN")
-
-
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_a_preamble_of_numbers_is_no_data(tmp_path: Path, count: int) -> None:
     path = tmp_path / "a.csv"
     path.write_text("".join(f"{n}\n" for n in range(count)) + "force (N)\n" + "\n".join(FORCES), encoding="utf-8")
-    read = read_measured(path)
+    read = read_measured(path, Asked(rate=100.0))
     assert (read.values.tolist(), read.head.unit, read.place(0)) == (VALUES, "N", f"line {count + 2}")
 
 
@@ -123,8 +61,8 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
     with pytest.raises(Refused, match=r'has no line of names .*column=2, rate="10 kHz" and unit="N"') as refused:
         read_measured(path)
     assert '--column 2, --rate "10 kHz" and --unit N' in in_shell(str(refused.value))
-    read = read_measured(path, Asked(column="2"))
-    assert (read.values.tolist(), read.step, read.head.unit, read.place(0)) == (VALUES, None, "", "line 1")
+    read = read_measured(path, Asked(column="2", rate=100.0))
+    assert (read.values.tolist(), read.step, read.head.unit, read.place(0)) == (VALUES, 0.01, "", "line 1")
     with pytest.raises(Refused, match="has no line of names above its numbers"):
         rubnoise.Trace.from_csv(path)
     for words, missing in (
@@ -136,7 +74,7 @@ def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
     words = ["--column", "2", "--unit", "N", "--rate", "100 Hz"]
     assert call("infer", str(path), "--speed", "1 mm/s", *words).code == 3  # 40 samples are too few
     path.write_text("\n".join(FORCES), encoding="utf-8")
-    assert read_measured(path).values.tolist() == VALUES
+    assert read_measured(path, Asked(rate=100.0)).values.tolist() == VALUES
 
 
 def test_times_rounded_to_three_decimals_are_read_with_a_rate(tmp_path: Path) -> None:

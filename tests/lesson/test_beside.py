@@ -32,6 +32,7 @@ def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
         yield Walk(page)
 
 
+@pytest.mark.slow
 def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
     walk.open("8. Many small")
     walk.predict()
@@ -49,6 +50,7 @@ def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
     assert walk.page.evaluate(SIDES)[1:] != there
 
 
+@pytest.mark.slow
 def test_a_run_stays_when_another_one_runs(walk: Walk) -> None:
     """Picture and column of a run stay; a control that is turned writes into a column of its own."""
     walk.open("5. The sum")
@@ -69,6 +71,7 @@ def test_a_run_stays_when_another_one_runs(walk: Walk) -> None:
     assert [walk.page.evaluate(column % i) for i in range(3)] == [figures for _, figures in kept]
 
 
+@pytest.mark.slow
 def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk) -> None:
     walk.open("6. Memory")
     walk.predict()
@@ -90,16 +93,6 @@ def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk) -> None:
             assert abs(correlation(told["ticks"] + 8) - told["found"]) > 0.01
 
 
-# The stage stays in sight while a lesson is played, on projectors, desks and phones.
-
-
-def test_a_phone_has_the_lesson_on_its_first_screen(browser: Any, lesson_file: str) -> None:
-    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
-        top = page.locator(".lesson-question").bounding_box()["y"]
-        assert top < 0.6 * 844
-        assert page.locator("#knobs").bounding_box()["y"] > top
-
-
 # The surfaces from the side: hills of the circles that the dotted line cuts, which meet where the circles overlap.
 SIDE = """(() => {
   const { stage, run } = rub;
@@ -117,6 +110,7 @@ def touching(hill: dict[str, float]) -> float:
     return max(0.0, min(hill["below"] + hill["halfBelow"], hill["above"] + hill["halfAbove"]) - left)
 
 
+@pytest.mark.slow("meanCount=60&offset=uniform")
 @pytest.mark.parametrize("knobs", ["meanCount=1", "meanCount=20", "meanCount=60", "meanCount=60&offset=uniform"])
 def test_hills_touch_along_the_chords_that_two_circles_share(browser: Any, lesson_file: str, knobs: str) -> None:
     met = 0

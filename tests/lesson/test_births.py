@@ -51,6 +51,7 @@ def z_score(values: list[float], mean: float, variance: float) -> float:
     return (float(np.mean(values)) - mean) / sqrt(variance / len(values))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("births", ["poisson", "regular"])
 def test_a_start_is_stationary(births: str) -> None:
     world = world_with(births=births, spread=1.5, meanCount=4.0)
@@ -99,6 +100,7 @@ def test_gaps_are_exponential_and_sizes_normal() -> None:
     assert abs(z_score(list(together), 0.0, 1.0)) < LARGEST_Z
 
 
+@pytest.mark.slow
 def test_regular_births_keep_their_spacing_for_ever() -> None:
     world = world_with(births="regular", meanCount=7.0)
     spacing = rubnoise.exact(scenario_of(world)).model.mean_birth_spacing
@@ -106,6 +108,7 @@ def test_regular_births_keep_their_spacing_for_ever() -> None:
     np.testing.assert_allclose(birth - birth[0], spacing * np.arange(birth.size), rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_seed_repeats_and_another_does_not() -> None:
     def drawn(seed: int) -> Any:
         return answer(ONE_RUN, world=world_with(seed=seed), distance=50.0)
@@ -130,6 +133,7 @@ def page(browser: Any, lesson_file: str) -> Any:
         yield found
 
 
+@pytest.mark.slow
 def test_no_two_lives_of_a_lane_overlap_and_each_has_one(page: Any) -> None:
     rows = page.evaluate(ROWS)
     ends: dict[int, float] = {}
@@ -140,6 +144,7 @@ def test_no_two_lives_of_a_lane_overlap_and_each_has_one(page: Any) -> None:
     assert len(ends) < 50, "a lane is used again"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mean", [0.5, 2.0, 20.0, 400.0])
 def test_the_bars_are_those_of_poisson(page: Any, mean: float) -> None:
     found = np.array(page.evaluate(f"rub.lives.poisson({mean}, 600)"))
@@ -165,6 +170,7 @@ def replaying(browser: Any, run: rubnoise.Run, tmp_path: Path) -> Iterator[Any]:
         yield found
 
 
+@pytest.mark.slow
 def test_it_is_the_run(replaying: Any, run: rubnoise.Run) -> None:
     replaying.evaluate("rub.run.goTo(rub.run.end)")
     assert replaying.evaluate("rub.run.end") == 300.0

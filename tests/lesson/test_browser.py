@@ -54,6 +54,7 @@ def test_it_opens_and_plays_by_itself_without_much_work(browser: Any, lesson_fil
         assert page.locator("#play").inner_text() == "❚❚ pause"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("births", ["poisson", "regular"])
 def test_a_run_of_the_page_is_the_model(browser: Any, lesson_file: str, births: str) -> None:
     seed = seed_of(f"a run of the page, births {births}")
@@ -83,6 +84,7 @@ def test_the_page_draws_the_same_areas_as_the_package(browser: Any, lesson_file:
     assert abs(sum(areas) - total) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_it_fits(browser: Any, lesson_file: str, scheme: str) -> None:
     with opened(browser, lesson_file, viewport={"width": 360, "height": 740}, color_scheme=scheme, **CALM) as page:
@@ -137,6 +139,7 @@ def test_the_page_has_the_run_of_its_scenario_to_half_a_step_of_the_sensor(law: 
     assert off.max() > 0.4 * given(law)["step"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_ours_is_what_infer_finds_in_the_trace_on_the_page(law: str, page: Any) -> None:
     forces, told = np.array(page[law]["forces"]), given(law)["found"]
@@ -164,6 +167,7 @@ def test_the_lag_is_that_of_the_trace(law: str, page: Any) -> None:
 CELLS = "[...document.querySelectorAll('[data-read]')].map((each) => each.textContent).join(' ')"
 
 
+@pytest.mark.slow
 def test_each_trace_is_read_by_eye_first_and_the_truth_comes_last(browser: Any, lesson_file: str) -> None:
     with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
         walk = Walk(page)
@@ -228,6 +232,7 @@ def objections(page: Any, judge: str) -> list[str]:
     return list(page.evaluate(FOUND))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("screen", range(4), ids=str)
 def test_axe_has_no_objection_to_any_lesson(browser: Any, lesson_file: str, judge: str, screen: int) -> None:
     """Each screen is judged with two lessons, which between them are all."""
@@ -246,6 +251,7 @@ def test_axe_has_no_objection_to_any_lesson(browser: Any, lesson_file: str, judg
         assert objections(page, judge) == []
 
 
+@pytest.mark.slow
 def test_axe_would_notice_a_control_without_a_name(browser: Any, lesson_file: str, judge: str) -> None:
     with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
         page.evaluate("document.querySelector('label[for=pace]').remove()")

@@ -7,6 +7,8 @@ import pytest
 
 from tests.lesson.walk import CALM, UNFOLD, opened, until
 
+pytestmark = pytest.mark.slow
+
 PREDICTIONS = """(() => {
   const e = rub.exact();
   const names = ['diameter', 'lengthBiasedMean', 'countMean', 'countStd', 'areaMean', 'areaStd', 'forceMean',
@@ -116,6 +118,10 @@ def test_everything_by_keyboard_alone(page: Any) -> None:
     first = page.evaluate("rub.run.selected")
     page.keyboard.press("n")
     assert page.evaluate("rub.run.selected") != first
+    born, now, dies = page.evaluate(
+        "((run, row) => [row.birth, run.distance, row.death])(rub.run, rub.run.rows[rub.run.selected])"
+    )
+    assert born <= now < dies, "it is alive"
     page.keyboard.press("ArrowLeft")
     assert page.evaluate("rub.run.selected") == first
     assert page.locator("#status").inner_text().startswith(f"junction {first}: diameter")

@@ -7,6 +7,8 @@ import pytest
 from tests.lesson.node import lessons
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 
+pytestmark = pytest.mark.slow
+
 TITLES = [lesson.title for lesson in lessons()]
 SEEDS = (1, 2)
 FIGURES = """() => {

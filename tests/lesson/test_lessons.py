@@ -7,6 +7,8 @@ import pytest
 from tests.lesson.node import lessons
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 
+pytestmark = pytest.mark.slow
+
 # The lessons in a real browser: what opens when, which answers are right, and what is kept.
 LESSONS = lessons()
 PHONE = {"viewport": {"width": 360, "height": 740}, "is_mobile": True, "has_touch": True}

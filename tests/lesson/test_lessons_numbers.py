@@ -10,6 +10,8 @@ from tests.lesson.node import FIGURE_5, scenario_of
 from tests.lesson.walk import UNFOLD
 from tests.verification.scores import seed_of
 
+pytestmark = pytest.mark.slow
+
 MEASURED = "(settings) => rub.lessons.measured({ ...rub.world, ...settings })"
 
 

@@ -55,6 +55,7 @@ def told_apart(world: dict[str, Any]) -> str:
     return "-".join(str(world[key]) for key in ("births", "pulse", "offset", "meanCount", "spread", "speed", "damping"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)
 def test_numbers_are_those_of_the_package(world: dict[str, Any]) -> None:
     found, wanted = answer(NUMBERS, world=world), expected(world)
@@ -66,6 +67,7 @@ def test_numbers_are_those_of_the_package(world: dict[str, Any]) -> None:
         assert found[name] == pytest.approx(value, rel=TOLERANCE, abs=1e-9), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)
 def test_spectrum_and_autocovariance_are_those_of_the_package(world: dict[str, Any]) -> None:
     theory = rubnoise.exact(scenario_of(world))
@@ -121,6 +123,7 @@ OFF_CENTRE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "world", [WORLDS[0], WORLDS[1], WORLDS[3], WORLDS[4], WORLDS[6], *FEW, *OFF_CENTRE], ids=told_apart
 )
@@ -182,6 +185,7 @@ def replayed(world: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
         return answer(REPLAY, world=world, record=record_of(run)), columns
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [

@@ -46,6 +46,7 @@ def said(walk: Walk) -> str:
     return str(walk.article.inner_text()).lower()
 
 
+@pytest.mark.slow
 def test_nothing_is_given_away_before_the_prediction(walk: Walk) -> None:
     walk.open(TITLE)
     walk.to_the_checks()
@@ -66,6 +67,7 @@ def test_nothing_is_given_away_before_the_prediction(walk: Walk) -> None:
     assert all(word in said(walk) for word in GIVEAWAYS)
 
 
+@pytest.mark.slow
 def test_the_switch_changes_the_coupling_and_not_the_contact(walk: Walk) -> None:
     to_the_switch(walk)
     walk.page.evaluate("rub.run.pause(), rub.run.goTo(120)")

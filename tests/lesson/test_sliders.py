@@ -17,6 +17,8 @@ from tests.models import CoupledRun, coupled
 from tests.oracle.sliders import bounce
 from tests.verification.scores import seed_of, z_scores
 
+pytestmark = pytest.mark.slow
+
 LARGEST_Z = 4.0
 
 # The slider that pushes back: landmark by landmark on one field, and in statistics.

@@ -15,6 +15,7 @@ from rubnoise.scenario import load as load_scenario
 from rubnoise.scenario.reading import load
 from tests.architecture.sources import ROOT
 from tests.lesson.node import lessons, scenario_of, world_with
+from tests.lesson.walk import Walk
 
 # Every number in bold in docs/teaching.md is the one of the theory, to the digits that are printed.
 UNEQUAL = ("diameter.law=normal", "diameter.spread=2 um", "interface.calibration=matched")
@@ -140,6 +141,55 @@ def test_the_regular_contact_that_is_silent():
     assert silent.area.std < 1e-12 * silent.area.mean
 
 
+def test_the_guide_tells_after_how_many_lives_a_lesson_asks(walk):
+    lives = walk.page.evaluate("rub.lessons.list.filter((each) => !each.experiment.reading).map(rub.lessons.lives)")
+    least, *_, most, memory = sorted(lives)
+    said = f"after {least} to {most} lives (lesson 6: {memory})"
+    assert lives[5] == memory
+    assert said in (ROOT / "docs" / "teaching.md").read_text(encoding="utf-8")
+
+
+def test_the_worksheet_is_of_the_open_lesson(walk):
+    walk.open("5. The sum")
+    walk.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    sheet = walk.page.locator("#sheet")
+    assert sheet.locator("h1").all_text_contents() == ["5. The sum", "Afterwards"]
+    columns = sheet.locator("table th[scope=col]").all_text_contents()
+    assert columns == ["quantity", "2 junctions", "20 junctions", "100 junctions", "the law"]
+    assert "Two equal discs" not in sheet.text_content()
+
+
+def test_on_a_low_screen_question_and_answers_are_in_sight_and_no_table_is_empty(browser, lesson_file):
+    page = browser.new_page(viewport={"width": 1366, "height": 768})
+    page.goto(lesson_file)
+    walk = Walk(page)
+    for number, lesson in enumerate(lessons()):
+        if number:
+            walk.open(lesson.title)
+        assert page.locator(".lesson-question").bounding_box()["y"] >= 0, lesson.title
+        box = walk.article.locator("#lesson-predict .lesson-buttons").bounding_box()
+        assert box["y"] + box["height"] <= 768, lesson.title
+        assert page.locator("table:visible").count() == 0, lesson.title
+        walk.predict()
+        assert walk.article.locator("table").count() == 0, lesson.title
+    page.close()
+
+
+@pytest.mark.parametrize("title", ["5. The sum", "7. The slider", "11. Let it hop"])
+def test_a_phone_shows_the_pictures_of_a_lesson_whole(browser, lesson_file, title):
+    page = browser.new_page(viewport={"width": 390, "height": 844}, is_mobile=True, has_touch=True)
+    page.goto(lesson_file)
+    walk = Walk(page)
+    walk.open(title)
+    assert page.locator(".lesson-question").bounding_box()["y"] < 0.6 * 844
+    walk.predict()
+    for index in range(walk.article.locator("[data-run]").count()):
+        walk.run(index)
+        pictures = page.evaluate("(({ scrollHeight, clientHeight }) => [scrollHeight, clientHeight])(pictures)")
+        assert pictures[0] <= pictures[1], index
+    page.close()
+
+
 # The page as a file: one, small, and without requests.
 FIG5 = ROOT / "scenarios" / "paper" / "fig5.toml"
 BARE = {
@@ -153,6 +203,7 @@ def text_of(title: str = "a title") -> str:
     return page(title, settings_of(load_scenario(FIG5)))
 
 
+@pytest.mark.slow
 def test_it_is_small_and_whole() -> None:
     text = text_of()
     assert len(text.encode()) < 420_000

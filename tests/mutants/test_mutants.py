@@ -25,6 +25,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return mutants.copy_into(tmp_path_factory.mktemp("copy"))
 
 
+@pytest.mark.slow
 def test_every_fault_still_applies_to_the_program() -> None:
     for mutant in MUTANTS:
         for path, text in mutants.applied(mutant, TEXTS).items():
@@ -40,6 +41,7 @@ def test_every_fault_has_a_name_of_its_own_and_a_test_that_exists() -> None:
         assert (ROOT / file).is_file()
 
 
+@pytest.mark.slow
 def test_faults_lie_in_every_room() -> None:
     folders = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
     touched = {path.relative_to(PACKAGE).parts[0] for m in MUTANTS for path in mutants.applied(m, TEXTS)}
@@ -62,12 +64,14 @@ def test_a_text_that_is_not_there_once_is_refused(text: str) -> None:
         mutants.applied(Mutant("nowhere", (Edit(text, ""),), TICKS), TEXTS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mutant", mutants.tenth("today", MUTANTS), ids=lambda mutant: mutant.name)
 def test_each_fault_whose_turn_it_is_is_noticed(copy: Path, mutant: Mutant) -> None:
     verdict = mutants.judged(mutant, copy)
     assert verdict.killed, verdict.evidence
 
 
+@pytest.mark.slow
 def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
     harmless = Mutant("another comment", (Edit(TITLE, "# a comment"),), TICKS)
     assert mutants.judged(harmless, copy).evidence == "survives"
@@ -78,6 +82,7 @@ def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
     assert (copy / "src" / "rubnoise" / "model.py").read_text() == (PACKAGE / "model.py").read_text()
 
 
+@pytest.mark.slow
 def test_columns_that_differ_are_no_long_work_in_a_service(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CI", "true")
     test = copy / "tests" / "test_columns.py"
@@ -113,34 +118,6 @@ def test_a_small_score_is_no_kill() -> None:
 def test_only_what_is_compiled_is_compiled_again(file: str, *, feeds: bool) -> None:
     assert (PACKAGE / file).exists()
     assert mutants.feeds_the_compiler([PACKAGE / file], PACKAGE) == feeds
-
-
-def test_verdicts_are_kept_until_a_file_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("src", "tests"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "file.py").write_text("x = 1\n", encoding="utf-8")
-    tried: list[str] = []
-
-    def judged(mutant: Mutant, folder: Path) -> mutants.Verdict:
-        assert folder == tmp_path
-        tried.append(mutant.name)
-        return mutants.Verdict(killed=mutant.name != "third", evidence="z = +9.0", seconds=2.0)
-
-    def found(*names: str) -> dict[str, bool]:
-        kept = mutants.Kept(tmp_path / "kept", tmp_path)
-        faults = [Mutant(name, (), TICKS) for name in names]
-        return {mutant.name: verdict.killed for mutant, verdict in mutants.verdicts(faults, [tmp_path], kept)}
-
-    monkeypatch.setattr(mutants, "judged", judged)
-    assert found("first", "second") == {"first": True, "second": True}
-    assert found("second", "third", "first") == {"second": True, "third": False, "first": True}
-    assert tried == ["first", "second", "third"]
-    (tmp_path / "src" / "file.pyc").touch()
-    found("third")
-    assert tried == ["first", "second", "third"]
-    (tmp_path / "tests" / "file.py").write_text("x = 2\n", encoding="utf-8")
-    found("third")
-    assert tried == ["first", "second", "third", "third"]
 
 
 # Values that are kept are those that are worked out, and a wrong one is found.

@@ -53,6 +53,7 @@ def code_of(cell: dict[str, Any]) -> list[str]:
     return list(cell["source"]) if cell["cell_type"] == "code" else []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_it_runs_as_a_script_and_leaves_nothing_behind(notebook: Path, tmp_path: Path) -> None:
     done = _run(notebook, tmp_path)
@@ -61,6 +62,7 @@ def test_it_runs_as_a_script_and_leaves_nothing_behind(notebook: Path, tmp_path:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_wrong_claim_stops_it(tmp_path: Path) -> None:
     text = (ROOT / "notebooks" / "lifetimes.py").read_text(encoding="utf-8")
     right, wrong = "theory.length_biased_mean_diameter) < 4.0", "theory.mean_diameter) < 4.0"
@@ -71,6 +73,7 @@ def test_a_wrong_claim_stops_it(tmp_path: Path) -> None:
     assert "AssertionError" in done.stderr
 
 
+@pytest.mark.slow
 def test_marimo_finds_nothing_wrong_with_their_cells() -> None:
     check = [sys.executable, "-m", "marimo", "check", "--strict", *NOTEBOOKS]
     done = subprocess.run(check, capture_output=True, text=True, check=False)

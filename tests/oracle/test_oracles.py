@@ -63,6 +63,7 @@ def difference(one: Motion, other: Motion) -> float:
     return float(max(displacement, velocity))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SLIDERS)
 def test_both_references_give_the_same_motion(name: str) -> None:
     damping, distance = SLIDERS[name]
@@ -72,6 +73,7 @@ def test_both_references_give_the_same_motion(name: str) -> None:
     assert difference(theta, stepped) < AGREEMENT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SLIDERS)
 def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
     damping, distance = SLIDERS[name]
@@ -85,6 +87,7 @@ def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
     assert difference(straight, lenses) > 1e-3
 
 
+@pytest.mark.slow
 def test_a_death_moved_by_a_hundredth_of_a_life_is_seen() -> None:
     rows, places = figure_5_rows(20.0), ticks(20.0, 1.0)
     row = int(np.searchsorted(rows.birth, 1.0))
@@ -94,6 +97,7 @@ def test_a_death_moved_by_a_hundredth_of_a_life_is_seen() -> None:
     assert difference(theta, stepped) > 1e4 * AGREEMENT
 
 
+@pytest.mark.slow
 def test_a_forgotten_kink_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     rows, places = figure_5_rows(20.0), ticks(20.0, 1.0)
     stepped = stepped_motion(slider(0.05), SPEED, places, rows, EQUILIBRIUM)
@@ -148,6 +152,7 @@ def cumulant(n: int) -> float:
     return 20 / (2 * MEAN_DIAMETER) * float(LIFE_INTEGRALS[str(n)]) * normal_moment(2 * n + 1)
 
 
+@pytest.mark.slow
 def test_area_and_count_have_their_exact_means_and_variances() -> None:
     area, count = samples()
     assert abs(area.mean() - cumulant(1)) <= 4 * math.sqrt(cumulant(2) / SAMPLES)
@@ -158,6 +163,7 @@ def test_area_and_count_have_their_exact_means_and_variances() -> None:
     assert abs(count.var(ddof=1) - 20) <= 4 * math.sqrt((20 + 2 * 20**2) / SAMPLES)
 
 
+@pytest.mark.slow
 def test_a_tenth_more_junctions_would_be_noticed() -> None:
     area, count = samples()
     assert abs(count.mean() - 22) > 4 * math.sqrt(22 / SAMPLES)

@@ -53,6 +53,7 @@ def middle_of_bar(page: Any, junction: int) -> tuple[float, float]:
     raise AssertionError(f"no bar of junction {junction}")
 
 
+@pytest.mark.slow
 def test_a_click_on_a_bar_shows_what_the_command_says(browser: Any, address: str, one_way: Path) -> None:
     with opened(browser, f"{address}#from=100&to=140") as page:
         middle_of_bar(page, 230)
@@ -69,6 +70,7 @@ def test_a_click_on_a_bar_shows_what_the_command_says(browser: Any, address: str
         assert not page.inner_text("#life").startswith("Junction 230:")
 
 
+@pytest.mark.slow
 def test_dragging_zooms_down_to_a_tick_and_the_link_keeps_the_place(browser: Any, address: str) -> None:
     with opened(browser, f"{address}#from=100&to=140") as page:
         box = page.locator("#contact .u-over >> nth=0").bounding_box()
@@ -87,11 +89,12 @@ def test_dragging_zooms_down_to_a_tick_and_the_link_keeps_the_place(browser: Any
         assert window(page)[1] - window(page)[0] == pytest.approx(TICK)
 
 
+@pytest.mark.slow
 def test_a_condition_filters_and_a_wrong_one_says_why(browser: Any, address: str, one_way: Path) -> None:
     with opened(browser, f"{address}#from=0&to=400&where={quote('diameter > 5.7 um')}") as page:
         until(page, "document.getElementById('listed').textContent !== ''")
         told = call("junctions", one_way, "--where", "diameter > 5.7 um", "--json").json()
-        assert page.inner_text("#listed").startswith(f"{len(told['junctions']):,} of ")
+        assert page.inner_text("#listed").startswith(f"{told['matched']['value']:,} of ")
         page.fill("#where", "diametr > 5")
         page.click("#filter button")
         assert page.inner_text("#where-problem").startswith("no column diametr")
@@ -102,6 +105,7 @@ def test_a_condition_filters_and_a_wrong_one_says_why(browser: Any, address: str
         assert page.inner_text("#where-problem") == ""
 
 
+@pytest.mark.slow
 def test_everything_can_be_done_with_the_keyboard(browser: Any, address: str) -> None:
     with opened(browser, f"{address}#from=100&to=140") as page:
         page.focus("#charts")
@@ -128,6 +132,7 @@ def test_everything_can_be_done_with_the_keyboard(browser: Any, address: str) ->
         assert unnamed == 0
 
 
+@pytest.mark.slow
 def test_a_two_way_run_shows_its_sticks_in_time(browser: Any, two_way: Path, tmp_path: Path) -> None:
     path = tmp_path / "two_way.html"
     path.write_text(page_of(two_way), encoding="utf-8")
@@ -184,6 +189,7 @@ def largest_in_clicks(page: Any, run: Any, *, sticks: bool) -> None:
         assert f"Longest stick: {longest:.7g} s" in page.inner_text("#largest")
 
 
+@pytest.mark.slow
 def test_a_million_junctions_are_found(browser: Any, tmp_path: Path) -> None:
     scenario = rubnoise.load("paper/fig5", ["sliding.distance=553 mm", "output.tick=1 um"])
     rubnoise.run(scenario, tmp_path / "run.h5").close()
@@ -226,6 +232,7 @@ def test_the_statistics_of_the_whole_run_are_those_of_its_columns(browser: Any, 
         assert plane == np.histogram2d(x, v, CELLS, ends)[0].T.ravel().tolist()
 
 
+@pytest.mark.slow
 def test_a_sweep_shows_its_runs(browser: Any, sweep_folder: Path, tmp_path: Path) -> None:
     path = tmp_path / "sweep.html"
     assert call("view", sweep_folder, "-o", path).code == 0
@@ -287,6 +294,16 @@ def test_a_page_of_free_motion_shows_flights_and_goes_to_the_hardest_impact(
         assert curves[-3:] == ["load", "separation", "normal_velocity"]
 
 
+def test_a_page_opens_in_a_frame_of_a_site(browser: Any, address: str, tmp_path: Path) -> None:
+    (tmp_path / "site.html").write_text(f'<iframe src="{address}"></iframe>', encoding="utf-8")
+    page, trouble = browser.new_page(), []
+    page.on("pageerror", lambda error: trouble.append(str(error)))
+    page.goto((tmp_path / "site.html").as_uri())
+    page.frames[1].wait_for_function("document.querySelector('#overview canvas') !== null")
+    assert trouble == []
+    page.close()
+
+
 def test_two_runs_side_by_side_share_their_window(
     browser: Any, one_way: Path, off_centre: Path, tmp_path: Path
 ) -> None:
@@ -304,6 +321,10 @@ def test_two_runs_side_by_side_share_their_window(
         second = frames[1].evaluate("[view.window.from, view.window.to]")
         assert second != first
         frames[0].wait_for_function(f"view.window.from === {second[0]} && view.window.to === {second[1]}")
+        for frame in frames:
+            frame.wait_for_function("document.querySelectorAll('.chart').length > 0")
+        scale = "view.pixelOf('trace', 'real_contact_area')"
+        frames[0].wait_for_function(f"{scale} === {frames[1].evaluate(scale)}")
 
 
 @pytest.mark.parametrize(

@@ -97,18 +97,21 @@ def test_claims_of_quick_runs_are_on_the_page_as_they_are_found() -> None:
         assert f"### {part.rstrip()}" in written
 
 
+@pytest.mark.slow
 def test_every_claim_is_settled_as_before(every: dict[str, list[Claim]], claims: dict[str, Claim]) -> None:
     assert {claim.id: claim.verdict for claim in every["paper"]} == VERDICTS
     assert unexpected(list(claims.values())) == []
     assert len(claims) == len(VERDICTS) + 33
 
 
+@pytest.mark.slow
 def test_the_exact_numbers_are_those_known(claims: dict[str, Claim]) -> None:
     for (name, index), value in EXACT.items():
         assert claims[name].numbers[index].found.exact == pytest.approx(value, rel=2.5e-4), name
     assert claims["rabinowicz"].numbers[0].found.exact < 1e-12
 
 
+@pytest.mark.slow
 def test_a_wrong_theory_is_noticed(claims: dict[str, Claim]) -> None:
     for claim in claims.values():
         for at, number in enumerate(claim.numbers):
@@ -125,6 +128,7 @@ def _normal_moment(n: int, spread: float) -> float:
     return sum(math.comb(n, k) * math.prod(range(1, k, 2)) * relative ** (k // 2) for k in pairs)
 
 
+@pytest.mark.slow
 def test_the_larger_junctions_are_met_more_often_as_moments_say(claims: dict[str, Claim]) -> None:
     for number, spread in zip(claims["present_mean"].numbers, (0.0, 0.2, 1.0, 2.0), strict=True):
         first, second, third = (_normal_moment(n, spread) for n in (1, 2, 3))
@@ -133,6 +137,7 @@ def test_the_larger_junctions_are_met_more_often_as_moments_say(claims: dict[str
     assert "0.26 % more with the spread of the paper" in claims["present_mean"].because
 
 
+@pytest.mark.slow
 def test_unequal_sizes_raise_the_spectrum_as_their_sixth_moment_does(claims: dict[str, Claim]) -> None:
     claim = claims["psd_sizes"]
     for number, spread in zip(claim.numbers, (0.2, 1.0, 2.0), strict=False):
@@ -160,6 +165,7 @@ def test_scaled_spectra_agree_as_far_as_is_said() -> None:
     )
 
 
+@pytest.mark.slow
 def test_wide_sizes_enlarge_a_reading_by_autocorrelation_as_is_said() -> None:
     model = rubnoise.load(shipped("paper/fig8.toml"), ["interface.calibration=exact"]).model()
     mean = model.calibrated_diameter
@@ -178,6 +184,7 @@ def _reason(ledger: str, name: str) -> str:
     return " ".join(next(row["because"] for row in rows if row["id"] == name).split())
 
 
+@pytest.mark.slow
 def test_passes_off_the_centres_are_as_the_page_says() -> None:
     """Discs that overlap with centres r diameters apart; x along the line of motion, b across it, even from 0 to 1."""
     area = np.vectorize(lambda r: 0.5 * (math.acos(r) - r * math.sqrt(1.0 - r * r)) if r < 1.0 else 0.0)
@@ -202,6 +209,7 @@ def _disc(wavenumber: np.ndarray) -> np.ndarray:
 
 
 # What is written.
+@pytest.mark.slow
 def test_the_pages_are_what_the_claims_say(every: dict[str, list[Claim]], evaluated: None) -> None:
     for name, found in every.items():
         ledger = Ledger(LEDGERS[name])
@@ -209,6 +217,7 @@ def test_the_pages_are_what_the_claims_say(every: dict[str, list[Claim]], evalua
     assert program.main(["--check"]) == 0
 
 
+@pytest.mark.slow
 def test_json_has_a_row_for_every_number(
     claims: dict[str, Claim], evaluated: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -233,6 +242,7 @@ def _pages_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[st
     yield texts
 
 
+@pytest.mark.slow
 def test_no_page_is_written_where_a_verdict_is_another(
     every: dict[str, list[Claim]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -22,6 +22,8 @@ from rubnoise.theory.moments import area_cumulants
 from tests.figures.papers import PAPER, of_colour, short_papers
 from tests.verification.scores import seed_of
 
+pytestmark = pytest.mark.slow
+
 NAMES = [f"fig{number}" for number in range(2, 10)]
 
 

@@ -303,6 +303,7 @@ def result(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequ
     return run_of(tmp_path_factory.mktemp("verification") / "right.h5", **KINDS[request.param])
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(8, 24), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_any_bit_of_any_value_counts(result: Path, tmp_path: Path, data: st.DataObject) -> None:
@@ -348,6 +349,7 @@ def _changed(file: h5py.File, draw: Any) -> None:
             assume(np.any(owner.attrs[attribute] != before))
 
 
+@pytest.mark.slow
 @settings(max_examples=examples(20, 40), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_whatever_a_result_says_of_itself_counts(result: Path, tmp_path: Path, data: st.DataObject) -> None:

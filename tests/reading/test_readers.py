@@ -168,6 +168,7 @@ def test_every_block_of_the_page_has_its_reader() -> None:
     assert set(blocks()) == READERS.keys() | AREA_READERS.keys() | MOTION_READERS.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", READERS)
 def test_a_reader_finds_the_junction(name: str, folder: Path) -> None:
     printed = _numbers(READERS[name], blocks()[name][1], folder)
@@ -176,12 +177,14 @@ def test_a_reader_finds_the_junction(name: str, folder: Path) -> None:
     assert not all(_holds(printed, neighbour[column]) for column in FOUND)
 
 
+@pytest.mark.slow("gzip-The area at any distance", "gzip-The area at any distance 3")
 @pytest.mark.parametrize("name", AREA_READERS)
 def test_a_reader_finds_its_area(name: str, folder: Path) -> None:
     printed = _numbers(AREA_READERS[name], blocks()[name][1], folder)
     assert _holds(printed, AREA_AT_3_UM)
 
 
+@pytest.mark.slow
 def test_a_reader_draws_a_slider_that_pushes_back(two_way_folder: Path) -> None:
     name = "A slider that pushes back"
     code = blocks()[name][1]
@@ -195,6 +198,7 @@ def test_a_reader_draws_a_slider_that_pushes_back(two_way_folder: Path) -> None:
     assert (two_way_folder / "sticks.png").stat().st_size > 5000
 
 
+@pytest.mark.slow
 def test_a_reader_finds_landmarks(two_way_folder: Path) -> None:
     with h5py.File(two_way_folder / "fig5_two_way.h5") as file:
         kind, time = file["landmarks/kind"][:], file["landmarks/time"][:]

@@ -24,6 +24,8 @@ from tests.reference.held_values import (
     sweep_values,
 )
 
+pytestmark = pytest.mark.slow
+
 THEORY: dict[str, dict[str, list[float | None]]] = json.loads((HELD / "theory.json").read_text(encoding="utf-8"))
 # Relative to the largest value of its row, as the docstrings of theory promise; moments each of its own value.
 TOLERANCES = {

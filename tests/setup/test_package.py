@@ -19,6 +19,8 @@ from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 from tools.package_page import repository, with_links
 
+pytestmark = pytest.mark.slow
+
 # The constraints are complete, and say nothing about the machine they were made on.
 PIN = re.compile(r"([a-z0-9-]+)==([\w.!+-]+)( ; .+)?")
 

@@ -1,6 +1,5 @@
 """Surfaces: reading, filters, exact theory, counting and the scenario that stands for them."""
 
-import json
 from dataclasses import replace
 from math import log10, pi, sqrt
 from pathlib import Path
@@ -87,6 +86,7 @@ def test_track_and_slider_may_change_places():
     assert one.birth_rate == pytest.approx(other.birth_rate, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_one_map_says_what_its_spectrum_says():
     """A periodogram scatters; what this adds to squares is taken away. The raw frozen share is too large."""
     rng = np.random.default_rng(5)
@@ -103,6 +103,7 @@ def test_one_map_says_what_its_spectrum_says():
     assert np.mean(raw) - exact.frozen_share > 4 * error
 
 
+@pytest.mark.slow
 def test_two_paraboloids_make_one_parabolic_life():
     """Radius R, peak overlap delta: A(s) = pi R (delta - s^2/(4 R)), life 4 sqrt(R delta); a pass off by b has less."""
     x = np.arange(256.0)[:, None] - 128
@@ -119,6 +120,7 @@ def test_two_paraboloids_make_one_parabolic_life():
         assert np.abs(found.total - exact).max() < 0.03 * pi * radius * peak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.03, 0.01, 0.003])
 def test_theory_holds_against_brute_force(share):
     """24 pairs of maps: area, number, and variances within one run and between sliders; 6 of them for births."""
@@ -145,6 +147,7 @@ def test_theory_holds_against_brute_force(share):
     assert abs(np.mean(counts) - steeper) > 4 * scatter(counts) + 0.02 * steeper
 
 
+@pytest.mark.slow
 def test_theory_knows_the_direction_of_a_ground_surface():
     """Waves three times as long across as along: births and number by brute force, and the turned pair is rejected."""
     rng, power = np.random.default_rng(8), spectrum(0.8, across=3.0)
@@ -158,6 +161,7 @@ def test_theory_knows_the_direction_of_a_ground_surface():
     assert abs(np.mean(births) - other.birth_rate) > 4 * error + 0.1 * other.birth_rate
 
 
+@pytest.mark.slow
 def test_forms_are_removed():
     x, y = np.meshgrid(np.arange(80) * 0.5, np.arange(120) * 0.4, indexing="ij")
     rough = 0.01 * np.random.default_rng(2).normal(size=x.shape)
@@ -201,6 +205,7 @@ def synthetic(seed, **more):
     return rubnoise.Surface.synthesise(**{"points": 512, "rolloff": "64 um", "cutoff": "8 um", "seed": seed, **more})
 
 
+@pytest.mark.slow
 def test_the_scenario_has_the_area_and_the_number_of_the_surfaces():
     found = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
     assert found.refused == ()
@@ -268,27 +273,6 @@ def test_the_filter_of_the_load_is_that_of_the_theory_of_scenarios(speed, ratio)
     assert 0.5 < exact.velocity_std / ours.velocity_std < 1.0
 
 
-@pytest.mark.parametrize(
-    ("asked", "word"),
-    [
-        ({"load": "30 N"}, "nominal area"),
-        ({"load": "2 mN"}, "patches"),
-        ({"cutoff": "1 um"}, "cutoff="),
-        ({"cutoff": "300 um"}, "cutoff="),
-        ({"longest": "4 um"}, "longest="),
-        ({"load": "0 N"}, "load="),
-        ({"load": "300 N"}, "hardness times the nominal area"),
-        ({"cutoff": None}, "cutoff="),
-        ({"load": 2.0}, "load="),
-        ({"slider_length": "10 um"}, "slider_length="),
-    ],
-)
-def test_what_cannot_be_answered_is_refused_by_name(asked, word):
-    wanted = {"cutoff": "8 um", "load": "2 N", "hardness": "1 GPa", **asked}
-    with pytest.raises(rubnoise.Refused, match=word):
-        synthetic(1).slide(synthetic(2), **wanted).scenario_text()
-
-
 def contact_of(*scans, cutoff):
     """A contact with 1 % of the slider's area in contact."""
     length, width = scans[1].size
@@ -313,6 +297,7 @@ def test_arrays_and_their_faults():
         contact_of(*2 * [HeightMap(heights=np.ones((64, 64)), spacing=(1.0, 1.0))], cutoff=4.0)
 
 
+@pytest.mark.slow
 def test_maps_of_different_grids_meet_on_the_sliders():
     whole = synthetic(3, cutoff="16 um").map
     coarse = HeightMap(heights=whole.heights[::2, ::2].copy(), spacing=(2.0, 2.0), name="coarse")
@@ -338,9 +323,6 @@ def test_roughness_is_that_of_the_standard():
     assert found["slope_along"] == pytest.approx(2 * pi / 20 * sqrt(0.5), rel=0.05)
 
 
-SCANNED = "1.nc --cutoff 8um --load 2N --hardness 1GPa"
-
-
 class TestCommand:
     """`rubnoise surface`, where SurfaceTopography is installed."""
 
@@ -361,61 +343,37 @@ class TestCommand:
             *("-o", "s.toml", "--report", "s.html"),
         )
         assert found.code == 0
-        answer = json.loads(found.out)
+        answer = found.values()
         contact = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
         assert answer["gaussian"]["junction_count"] == pytest.approx(contact.gaussian.junction_count, rel=1e-6)
         assert answer["counted"]["patch_count"] == contact.counted.patch_count
-        assert answer["refused"] == []
+        assert found.json()["passed"]
         assert "data:audio/wav" in (folder / "s.html").read_text(encoding="utf-8")
         assert call("check", "s.toml").code == 0
 
     def test_levels_of_the_surfaces_stand_beside_those_of_the_scenario(self, folder):
         asked = ("surface", "1.nc", "2.nc", "--cutoff", "8um", "--load", "2N", "--hardness", "1GPa")
         moving = ("--speed", "30 mm/s", "--mass", "0.2 kg", "--damping-ratio", "0.3", "-o", "s.toml")
-        answer = json.loads(call(*asked, *moving, "--json").out)
-        exact, ours = (answer["motion"][name]["velocity_level"] for name in ("gaussian", "scenario"))
+        answer = call(*asked, *moving, "--json").values()
+        exact, ours = (answer[f"{name}_motion"]["velocity_level"] for name in ("gaussian", "scenario"))
         assert ours > exact + 1.0
         told = call(*asked, *moving, "--force").out
-        assert f"{exact:.1f} and {ours:.1f} dB" in told
         assert f"warning: the scenario is {ours - exact:.1f} dB too loud" in told
         theory = call("theory", "s.toml", "--json").values()
         assert theory["load"]["velocity_level"] == pytest.approx(ours, abs=1e-6)
 
     def test_without_a_cutoff_the_curve_is_shown(self, folder):
         found = call("surface", "1.nc", "--load", "2N", "--hardness", "1GPa")
-        assert found.code == 2
+        assert (found.code, found.out) == (2, "")
         assert "--cutoff" in found.err
         assert len(found.err.splitlines()) > 8
-        assert found.out == ""
 
     def test_what_is_refused_writes_nothing(self, folder):
-        (folder / "text.txt").write_text("no surface\n" * 50, encoding="utf-8")
-        for name, load in (("1.nc", "2mN"), ("1.nc", "30N"), ("text.txt", "2N"), ("absent.nc", "2N")):
-            found = call(*("surface", name, "--cutoff", "8um", "--load", load, "--hardness", "1GPa", "-o", "no.toml"))
-            assert found.code == 2, name
+        for load in ("2mN", "30N"):
+            found = call(*("surface", "1.nc", "--cutoff", "8um", "--load", load, "--hardness", "1GPa", "-o", "no.toml"))
+            assert found.code == 2, load
             assert not (folder / "no.toml").exists()
             assert "internal error" not in found.err
-
-    @pytest.mark.parametrize(
-        ("words", "said"),
-        [
-            ("--synthesise --load xyz", "No such option: --load"),
-            ("--synthesise 1.nc", "unexpected extra argument"),
-            ("--synthesise -o made.npy", "made.npy does not end in .nc"),
-            ("--synthesise --rolloff 3kg", "rolloff"),
-            (f"{SCANNED} --seed 5", "No such option: --seed"),
-            (f"{SCANNED} --mass 1kg", "--mass is for the scenario"),
-            (f"{SCANNED} --speed 1mm/s", "--speed is for the scenario"),
-            (f"{SCANNED} --unit nonsense", "nonsense"),
-            (f"{SCANNED} --load 1e-9N", '--load "1e-09 N": leaves'),
-            (f"{SCANNED} --mass 1kg -o s.toml", "needs --mass, --damping-ratio and --speed\n"),
-        ],
-    )
-    def test_options_without_effect_or_sense_are_refused(self, folder, words, said):
-        found = call("surface", *words.split())
-        assert (found.code, found.out) == (2, "")
-        assert said in found.err
-        assert sorted(each.name for each in folder.iterdir()) == ["1.nc", "2.nc"]
 
     def test_synthetic_surface_keeps_its_bits_in_a_file(self, folder):
         asked = ("surface", "--synthesise", "--points", "512", "--rolloff", "64um", "--cutoff", "8um", "--seed", "1")
@@ -483,6 +441,7 @@ COUNTED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "rows"), COUNTED)
 def test_patches_of_measured_scans(name, rows):
     pytest.importorskip("SurfaceTopography")

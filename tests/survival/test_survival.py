@@ -3,6 +3,7 @@
 Killed at random moments, written by a second process, on a disk that fails at any call, and on one that fills up.
 """
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,10 @@ from rubnoise.storage.output import PartFile
 from rubnoise.storage.writer import RunWriter
 from tests.frozen import examples
 
-pytestmark = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the scripts read what Linux tells")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the scripts read what Linux tells"),
+]
 KILLED = (
     Story(name="events with slider", sections=SLIDER, engine="events", distance="10 mm", tick="1 um"),
     Story(name="compressed", compression="gzip", distance="20 mm", tick="1 um"),
@@ -38,6 +42,7 @@ def test_a_final_name_before_the_end_is_found_by_kills(monkeypatch: pytest.Monke
     def early(self: RunWriter, *given: Any) -> None:
         begin(self, *given)
         (self._part.final).write_bytes(b"half of a result")
+        time.sleep(2.0)  # most of the run, so that a kill finds it on a busy machine too
 
     monkeypatch.setattr(RunWriter, "_begin", early)
     findings = kills.kills(4, seed=3, stories=KILLED[:1]).findings

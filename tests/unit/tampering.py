@@ -1,5 +1,6 @@
 """Result files of every kind and of given lives, and values changed behind the back of their hashes."""
 
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -154,122 +155,19 @@ def bare_file(path: Path) -> RunFile:
 
 # Contacts and sliders of every kind, as changes of one small scenario: for tests that ask something of each.
 Kind = tuple[tuple[str, ...], dict[str, dict[str, Any]]]
-"""Tables to leave out of the scenario of `tests.unit.tampering`, and what to change in others."""
+"""Tables to leave out of the scenario of this file, and what to change in others."""
 
-WITHOUT_STRENGTH = ("strength", "slider")
-SHORT = {"distance": "150 um"}
-NO_SPEED = {"speed": None}
 
-ONE_WAY: dict[str, Kind] = {
-    "everything": ((), {}),
-    "bare": (WITHOUT_STRENGTH, {"sliding": NO_SPEED}),
-    "strength without speed": (("slider",), {"sliding": NO_SPEED}),
-    "speed without strength": (WITHOUT_STRENGTH, {}),
-    "gzip": ((), {"output": {"compression": "gzip"}}),
-    "batch": ((), {"run": {"engine": "batch"}}),
-    "empty start, slider at rest": ((), {"sliding": {"start": "empty"}, "slider": {"start": "rest"}}),
-    "triangles": ((), {"pulse": {"shape": "triangle"}}),
-    "parabolas of Rayleigh sizes": (
-        (),
-        {"pulse": {"shape": "parabola"}, "diameter": {"law": "weibull", "spread": "52.2723 %"}},
-    ),
-    "regular births": ((), {"birth": {"law": "regular"}}),
-    "regular births of unequal sizes": (
-        ("slider",),
-        {"birth": {"law": "regular"}, "diameter": {"law": "lognormal", "spread": "60 %"}},
-    ),
-    "Rabinowicz's": (
-        (),
-        {"birth": {"law": "regular"}, "pulse": {"shape": "triangle"}, "diameter": {"law": "fixed", "spread": None}},
-    ),
-    "lognormal sizes and strengths": (
-        (),
-        {"diameter": {"law": "lognormal", "spread": "70 %"}, "strength": {"law": "lognormal", "spread": "60 %"}},
-    ),
-    "exponential sizes, Weibull strengths": (
-        (),
-        {"diameter": {"law": "exponential", "spread": None}, "strength": {"law": "weibull", "spread": "60 %"}},
-    ),
-    "gamma sizes, normal strengths": (
-        (),
-        {"diameter": {"law": "gamma", "spread": "40 %"}, "strength": {"law": "normal", "spread": "80 MPa"}},
-    ),
-    "overdamped": ((), {"slider": {"damping": "50 N*s/m"}, "sliding": SHORT}),
-    "slow": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}}),
-    "slow triangles": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "pulse": {"shape": "triangle"}}),
-    "slow parabolas": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "pulse": {"shape": "parabola"}}),
-    "coarse ticks": ((), {"output": {"tick": "10 um"}}),
-    "more ticks than a panel": ((), {"output": {"tick": "0.002 um"}, "sliding": SHORT}),
-    "more rows than a panel": (
-        ("slider",),
-        {
-            "interface": {"mean_junction_count": 2000},
-            "diameter": {"spread": "10 %"},
-            "sliding": {"distance": "50 um"},
-            "run": {"engine": "batch"},
-        },
-    ),
-    "off the centre line": ((), {"pulse": {"offset": "uniform"}}),
-    "thin": ((), {"interface": {"mean_junction_count": 0.02}}),
-    "nobody at all": ((), {"interface": {"mean_junction_count": 0.0001}, "sliding": SHORT}),
-}
-LOADED: dict[str, Kind] = {
-    "under a load": (
-        ("diameter",),
-        {
-            "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
-            "load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05},
-            "output": {"tick": "0.05 um"},
-        },
-    ),
-    "under a load, unequal strengths, no ticks to spare": (
-        ("diameter",),
-        {
-            "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
-            "strength": {"law": "lognormal", "spread": "20 %"},
-            "load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05},
-        },
-    ),
-    "under a load, without a slider": (
-        ("diameter", "slider", "strength"),
-        {
-            "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
-            "load": {"height_scale": "2 um", "mass": "5 g", "damping": "4 N*s/m"},
-            "sliding": {"start": "empty"},
-            "output": {"tick": "0.05 um"},
-        },
-    ),
-}
-_TWO_WAY: dict[str, dict[str, dict[str, Any]]] = {
-    "figure 5": {},
-    "slow, a slip in a row": {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "output": {"tick": "0.3 um"}},
-    "few and slow, slips of many lives in a row": {
-        "interface": {"mean_junction_count": 5},
-        "sliding": {"speed": "0.1 mm/s", "distance": "3000 um"},
-        "output": {"tick": "1 um"},
-        "run": {"engine": "batch", "seed": 103},
-    },
-    "faster": {"sliding": {"speed": "10 mm/s"}},
-    "fast": {"sliding": {"speed": "1 m/s"}},
-    "few": {"interface": {"mean_junction_count": 0.5}, "sliding": {"distance": "6000 um"}, "output": {"tick": "2 um"}},
-    "many": {"interface": {"mean_junction_count": 300}, "sliding": {"distance": "5 um"}, "output": {"tick": "0.05 um"}},
-    "coarse": {"output": {"tick": "7 um"}},
-    "fine": {"output": {"tick": "0.005 um"}, "sliding": {"distance": "30 um"}},
-    "triangles": {"pulse": {"shape": "triangle"}},
-    "parabolas": {"pulse": {"shape": "parabola"}},
-    "unequal": {"diameter": {"law": "exponential", "spread": None}, "strength": {"law": "normal", "spread": "80 MPa"}},
-    "regular": {"birth": {"law": "regular"}},
-    "empty start, slider at rest": {"sliding": {"start": "empty"}, "slider": {"start": "rest"}},
-    "tight": {"slider": {"tolerance": 1e-12}},
-    "loose": {"slider": {"tolerance": 1e-4}},
-    "soft": {"slider": {"stiffness": "3 N/m"}, "sliding": {"distance": "40 um"}},
-    "damped": {"slider": {"damping": "50 N*s/m"}},
-    "gzip": {"output": {"compression": "gzip"}, "run": {"engine": "batch"}},
-    "nobody at all": {"interface": {"mean_junction_count": 0.0001}, "sliding": {"distance": "150 um"}},
-}
+def _kinds(title: str, **everywhere: dict[str, Any]) -> dict[str, Kind]:
+    """Return the kinds of one part of kinds.toml, with changes that all of them have."""
+    found: dict[str, Kind] = {}
+    for name, told in tomllib.loads(Path(__file__).with_name("kinds.toml").read_text(encoding="utf-8"))[title].items():
+        changes = {table: {key: None if value == "" else value for key, value in keys.items()}
+                   for table, keys in told.items() if table != "without"}  # fmt: skip
+        common = {table: keys | changes.get(table, {}) for table, keys in everywhere.items()}
+        found[name] = tuple(told.get("without", ())), changes | common
+    return found
 
-COUPLED: dict[str, Any] = {"coupling": "two-way"}
 
-TWO_WAY: dict[str, Kind] = {
-    name: ((), changes | {"slider": COUPLED | changes.get("slider", {})}) for name, changes in _TWO_WAY.items()
-}
+ONE_WAY, LOADED = _kinds("one-way"), _kinds("under a load")
+TWO_WAY = _kinds("two-way", slider={"coupling": "two-way"})

@@ -54,6 +54,7 @@ def reason(found: Comparison, name: str) -> str:
     return found.left_out[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGHT)
 def test_right_runs_are_accepted(name: str) -> None:
     found = compared(name)
@@ -182,6 +183,7 @@ def test_a_wrong_sum_at_a_sampled_tick_breaks_an_identity() -> None:
         assert identity in found.outside
 
 
+@pytest.mark.slow
 def test_right_runs_of_sparse_contact_are_accepted() -> None:
     """Most ticks are without contact: the distribution has an atom, whose share is not judged by a distance."""
     sparse = bare(count=0.05, distance=6_000_000.0, tick=10.0)
@@ -193,6 +195,7 @@ def test_right_runs_of_sparse_contact_are_accepted() -> None:
         assert abs(shares["real_contact_area_kolmogorov"].z or 0.0) <= 4.0
 
 
+@pytest.mark.slow
 def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> None:
     rare = bare(count=4.0, distance=8000.0, tick=0.5)
     found = compare(rare, recorded(rare, seed_of("comparison/rare")))
@@ -204,6 +207,7 @@ def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> No
     assert "junction_count_zero_share" not in compared("figure 5").left_out
 
 
+@pytest.mark.slow
 def test_scores_of_many_right_runs_are_unit_normals() -> None:
     short = bare(distance=1500.0, tick=0.2)
     seeds = range(seed_of("comparison/many"), seed_of("comparison/many") + 50)

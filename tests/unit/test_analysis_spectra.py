@@ -76,6 +76,7 @@ def _of(run: Model, seed: int, expected: np.ndarray, count: int) -> list[Band]:
     return band_powers(run, total.spectrum(), expected, run.distance, count)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("run", "name"), [(TRIANGULAR, "triangle"), (LENS, "lens")], ids=["triangle", "lens"])
 def test_errors_are_the_spread_of_many_runs(run: Model, name: str) -> None:
     rows = bands(run, name)

@@ -10,7 +10,6 @@ import pytest
 
 import rubnoise
 from rubnoise.contact.overlap import junction_area
-from rubnoise.errors import Refused
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build
@@ -75,6 +74,7 @@ def raising_after(times: int) -> rubnoise.Observer:
     return rubnoise.Observer(birth=birth)
 
 
+@pytest.mark.slow
 def test_what_an_intervention_ends_is_ended_early_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
     with rubnoise.run(scenario, tmp_path / "x.h5", intervene=largest_goes) as run:
         ended = (run.junctions["state"][:] & JunctionState.ENDED_EARLY) > 0
@@ -162,32 +162,3 @@ def test_what_a_callback_raises_comes_out_and_nothing_is_left(scenario: Scenario
         assert names(tmp_path) == []
     rubnoise.run(scenario, tmp_path / "x.h5", observe=raising_after(10_000)).close()
     assert names(tmp_path) == ["x.h5"]
-
-
-@pytest.mark.parametrize(
-    ("guest", "reason"),
-    [
-        ({"observe": print}, r"observe: <built-in function print> is not an Observer; rubnoise\.Observer\(birth="),
-        ({"observe": {"birth": print}}, "observe: .* is not an Observer"),
-        ({"intervene": 3}, "intervene: 3 is not a function of the environment and the live junctions"),
-        ({"intervene": lambda env, live: None}, "intervene: returned None, and has to be a process"),
-    ],
-)
-def test_guests_that_are_none_are_refused(scenario: Scenario, tmp_path: Path, guest: Any, reason: str) -> None:
-    for begin in (rubnoise.simulate, lambda given, **how: rubnoise.run(given, tmp_path / "x.h5", **how)):
-        with pytest.raises(Refused, match=reason):
-            begin(scenario, **guest)
-    assert names(tmp_path) == []
-
-
-@pytest.mark.parametrize("guest", [{"observe": rubnoise.Observer()}, {"intervene": largest_goes}])
-def test_guests_need_events(scenario: Scenario, tmp_path: Path, guest: Any) -> None:
-    for begin in (rubnoise.simulate, lambda given, **how: rubnoise.run(given, tmp_path / "x.h5", **how)):
-        with pytest.raises(Refused, match='needs the engine "events", not "batch"'):
-            begin(batch(scenario), **guest)
-    assert names(tmp_path) == []
-
-
-def test_an_observer_is_made_of_functions() -> None:
-    with pytest.raises(Refused, match="Observer: death: 3 is no function of a junction's number and a distance"):
-        rubnoise.Observer(death=3)

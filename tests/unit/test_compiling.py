@@ -30,6 +30,7 @@ print(sum(add_areas.stats.cache_hits.values()), total[5])
 """
 
 
+@pytest.mark.slow
 def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
     package = tmp_path / "rubnoise"
     shutil.copytree(Path(rubnoise.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))

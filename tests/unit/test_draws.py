@@ -146,6 +146,7 @@ def relative_errors(shape):
         yield float(off / height) / (1.0 + abs(float(mpmath.log(deviate))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES)
 def test_deviates_invert_the_distribution_function(shape):
     with mpmath.workdps(30):

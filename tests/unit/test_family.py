@@ -21,7 +21,6 @@ from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
 from tests.cli.terminal import call
 from tests.models import model
-from tests.unit.scenarios import WHOLE, refusal
 
 
 def one_size(**slider: object) -> Model:
@@ -165,47 +164,3 @@ def test_a_rough_contact_has_its_published_figures() -> None:
     assert plastic.mean_pressure == pytest.approx(2000.0, rel=1e-12)
     text = f'format = 1\n{plastic.interface()}[sliding]\ndistance = "1 mm"\n'
     assert rubnoise.scenario.loads(text).model().mean_real_contact_area == pytest.approx(500.0, rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({}, "either a load or a separation"),
-        ({"load": "1 N", "separation": "1 um"}, "either a load or a separation"),
-        ({"load": "1 kg"}, "load: "),
-        ({"load": "-1 N"}, "load: must be above 0"),
-        ({"load": "1 kN"}, "this surface carries"),
-        ({"load": "1 N", "regime": "plastic"}, "needs a hardness"),
-    ],
-)
-def test_a_contact_that_is_none_is_refused(change: dict[str, str], said: str) -> None:
-    with pytest.raises(Refused, match=said):
-        rubnoise.greenwood_williamson(
-            radius="50 um",
-            height="0.5 um",
-            density="20 1/mm^2",
-            modulus="100 GPa",
-            **change,  # type: ignore[arg-type]
-        )
-
-
-DRIVEN = WHOLE.replace('law = "normal"\nspread = "0.2 um"\n', "").replace(
-    'damping = "0.05', 'excitation = "base"\nasperity_height = "2 %"\ndamping = "0.05'
-)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (DRIVEN, "20 asperities at once: a rigid body rides on the highest"),
-        (
-            DRIVEN.replace("mean_junction_count = 20", "mean_junction_count = 0.2"),
-            'the excitation "base" of such lives has no run',
-        ),
-        (DRIVEN.replace('asperity_height = "2 %"\n', ""), "slider.asperity_height: missing"),
-        (DRIVEN.replace("damping =", 'coupling = "two-way"\ndamping ='), 'the excitation "base" is known with one-way'),
-        (WHOLE.replace("damping =", 'slope = "1 N*s/m"\ndamping ='), 'the excitation "friction" takes no slope'),
-    ],
-)
-def test_wrong_excitations_are_refused(text: str, said: str) -> None:
-    assert said in refusal(text)

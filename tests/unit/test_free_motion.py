@@ -24,6 +24,7 @@ def _share(restitution=None, impact_damping=None, damping_ratio=0.0):
     return lambda rate: np.where(rate > 0.0, 1.0, restitution**2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("live", "loss"),
     [

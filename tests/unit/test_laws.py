@@ -231,6 +231,7 @@ def test_moments_are_those_of_the_density(law, power):
     assert law.moment(power) == pytest.approx(textbook_moment(law, power), rel=1e-12)
 
 
+@pytest.mark.slow("Gamma(mean=5.53", "Weibull(mean=250.0")
 @every_law
 def test_the_density_is_the_textbooks(law):
     values = law.draw(np.linspace(0.001, 0.999, 41))
@@ -265,6 +266,7 @@ def test_samples_have_the_exact_moments(law, power):
     assert abs(np.mean(law.draw(uniforms(law)) ** power) - law.moment(power)) <= 4 * error
 
 
+@pytest.mark.slow("Gamma(mean=5.53", "Weibull(mean=250.0")
 @every_law
 def test_live_junctions_weigh_by_diameter(law):
     generator = np.random.default_rng(seed_of(f"laws/live/{law}"))
@@ -274,6 +276,7 @@ def test_live_junctions_weigh_by_diameter(law):
     assert ks(law.draw(generator.random(COUNT)), textbook(law).biased) > KS_BOUND
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name, entry in LAWS.items() if entry.takes_spread])
 @settings(max_examples=3, deadline=None)
 @given(spread=st.floats(1e-6, 3.0), exponent=st.integers(-6, 6))

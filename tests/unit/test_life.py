@@ -131,6 +131,7 @@ def _of_colour(pixels: np.ndarray, colour: str) -> np.ndarray:
     return np.all(np.abs(pixels - wanted) < 0.02, axis=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 2, 3, 4, 7])
 def test_every_life_can_be_drawn_with_nothing_cut_off(lives: list[Life], number: int) -> None:
     pixels = _pixels(life_png(lives[number], "x.h5"))

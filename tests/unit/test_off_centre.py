@@ -18,7 +18,6 @@ from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, Lognormal, Normal
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, overlap
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
-from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.distribution import distribution
@@ -232,34 +231,6 @@ def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: 
     checked = call("check", str(file), "--json").values()["scenarios"][str(file)]["contact"]
     assert checked["mean_life_distance"] == pytest.approx(0.5 * pi * checked["calibrated_diameter"], rel=1e-12)
     assert checked["expected_junctions"] > 1000
-
-
-@pytest.mark.parametrize(
-    ("tables", "said"),
-    [
-        (
-            {"pulse": {"offset": "uniform", "shape": "triangle"}},
-            "known for the lens and the parabola, not for the triangle",
-        ),
-        ({"birth": {"law": "regular"}}, "known for Poisson births, not for regular ones"),
-        (
-            {
-                "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05, "coupling": "two-way"},
-                "strength": {"mean": 250.0},
-                "sliding": {"distance": 1000.0, "speed": 1000.0},
-            },
-            "known with one-way coupling alone",
-        ),
-        (
-            {"interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0, "calibration": "paper"}},
-            "not for the off-centre lens",
-        ),
-        ({"pulse": {"offset": "some"}}, "offset"),
-    ],
-)
-def test_what_is_not_known_with_offsets_is_refused(tables: dict[str, Any], said: str) -> None:
-    with pytest.raises(ScenarioRefused, match=said):
-        scenario(**tables)
 
 
 @pytest.mark.parametrize("pulse", [OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=["lens", "parabola"])

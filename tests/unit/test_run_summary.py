@@ -50,6 +50,7 @@ def _peak(run: Model) -> int:
     return peak
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_run() -> None:
     # The trace alone of the longer run would be 12 MB more.
     assert _peak(bare(distance=200_000.0)) < _peak(bare(distance=50_000.0)) + 500_000
@@ -66,6 +67,7 @@ def _chi(told: Model, simulated: Model, curve: str, runs: int, name: str) -> flo
     return float(np.mean(score**2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("curve", ["spectrum", "autocovariance"])
 def test_curves_are_where_theory_expects_them_and_not_where_another_does(curve: str) -> None:
     run = bare(distance=3000.0)
@@ -78,6 +80,7 @@ def test_curves_are_where_theory_expects_them_and_not_where_another_does(curve: 
     assert _chi(other, run, curve, 30, "right") > 9.0
 
 
+@pytest.mark.slow
 def test_histograms_are_where_theory_expects_them() -> None:
     theory = curve_theory(RUN)["histogram"]
     first = seed_of("run_summary/histogram")
@@ -92,6 +95,7 @@ def test_histograms_are_where_theory_expects_them() -> None:
     assert np.isnan(theory.standard_error).all()
 
 
+@pytest.mark.slow("regular")
 @pytest.mark.parametrize(
     ("run", "silent"),
     [
@@ -196,6 +200,7 @@ def _central(values: Doubles, power: int) -> Fraction:
 BOTH = pytest.mark.parametrize("add", ["add", "add_plain"])
 
 
+@pytest.mark.slow
 @BOTH
 @given(borders=st.lists(st.integers(0, 400), max_size=12), seed=st.integers(0, 2**32))
 def test_moments_do_not_depend_on_the_panels(borders: list[int], seed: int, add: str) -> None:

@@ -15,7 +15,7 @@ from rubnoise.contact.laws import Fixed, Normal
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Slider
 from rubnoise.scenario import build, load, loads
-from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
+from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 
 
 def test_the_whole_scenario_becomes_a_model() -> None:
@@ -64,21 +64,6 @@ def test_a_load_and_a_patch_give_area_and_count() -> None:
     assert build(patch.resolved()).model() == patch.model()
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ('hardness = "1 GPa"\n', "", "interface.hardness: missing; load needs it"),
-        ('load = "0.2 N"\n', "", "interface.load: missing; hardness needs it"),
-        ("load", 'mean_real_contact_area = "2 um^2"\nload', "both mean_real_contact_area and load are given"),
-        ("mean", 'patch_area = "2 um^2"\nmean', "both mean_junction_count and patch_area are given"),
-        ("mean_junction_count = 20", 'patch_area = "1e-12 um^2"', "gives 2e+14 junctions; possible: 1e-06 to 1e+06"),
-        ('"0.2 N"\nhardness = "1 GPa"', '"1e12 N"\nhardness = "1e-12 MPa"', "gives 1e+30 um^2 of real contact area"),
-    ],
-)
-def test_a_contact_said_twice_by_half_or_out_of_bounds_is_refused(old: str, new: str, said: str) -> None:
-    assert said in refusal(LOADED.replace(old, new, 1))
-
-
 WEIGHED = (
     LOADED.replace('distance = "20 mm"', 'speed = "1 mm/s"\ndistance = "20 mm"')
     + """\
@@ -88,15 +73,6 @@ mass = "5 g"
 damping_ratio = 0.05
 """
 )
-TWO_WAY = """\
-[strength]
-mean = "250 MPa"
-[slider]
-mass = "5 g"
-stiffness = "300 N/m"
-damping = "0.05 N*s/m"
-coupling = "two-way"
-"""
 
 
 def test_a_load_that_weighs_sets_its_contact() -> None:
@@ -110,36 +86,6 @@ def test_a_load_that_weighs_sets_its_contact() -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "line", "key", "said"),
-    [
-        ("", '[pulse]\nshape = "lens"\n', 14, "pulse.shape", "pulse.shape parabola"),
-        ("", '[diameter]\nlaw = "normal"\nspread = "10 %"\n', 14, "diameter.law", "diameter.law weibull"),
-        ("", '[diameter]\nspread = "52.28 %"\n', 14, "diameter.spread", "Rayleigh sizes"),
-        ("", '[diameter]\nspread = "1 um"\n', 14, "diameter.spread", "Rayleigh sizes"),
-        ("", '[birth]\nlaw = "regular"\n', 14, "birth.law", "birth.law poisson"),
-        ("[sliding]", 'calibration = "exact"\n[sliding]', 6, "interface.calibration", "interface.calibration matched"),
-        ("", TWO_WAY, 19, "slider.coupling", "two-way coupling"),
-        ('speed = "1 mm/s"\n', "", 6, "sliding.speed", "missing"),
-        ('load = "0.2 N"\nhardness = "1 GPa"', "mean_real_contact_area = 200", 2, "interface.load", "missing"),
-        ('height_scale = "0.5 um"\n', "", 9, "load.height_scale", "missing"),
-        ('mass = "5 g"\n', "", 9, "load.mass", "missing"),
-        ("damping_ratio = 0.05\n", "", 9, "load.damping", "missing"),
-        ("", 'damping = "1 N*s/m"\n', 13, "load.damping", "both damping and damping_ratio"),
-        ("", 'motion = "first-order"\nrestitution = 0.7\n', 14, "load.restitution", "free"),
-        ("", 'impact_damping = "0.7 s/m"\n', 13, "load.impact_damping", "free"),
-        ('"0.5 um"', '"0 um"', 10, "load.height_scale", "must be above 0"),
-        ("0.05", "0", 12, "load.damping_ratio", "must be above 0"),
-    ],
-)
-def test_what_contradicts_a_load_that_weighs_is_refused(old: str, new: str, line: int, key: str, said: str) -> None:
-    report = refusal(WEIGHED.replace(old, new, 1) if old else WEIGHED + new)
-    head, *rest = [each for each in report.splitlines() if "error:" in each and key in each]
-    assert rest == []
-    assert head.startswith(f"run.toml:{line}: error: {key}: ")
-    assert said in report
-
-
-@pytest.mark.parametrize(
     ("distance", "tick", "count"),
     [("0.3 um", "0.1 um", 3), ("20 mm", "0.1 um", 200_000), ("1 inch", "0.1 um", 254_000), ("0.7 um", "0.1 um", 7)],
 )
@@ -148,69 +94,12 @@ def test_the_number_of_ticks_is_the_exact_floor_as_written(distance: str, tick: 
     assert 0.3 // 0.1 == 2.0  # what floats make of the first
 
 
-@pytest.mark.parametrize(
-    ("lines", "key", "reason", "line"),
-    [
-        (("mean_real",), "interface.mean_real_contact_area", "missing", 4),
-        (("mean_junction",), "interface.mean_junction_count", "missing", 4),
-        (("distance",), "sliding.distance", "missing", 16),
-        (("mass",), "slider.mass", "missing", 20),
-        (("stiffness",), "slider.stiffness", "missing", 20),
-        (("speed",), "sliding.speed", "missing; the motion of a slider needs a sliding speed", 16),
-        (("mean =",), "strength.mean", "missing", 13),
-        (("spread",), "diameter.spread", 'missing; the law "normal" needs a spread', 9),
-        (
-            ("[strength]", "mean ="),
-            "strength.mean",
-            "missing; a slider is driven by a force, which needs a strength",
-            1,
-        ),
-        (("format",), "format", "missing", 1),
-    ],
-)
-def test_a_needed_key_that_is_missing(lines: tuple[str, ...], key: str, reason: str, line: int) -> None:
-    assert refusal(without(*lines)).splitlines()[0] == f"run.toml:{line}: error: {key}: {reason}"
-
-
-def test_a_newer_format_is_refused_for_that_alone() -> None:
-    report = refusal(WHOLE.replace("format = 1", "format = 3").replace("mass", "gravity"))
-    assert report.startswith(
-        "run.toml:1: error: format: needs a rubnoise that reads format 3; this one reads format 1\n"
-    )
-    assert report.count("error:") == 1
-    assert "format: needs a number, not a text" in refusal(WHOLE.replace("format = 1", 'format = "1"'))
-
-
-@pytest.mark.parametrize(("seed", "reason"), [("-1", "too small"), (str(2**53), "too large"), ("1.0", "needs a whole")])
-def test_other_seeds_are_refused(seed: str, reason: str) -> None:
-    assert f"run.toml:29: error: run.seed: {reason}" in refusal(whole(seed=seed))
-
-
 def test_settings_go_on_top() -> None:
     scenario = loads(WHOLE, overrides=["sliding.distance=3 mm", 'output.tick="0.2 um"', "run.seed = 9"])
     assert (scenario.sliding.distance, scenario.output.tick, scenario.run.seed) == (3000.0, 0.2, 9)
     assert loads(WHOLE, overrides=["run.seed=1", "run.seed=2"]).run.seed == 2
     assert loads(WHOLE, overrides=["slider={start='rest'}"]).slider.start == "rest"  # type: ignore[union-attr]
     assert loads(BARE, overrides=["strength.mean=1 GPa"]).model().strengths.mean == 1000.0  # type: ignore[union-attr]
-
-
-@pytest.mark.parametrize(
-    ("setting", "head"),
-    [
-        ("sliding.distance=1,5 mm", "--set sliding.distance: error: sliding.distance: a comma in a number"),
-        ("run.seed=x", "--set run.seed: error: run.seed: needs a number, not a text"),
-        ("run.seed=1\nrun.engine='events'", "--set run.seed: error: run.seed: needs a number, not a text"),
-        ("run.sead=4", "--set run.sead: error: run.sead: unknown key"),
-        ("seed", "--set seed: error: not of the form KEY=VALUE, as in --set run.seed=7"),
-        ("=4", "--set : error: not of the form KEY=VALUE, as in --set run.seed=7"),
-        ("extends=base.toml", "--set extends: error: extends belongs into a file"),
-        ("run=5", "--set run: error: run: needs a table"),
-        ("format=2", "--set format: error: format: needs a rubnoise that reads format 2; this one reads format 1"),
-        ("run.seed=" + "1" * 1001, "--set run.seed: error: more than 1000 characters"),
-    ],
-)
-def test_problems_of_a_setting_name_it(setting: str, head: str) -> None:
-    assert refusal(WHOLE, setting).splitlines()[0] == head
 
 
 def write(folder: Path, **files: str) -> Path:
@@ -336,28 +225,6 @@ def test_python_may_give_the_numbers_of_numpy(number: Callable[[float], Any]) ->
     assert scenario == build(values(float, int, str))
     assert type(scenario.run.seed) is int
     assert json.dumps(scenario.resolved()) == json.dumps(build(values(float, int, str)).resolved())
-
-
-@pytest.mark.parametrize(
-    ("value", "told"),
-    [
-        (np.bool_(1), "not a boolean"),
-        (np.float64("nan"), "not a finite number"),
-        (np.float32("inf"), "not a finite number"),
-        (np.array([1.0]), "not a value of type ndarray"),
-        (np.complex128(1.0), "not a value of type complex"),
-        (np.datetime64("2020-01-01"), "not a date or time"),
-        (np.float64(-1.0), "must be above 0"),
-        (None, "not a value of type NoneType"),
-        (b"1 um", "not a value of type bytes"),
-        ({}, "not a table"),
-    ],
-    ids=str,
-)
-def test_what_is_no_number_is_called_what_it_is(value: object, told: str) -> None:
-    values = {"interface": {"mean_real_contact_area": 200, "mean_junction_count": 20}, "sliding": {"distance": value}}
-    with pytest.raises(ScenarioRefused, match=rf"^<python>: error: sliding\.distance: .*{told}"):
-        build(values)
 
 
 def test_everything_that_is_wrong_is_said_at_once() -> None:

@@ -10,10 +10,8 @@ from rubnoise.scenario import loads
 from rubnoise.scenario.fields import Line
 from rubnoise.units import Unfit
 from tests.frozen import Said
-from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
+from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 
-DISTANCE = "run.toml:18: error: sliding.distance: "
-COUNT = "run.toml:6: error: interface.mean_junction_count: "
 AREA = "run.toml:5: error: interface.mean_real_contact_area: "
 
 
@@ -33,11 +31,6 @@ def test_a_line_that_is_none_is_refused_with_its_number_and_a_caret(line: str) -
     said = refusal(whole(**{key: value}))
     assert said.startswith("run.toml:")
     SAID.assert_said(line, said)
-
-
-def test_an_integer_beyond_every_double() -> None:
-    assert refusal(whole(distance="9" * 400)).startswith(f"{DISTANCE}too large\n")
-    assert refusal(whole(mean_junction_count="9" * 400)).startswith(f"{COUNT}too large\n")
 
 
 def test_milli_for_mega_is_warned_of() -> None:
@@ -69,39 +62,6 @@ def test_a_suggested_unit_is_one() -> None:
     assert warning.endswith("^")  # Mile is no unit to suggest
 
 
-def test_both_dampings() -> None:
-    text = WHOLE.replace("[slider]", "[slider]\ndamping_ratio = 0.02")
-    head = "run.toml:24: error: slider.damping: both damping and damping_ratio are given (the other at run.toml:21)"
-    assert refusal(text) == shown(head, 'damping = "0.05 N*s/m"', "damping", "keep exactly one of the two")
-
-
-def test_no_damping() -> None:
-    head = "run.toml:20: error: slider.damping: missing"
-    hint = 'write damping = "0.05 N*s/m" or damping_ratio = 0.02'
-    assert refusal(without("damping")) == shown(head, "[slider]", "slider", hint)
-
-
-def test_a_duplicate_key() -> None:
-    text = WHOLE.replace("[slider]", '[slider]\nmass = "6 g"')
-    head = "run.toml:22: error: slider.mass: given twice"
-    assert refusal(text) == shown(head, 'mass = "5 g"', "mass", "first given in line 21; keep one of the two")
-
-
-def test_a_duplicate_table() -> None:
-    text = WHOLE + '[slider]\nmass = "6 g"\n'
-    head = "run.toml:30: error: slider: given twice"
-    assert refusal(text) == shown(head, "[slider]", "[slider]", "first given in line 20; keep one of the two")
-
-
-def test_broken_lines_and_wrong_values_are_reported_together() -> None:
-    report = refusal(whole(distance="1,5 mm", mass="5 g", seed='"x"'))
-    assert [line for line in report.splitlines() if "error:" in line] == [
-        DISTANCE + "a comma in a number",
-        "run.toml:21: error: slider.mass: a value with a unit needs quotation marks",
-        "run.toml:29: error: run.seed: needs a number, not a text",
-    ]
-
-
 def test_theory_does_not_ask_how_long_a_run_would_be(tmp_path: Path) -> None:
     endless = loads(whole(distance='"1e12 km"'))
     assert rubnoise.exact(endless).area.mean == rubnoise.exact(loads(whole())).area.mean
@@ -118,12 +78,6 @@ def test_a_contact_too_crowded_for_memory_is_refused_however_short_the_run() -> 
     assert loads(short, overrides=("interface.mean_junction_count=1e6", fine)).model().tick_count == 10
 
 
-def test_redrawn_diameters_may_crowd_a_contact_too() -> None:
-    text = whole(distance='"1 um"', tick='"0.1 um"', spread='"1e6 um"')
-    assert COUNT + "2.89e+06 junctions alive at once expected" in refusal(text)
-    assert refusal(text).endswith("fewer junctions or a smaller diameter.spread")
-
-
 def test_matched_without_a_solution() -> None:
     text = whole(calibration='"matched"', spread='"3 um"')
     head = (
@@ -134,28 +88,3 @@ def test_matched_without_a_solution() -> None:
     line = 'mean_real_contact_area = "200 um^2"'
     assert refusal(text) == shown(head, line, '"200 um^2"', hint)
     assert loads(text.replace("3 um", "0.2 um")).model().calibrated_diameter == pytest.approx(5.46626015, abs=5e-9)
-
-
-def test_an_unknown_word_gets_a_suggestion() -> None:
-    report = refusal(WHOLE, 'interface.calibration="papr"')
-    assert report.endswith(
-        'error: interface.calibration: unknown value "papr"\n    interface.calibration="papr"\n'
-        '                          ^^^^^^\n    did you mean "paper"?'
-    )
-    assert refusal(WHOLE, "sliding.start=xyz").endswith("available: stationary, empty")
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "head", "hint"),
-    [
-        ("mass", "masss", "run.toml:21: error: slider.masss: unknown key", "did you mean mass?"),
-        ("seed", "speed_of_light", "run.toml:29: error: run.speed_of_light: unknown key", "known here: seed, engine"),
-        ("seed", "tick", "run.toml:29: error: run.tick: unknown key", "did you mean output.tick?"),
-        ("title", "seed", "run.toml:2: error: seed: unknown key", "did you mean run.seed?"),
-        ("[output]", "[outptu]", "run.toml:25: error: outptu: unknown table", "did you mean output?"),
-    ],
-)
-def test_an_unknown_key_gets_a_suggestion(old: str, new: str, head: str, hint: str) -> None:
-    lines = refusal(WHOLE.replace(f"\n{old}", f"\n{new}", 1)).splitlines()
-    assert head in lines
-    assert lines[lines.index(head) + 3] == f"    {hint}"

@@ -43,6 +43,7 @@ def test_passes_off_the_centre_line_make_the_area_vary_by_a_tenth_more() -> None
         assert low - 1e-9 <= aside / centred <= high + 1e-9
 
 
+@pytest.mark.slow
 def test_vibration_rises_and_falls_with_the_speed() -> None:
     stds = _exact(_study("speed"), "displacement_std")
     highest = int(np.argmax(stds))

@@ -32,7 +32,7 @@ SIZES = {"a slider": WHOLE, "the contact alone": BARE, "hardly any births": BARE
 PEAK = """
 import sys
 from rubnoise import load, run
-run(load(sys.argv[1], sys.argv[3:]), sys.argv[2]).close()
+run(load(sys.argv[1], sys.argv[3:]), sys.argv[2], force=True).close()
 status = dict(line.split(":", 1) for line in open("/proc/self/status"))
 print(int(status["VmHWM"].split()[0]) * 1024)
 """
@@ -102,6 +102,7 @@ def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest
 TWO_WAY = ("slider.coupling=two-way", "sliding.distance=2 mm")
 
 
+@pytest.mark.slow("0.5-10 um/s")
 @pytest.mark.parametrize("speed", ["10 um/s", "1 mm/s", "100 mm/s", "1 m/s"])
 @pytest.mark.parametrize("count", [0.5, 20.0])
 def test_a_two_way_run_has_no_more_rows_than_are_told(speed: str, count: float) -> None:
@@ -142,6 +143,7 @@ def test_a_run_asks_before_it_makes_anything(tmp_path: Path, monkeypatch: pytest
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of a process is read from /proc")
 @pytest.mark.parametrize("name", RUNS)
 @pytest.mark.parametrize("engine", ["events", "batch"])

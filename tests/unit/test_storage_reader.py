@@ -36,6 +36,7 @@ def assert_refused(path: Path, reason: str) -> RunFileRefused:
     return caught.value
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_a_file_cut_short_anywhere_is_refused(tmp_path: Path, compression: Compression) -> None:
     description = describe(compression=compression)

@@ -84,6 +84,7 @@ def test_an_empty_start_promises_nothing() -> None:
     assert _promised(model(start="empty", distance=1000.0)) == set()
 
 
+@pytest.mark.slow
 def test_regular_births_promise_their_means_alone() -> None:
     run = model(distance=1000.0, births="regular")
     means = {"real_contact_area_mean", "junction_count_mean", "friction_force_mean"}
@@ -91,6 +92,7 @@ def test_regular_births_promise_their_means_alone() -> None:
     assert all(abs(_figures(run)[name].z) <= 4.0 for name in means)
 
 
+@pytest.mark.slow
 def test_a_constant_area_has_no_shape_to_expect() -> None:
     figures = _figures(bare(births="regular", pulse=TRIANGLE, spread=Spread(absolute=0.0)))
     assert figures["real_contact_area_std"].expected == 0.0
@@ -188,6 +190,7 @@ def test_exponential_sizes_have_the_skewness_of_their_moments() -> None:
     assert tail_of(model, LENGTH, 1).skewness == pytest.approx(6.0 / 2.0**1.5 / births(model) ** 0.5, rel=0.01)
 
 
+@pytest.mark.slow
 def test_sums_that_are_drawn_are_as_skewed() -> None:
     law = Gamma(mean=1.0, std=0.4)
     generator = np.random.default_rng(seed_of("tails/gamma"))
@@ -219,6 +222,7 @@ def test_a_skewed_mean_is_scored_on_its_own_scale() -> None:
     assert low.z == -5.0
 
 
+@pytest.mark.slow
 def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     """Of some hundred such runs one has a mean that a normal law would call impossible."""
     run = replace(bare(distance=LENGTH, tick=2.0), sizes=Lognormal(mean=5.4772, std=3.834))

@@ -50,6 +50,7 @@ def _outcomes(
     return found
 
 
+@pytest.mark.slow
 def test_two_workers_that_are_killed_cost_no_run(tmp_path: Path) -> None:
     points = _points(tmp_path, 40)
     outcomes = _outcomes(points, partial(errands.die_once, folder=tmp_path), local(2))
@@ -57,6 +58,7 @@ def test_two_workers_that_are_killed_cost_no_run(tmp_path: Path) -> None:
     assert sum((tmp_path / point.run_id).exists() for point in points) == 2
 
 
+@pytest.mark.slow
 def test_a_run_that_always_kills_its_worker_fails_alone(tmp_path: Path) -> None:
     points = _points(tmp_path, 40)
     outcomes = {o.point.replicate: o for o in _outcomes(points, partial(errands.die, folder=tmp_path), local(2))}
@@ -76,6 +78,7 @@ def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(poin
             assert (outcome.problem, outcome.result) == (None, outcome.point.run_id)
 
 
+@pytest.mark.slow
 def test_workers_are_told_to_use_one_thread(points: tuple[Point, ...]) -> None:
     [outcome] = _outcomes(points[:1], errands.threads, local(2))
     assert outcome.result == {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
@@ -159,6 +162,7 @@ def test_a_worker_of_a_cluster_with_other_libraries_gets_no_work(answer: Any, sa
     assert executors.versions().keys() == {"rubnoise", "numpy", "scipy", "numba", "stream", "format"}
 
 
+@pytest.mark.slow
 def test_who_watches_may_stop_it_and_no_process_stays(tmp_path: Path) -> None:
     processes: list[int] = []
 

@@ -21,6 +21,8 @@ from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage.writer import RunWriter
 from tests.unit.scenarios import GRID, sweep_of
 
+pytestmark = pytest.mark.slow
+
 SMALL = """\
 [output]
 tick = "5 um"

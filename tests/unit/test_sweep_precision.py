@@ -15,7 +15,7 @@ from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS
 from rubnoise.scenario.sweep_table import Precision
-from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
+from tests.unit.scenarios import GRID, sweep_of, sweep_refusal
 from tests.verification.scores import seed_of
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.
@@ -25,35 +25,6 @@ POINTS = GRID.replace("replicates = 2\n", "")
 
 def _line(*lines: str) -> str:
     return POINTS.replace("[sweep]\n", "\n".join(["[sweep]", *lines, ""]))
-
-
-@pytest.mark.parametrize(
-    ("lines", "said", "hint"),
-    [
-        (['keep = "all"'], 'sweep.keep: unknown value "all"', "available: runs, summary"),
-        (["precision = 0"], "sweep.precision: must be above 0", "possible: 1e-06 to 1"),
-        (['precision = "1 %"'], "sweep.precision: needs a number, not a text", ""),
-        (['quantity = "displacement_std"'], "sweep.quantity: needs a precision",
-         "add precision = 0.01"),
-        (["most_replicates = 9"], "sweep.most_replicates: needs a precision",
-         "add precision = 0.01"),
-        (["precision = 0.1", "replicates = 4"],
-         "sweep.replicates: too few to estimate the precision", "replicates = 8, or leave it out"),
-        (["precision = 0.1", "replicates = 20", "most_replicates = 10"],
-         "sweep.most_replicates: fewer than the replicates to begin with", "most_replicates = 20 or more"),
-        (["precision = 0.1", 'quantity = "real_contact_area_st"'],
-         'sweep.quantity: unknown value "real_contact_area_st"', 'did you mean "real_contact_area_std"?'),
-        (["precision = 0.1", 'quantity = "displacement_std"'],
-         "sweep.quantity: displacement_std is no quantity of a run without [slider]", "a table [slider]"),
-        (["precision = 0.1", 'quantity = "friction_force_mean"'],
-         "sweep.quantity: friction_force_mean is no quantity of a run without [strength]", "a table [strength]"),
-    ],
-)  # fmt: skip
-def test_what_is_wrong_is_told_where_it_stands(tmp_path: Path, lines: list[str], said: str, hint: str) -> None:
-    report = sweep_refusal(tmp_path, _line(*lines)).splitlines()
-    at = HEAD.count("\n") + 2 + [line.split(" ")[0] for line in lines].index(said.partition(":")[0].partition(".")[2])
-    assert report[0] == f"s.toml:{at}: error: {said}"
-    assert hint in report[-1]
 
 
 def test_runs_that_a_precision_may_come_to_are_counted(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ def test_relative_spread_of_equal_sizes_falls_as_the_root_of_their_number(mean_c
     assert area.std / area.mean == pytest.approx(1.5 * sqrt((2.0 * pi / 3.0 - 64.0 / 45.0) / mean_count), rel=1e-13)
 
 
+@pytest.mark.slow
 def test_cumulants_are_those_of_the_characteristic_function() -> None:
     """log E[exp(th A)] = lam int (exp(th A(s)) - 1) ds, differentiated numerically at 0, is an independent route."""
     model = one_size()

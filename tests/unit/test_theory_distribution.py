@@ -55,6 +55,7 @@ def cumulants_of(moments: list[float]) -> list[float]:
 # Mass and moments.
 
 
+@pytest.mark.slow("20 %", "150 %")
 @pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 @pytest.mark.parametrize("spread", SPREADS)
 @pytest.mark.parametrize("count", COUNTS)
@@ -74,6 +75,7 @@ def test_mass_and_four_cumulants_by_the_density(count: float, spread: str, pulse
         assert found[2:] == pytest.approx(exact.values[2:4], rel=1e-4)
 
 
+@pytest.mark.slow("0.5-150 %", "5.0-20 %", "5.0-150 %", "1.0-20 %", "1.0-150 %")
 @pytest.mark.parametrize("spread", SPREADS)
 @pytest.mark.parametrize("count", COUNTS)
 def test_four_moments_by_the_distribution_function(count: float, spread: str) -> None:
@@ -92,6 +94,7 @@ def test_four_moments_by_the_distribution_function(count: float, spread: str) ->
     assert found == pytest.approx(moments, rel=1e-6 if count >= 5.0 else 1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [
@@ -133,6 +136,7 @@ def triangles(count: float, x: float) -> tuple[float, float]:
         return float(cdf), float(density)
 
 
+@pytest.mark.slow("90.0")
 @pytest.mark.parametrize("count", [0.01, 0.5, 1.0, 3.0, 20.0, 90.0])
 def test_triangles_of_one_size_in_closed_form(count: float) -> None:
     law = distribution(contact(count, pulse=TRIANGLE))
@@ -148,6 +152,7 @@ def test_triangles_of_one_size_in_closed_form(count: float) -> None:
             assert error < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "spread", "step"),
     [(5.0, "none", 1 / 64), (0.5, "none", 1 / 64), (1.0, "20 %", 1 / 24), (0.5, "150 %", 1 / 8)],

@@ -107,6 +107,7 @@ def test_variances_are_integrals_over_lags(v: float) -> None:
     assert velocity == pytest.approx(sqrt(speed), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_limits_are_constant_load_and_constant_gap() -> None:
     """The second one where the contact resonance is slow beside junctions and slider alike."""
     slow, fast = loaded(relative_speed=1e-3, ratio=0.3), loaded(relative_speed=1e4, ratio=0.3, mass=5e6)
@@ -147,6 +148,7 @@ def test_covariances_hold_together() -> None:
     assert found["load", "friction_force"] == pytest.approx(friction, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_spectra_and_bands_add_up() -> None:
     model = loaded(relative_speed=0.5)
     motion = load_motion(model)
@@ -164,6 +166,7 @@ def test_spectra_and_bands_add_up() -> None:
     assert motion.velocity_level == pytest.approx(10.0 * np.log10(np.sum(10.0 ** (0.1 * bands["level"]))), abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("v", [0.05, 0.3, 1.0, 5.0])
 @pytest.mark.parametrize("ratio", [0.05, 0.3])
 def test_exponents_of_height_and_speed_belong_together(v: float, ratio: float) -> None:

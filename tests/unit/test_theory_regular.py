@@ -98,6 +98,7 @@ def spread_out(model: Model) -> tuple[Doubles, Doubles]:
     return diameters, shares / shares.sum()
 
 
+@pytest.mark.slow("2.5-0.2-lens", "2.5-0.2-triangle", "20.0-1.5-lens", "20.0-1.5-triangle")
 @SHAPES
 @pytest.mark.parametrize(("count", "spread"), [(0.5, 0.0), (2.5, 0.0), (20.0, 0.0), (2.5, 0.2), (20.0, 1.5)])
 def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pulse) -> None:
@@ -123,6 +124,7 @@ def score(first: Doubles, second: Doubles, means: float, covariance: float, allo
     return float((products.mean() - covariance) / error)
 
 
+@pytest.mark.slow
 @SHAPES
 @CASES
 def test_covariances_of_area_and_count(count: float, spread: float, pulse: Pulse) -> None:
@@ -142,6 +144,7 @@ def test_a_count_of_equal_lives_takes_two_values() -> None:
     np.testing.assert_allclose(count_noise(regular(2.5)).covariance([2.212, 4.424]), [-0.25, 0.25], atol=1e-12)
 
 
+@pytest.mark.slow
 @SHAPES
 @pytest.mark.parametrize(("count", "spread"), [(2.5, 0.2), (20.0, 0.2), (6.0, 6.0)])
 def test_continuous_spectrum_is_the_transform_of_what_the_phase_does_not_tell(
@@ -181,6 +184,7 @@ def records(model: Model, draws: int, generator: np.random.Generator) -> tuple[D
     return area.mean(axis=0), count.mean(axis=0)
 
 
+@pytest.mark.slow
 @SHAPES
 @pytest.mark.parametrize(("count", "spread"), [(0.5, 0.2), (2.5, 0.0), (2.5, 0.2), (6.0, 2.0)])
 @pytest.mark.parametrize(("tick", "ticks"), [(1.7, 12), (4.424, 9)])
@@ -225,6 +229,7 @@ def test_slider_under_a_periodic_force(count: float, pulse: Pulse, speed: float)
     assert response(model).mean_displacement == pytest.approx(displacement.mean(), rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strengths", [None, Lognormal(mean=250.0, std=75.0)], ids=["equal", "unequal"])
 def test_slow_slider_under_sizes_and_strengths_that_differ(strengths: Lognormal | None) -> None:
     """Over-damped and slow, Var x = int R_F(tau) exp(-k |tau| / (c V)) dtau / (2 c k V), the lines by themselves."""

@@ -95,6 +95,7 @@ def test_a_sharp_resonance_takes_the_density_where_it_stands() -> None:
     assert response(model).displacement_std == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_both_spectra_integrate_to_the_spreads_of_figure_5() -> None:
     """Panels of a fifth of the half-width over the resonance, 5 rad/s wide, and wider ones on either side."""
     model, natural = paper_model(), FIG5_SLIDER.natural_angular_frequency

@@ -67,6 +67,7 @@ def long_records() -> Records:
     return records(one_size(), 200, 8, seed=12)
 
 
+@pytest.mark.slow
 def test_errors_of_all_four_moments(long_records: Records) -> None:
     trace, model = long_records
     errors = standard_errors(model)
@@ -74,6 +75,7 @@ def test_errors_of_all_four_moments(long_records: Records) -> None:
         assert abs(excess(values, errors[name])) <= 4.0, name
 
 
+@pytest.mark.slow
 def test_errors_of_the_moments_of_the_force_under_unequal_strengths() -> None:
     psi = Lognormal(mean=2.0, std=1.0)
     few = model_of(Fixed(value=5.53), 5.53, mean_count=5.0)
@@ -85,6 +87,7 @@ def test_errors_of_the_moments_of_the_force_under_unequal_strengths() -> None:
     assert excess(found["excess_kurtosis"], standard_errors(model)["excess_kurtosis"]) > 8.0
 
 
+@pytest.mark.slow
 def test_ticks_taken_as_independent_would_be_far_off(long_records: Records) -> None:
     trace, model = long_records
     naive = area_cumulants(model).std / np.sqrt(model.tick_count + 1)
@@ -138,6 +141,7 @@ def spaced(model: Model) -> Doubles:
     return np.append(0.0, longest_life(model) * 2.0 ** np.arange(-40.0, 0.25, 0.25))
 
 
+@pytest.mark.slow("0.5-", "2.0-", "30.0-lognormal")
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("tick", [0.5, 2.0, 30.0])
 def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, tick: float) -> None:
@@ -151,6 +155,7 @@ def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, ti
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_variance_of_a_slow_slider_from_the_covariance(name: str) -> None:
     """Over-damped and slow, x follows a first-order law: Var x = int R(tau) exp(-k|tau|/cV) dtau / (2 c k V) psi^2."""

@@ -221,6 +221,7 @@ def _curvature(model: Model) -> float:
     return float(2.0 * fine - coarse)
 
 
+@pytest.mark.slow("regular of many sizes", "regular exponential", "regular of unequal strengths")
 @pytest.mark.parametrize("name", SLOPES)
 def test_the_variance_of_the_slope_is_the_curvature_of_the_autocovariance(name: str) -> None:
     assert force_slope_std(SLOPES[name]) ** 2 == pytest.approx(_curvature(SLOPES[name]), rel=5e-4)

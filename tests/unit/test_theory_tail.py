@@ -19,6 +19,7 @@ from tests.unit.theory_models import one_size, paper_model
 SIDES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 
 
+@pytest.mark.slow
 @SIDES
 def test_the_density_integrates_to_the_variance(pulse: Pulse) -> None:
     """Panels follow the swing up to k = 200; the tail beyond holds 1e-7 of the variance."""
@@ -86,6 +87,7 @@ def sums(factor: float = 2.0, speed: float = 1000.0, **case: Any) -> list[float]
     return [log(large / small) / log(factor) for small, large in zip(near, far, strict=True)]
 
 
+@pytest.mark.slow("lens-normal-0.02", "lens-gamma-0.0001", "lens-power-1.0", "triangle-power-30.0")
 @pytest.mark.parametrize(("shape", "law", "damping_ratio"), CASES)
 def test_exponents_add_up_to_1_for_every_law_of_sizes_pulse_and_damping(
     shape: str, law: str, damping_ratio: float
@@ -132,6 +134,7 @@ FIGURE_5 = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("quantity", "windows"), [(0, [(200.0, 210.0), (400.0, 470.0)]), (1, [(410.0, 490.0)])], ids=["std x", "std x'"]
 )

@@ -106,6 +106,7 @@ def test_bins_are_those_of_scipy(trace: Doubles) -> None:
     assert density[-1] == pytest.approx(mine[-1], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_triangle_and_spread_sizes_leak_and_alias_alike() -> None:
     model = replace(model_of(Normal(centre=5.53, std=2.0), 5.53), pulse=TRIANGLE)
     drawn = drawn_trace(model, TICK, TICKS * ROWS, seed_of("drawn trace of triangles"))

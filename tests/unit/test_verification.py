@@ -61,6 +61,7 @@ def two_way(kept: Path, tmp_path: Path) -> Path:
     return fresh(kept, tmp_path, "two-way, figure 5")
 
 
+@pytest.mark.slow("regular", "strengths", "damped", "unequal", "load", "few and", "off", "Rayleigh", "two-way, gzip")
 @pytest.mark.parametrize("name", EVERY)
 def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, name: str) -> None:
     path = fresh(kept, tmp_path, name)
@@ -83,6 +84,7 @@ def middle(path: Path, column: str) -> int:
         return int(file[column].size) // 2
 
 
+@pytest.mark.slow("one-way, off the centre line")
 @pytest.mark.parametrize("kind", ["one-way, everything", "one-way, off the centre line", "two-way, figure 5"])
 def test_a_unit_in_the_last_place_of_any_column_is_seen_though_its_hash_is_right(
     kept: Path, tmp_path: Path, kind: str

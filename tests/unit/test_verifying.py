@@ -17,6 +17,8 @@ from rubnoise.storage.schema import HASH
 from tests.unit.scenarios import sweep_of
 from tests.unit.tampering import forget, put_seal, put_text, run_of, tell
 
+pytestmark = pytest.mark.slow
+
 # What a result says of itself: every attribute, unit, figure and name is asked, and a change of one is named.
 Change = Callable[[Path], None]
 

@@ -99,6 +99,7 @@ def test_the_motion_is_that_of_an_integrator(changes: list[str]) -> None:
     assert (np.abs(seen - other).max(axis=1) > 1e-3 * np.abs(wanted).max(axis=1)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [MANY, ["slider.damping=1 N*s/m", "slider.mass=0.1 g", *MANY]])
 def test_both_engines_and_cut_runs_have_the_same_bits(
     changes: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -112,6 +113,7 @@ def test_both_engines_and_cut_runs_have_the_same_bits(
     assert call("verify", str(tmp_path / "x.h5")).code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [[], MANY])
 def test_200_runs_have_the_exact_moments_and_spectrum(changes: list[str]) -> None:
     made = base(*changes, "sliding.distance=4 mm", "output.tick=1 um")

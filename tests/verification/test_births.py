@@ -23,6 +23,8 @@ from rubnoise.theory.unit_pulse import amplitude
 from tests.models import bare, contents, recorded
 from tests.unit.scenarios import BARE
 
+pytestmark = pytest.mark.slow
+
 # Births that are neither random nor regular: exact figures, and 200 runs of each law beside them.
 RUNS, BOUND, LAWS = 200, 4.0, ("gamma", "bunched", "clustered", "jittered")
 WAVENUMBERS = np.array([0.01, 0.1, 0.3, 1.0])

@@ -91,6 +91,7 @@ def test_one_per_cent_more_births_are_rejected() -> None:
     assert score(found, "junction_count_mean") > REJECTED
 
 
+@pytest.mark.slow
 def test_deaths_at_198_diameters_are_rejected() -> None:
     """Of rows that tell the truth and of rows that do not."""
     honest = compared("1.98", LONG, Made(area=hasty, lives=1.98, told=1.98))
@@ -142,6 +143,7 @@ def test_sparse_contact_of_twins_is_rejected_by_the_share_without_it() -> None:
     assert abs(score(found, "real_contact_area_mean")) <= REJECTED
 
 
+@pytest.mark.slow
 def test_sparse_contact_of_another_size_law_is_rejected_by_the_areas_in_contact() -> None:
     """Junctions of one size, said to spread by a third: the areas alone know, without a look at a diameter."""
     spread = Spread(relative=1.0 / 3.0)
@@ -236,6 +238,7 @@ def distance(areas: Doubles, law: Law) -> float:
     return float(max(apart) * sqrt(areas.size))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_areas_of_a_long_run_have_the_exact_distribution(name: str) -> None:
     model, areas = run(name)
@@ -270,6 +273,7 @@ def as_the_paper_has_it(model: Model) -> Law:
     return lambda area: law.cdf(area * ratio)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
@@ -290,6 +294,7 @@ def test_a_wrong_law_is_found_out(name: str, wrong: Callable[[Model], Law]) -> N
     assert distance(areas, wrong(model)) > 1.5 * KS_BOUND
 
 
+@pytest.mark.slow
 def test_lenses_are_no_triangles() -> None:
     """Of the same mean and count, a run of lenses is told from triangles, which vary less."""
     model, areas = run("half a junction")

@@ -49,6 +49,7 @@ def agree(found: CoupledRun, expected: coupled_slider.Coupled, end: float = np.i
         assert np.abs(found.landmarks[mine][early] - values).max(initial=0.0) < 1e-8 * np.abs(x).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", range(examples(4, 10)))
 def test_cases_at_random(case: int) -> None:
     draw = np.random.default_rng(seed_of(f"two-way/{case}")).random(8)
@@ -63,6 +64,7 @@ def test_cases_at_random(case: int) -> None:
     agree(found, reference(run, case, found, start))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("run", "start", "end", "kinds"),
     [
@@ -93,6 +95,7 @@ def test_cases_of_a_kind(run: Model, start: float | None, end: float, kinds: set
     agree(found, reference(run, 5, found, start, end), end)
 
 
+@pytest.mark.slow
 def test_another_speed_of_the_drive_is_seen() -> None:
     run, other = model(distance=40.0), model(distance=40.0, speed=1010.0)
     expected = reference(run, 2, coupled(run, 2), None)

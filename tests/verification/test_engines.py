@@ -79,6 +79,7 @@ def by(scenario: Scenario, engine: str) -> Scenario:
     return build(scenario.resolved() | {"run": {"seed": scenario.run.seed, "engine": engine}})
 
 
+@pytest.mark.slow
 @MANY
 @given(scenario=scenarios())
 def test_both_engines_give_every_bit(scenario: Scenario) -> None:
@@ -94,6 +95,7 @@ def outcome(scenario: Scenario) -> dict[tuple[str, str], bytes] | str:
         return str(refused)
 
 
+@pytest.mark.slow
 @FEW
 @given(scenario=scenarios())
 def test_both_engines_write_the_same_datasets(tmp_path_factory: pytest.TempPathFactory, scenario: Scenario) -> None:

@@ -131,6 +131,7 @@ def test_the_slider_along_the_surface_is_driven_by_the_force_in_the_file() -> No
 
 
 # Beside theory: momentum is exact, and a wrong weight, hardness or mass is seen.
+@pytest.mark.slow("elastic")
 @pytest.mark.parametrize("name", ["restitution", "impact damping", "elastic"])
 def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
     model = replace(RUNS[name], distance=8000.0, tick=0.2, tick_count=40_000)
@@ -141,6 +142,7 @@ def test_the_contact_bears_the_weight(name: str, tmp_path: Path) -> None:
     assert "load_mean" in compare(heavier, record).outside
 
 
+@pytest.mark.slow
 def test_the_mean_load_is_judged_by_its_scatter_over_stretches() -> None:
     """Student's t of 32 stretches; as a deviate of the normal law it is what has the same probability."""
     model = replace(RUNS["elastic"], distance=8000.0, tick=0.2, tick_count=40_000)
@@ -150,6 +152,7 @@ def test_the_mean_load_is_judged_by_its_scatter_over_stretches() -> None:
     assert abs(found.z - t) > 1e-4
 
 
+@pytest.mark.slow
 def test_first_order_is_the_limit_of_low_speed_and_many_contacts() -> None:
     """Within 1.5 % and the error that theory gives the runs; not where first order is 10 % off, near the resonance."""
     off = {}
@@ -174,6 +177,7 @@ def test_first_order_is_the_limit_of_low_speed_and_many_contacts() -> None:
     assert off[1.3][0] > off[1.3][1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("restitution", "limit"), [(0.7, 1.342), (0.3, 1.835)])
 def test_a_fast_contact_with_a_loss_has_more_area(restitution: float, limit: float) -> None:
     """It tends to 2 A_rm/(1 + e^2), by the scatter of 16 stretches; A_rm, that of no loss, is far off."""
@@ -187,6 +191,7 @@ def test_a_fast_contact_with_a_loss_has_more_area(restitution: float, limit: flo
     assert abs(means.mean() - 1.0) > 4.0 * error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "grows"), [(0.0, True), (0.05, False)])
 def test_without_any_loss_levels_grow(ratio: float, *, grows: bool) -> None:
     """Sliding brings energy, which a restitution of 1 gives back; a dashpot takes it away. By eighths of 2000 c."""
@@ -225,6 +230,7 @@ FAULTS: dict[str, tuple[str, Callable[[Any], Any], set[str]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) -> None:
     column, by, seen = FAULTS[fault]

@@ -71,6 +71,7 @@ def integrated(model: Model, record: MemoryRecord) -> np.ndarray[Any, Any]:
     return np.array(at_ticks).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_motion_is_that_of_another_integrator(name: str) -> None:
     model = KINDS[name]
@@ -123,6 +124,7 @@ def scores(model: Model, name: str) -> dict[str, float]:
     return {figure.name: figure.z for figure in summarise(model, tally) if figure.z is not None}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("v", [0.15, 0.5, 2.0])
 @pytest.mark.parametrize("ratio", [0.05, 0.3])
 @pytest.mark.parametrize("strength", [250.0, UNEQUAL])
@@ -148,6 +150,7 @@ def undamped(model: Model) -> Any:
     return engine.slider_constants(replace(model, separation=replace(held, damping=1e-3 * held.damping)))
 
 
+@pytest.mark.slow
 def test_faults_of_the_motion_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     model = loaded(**LONG)
     assert all(abs(z) <= BOUND for z in scores(model, "load, right").values())
@@ -179,6 +182,7 @@ FAULTS: dict[str, tuple[str, Callable[[Any], Any], str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) -> None:
     column, by, seen = FAULTS[fault]

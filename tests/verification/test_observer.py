@@ -49,6 +49,7 @@ def expected(run, rows):
     }
 
 
+@pytest.mark.slow("dense")
 @pytest.mark.parametrize("name", RUNS)
 def test_everything_is_told_once_and_in_order(name):
     run, diary = RUNS[name], Diary()

@@ -57,6 +57,7 @@ def label(row: dict[str, Any]) -> str:
     return "-".join(f"{row[key]}" for key in keys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", ROWS, ids=label)
 def test_a_run_has_the_moments_of_the_reference(row: dict[str, Any]) -> None:
     model = reference_model(row)
@@ -88,6 +89,7 @@ def scores_off_centre(found: Comparison) -> dict[str, float]:
     return {figure.name: figure.z for figure in found.figures if figure.z is not None}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run", [ORDINARY, MOVING, ROUGH], ids=["contact", "slider", "parabola"])
 def test_a_run_is_accepted_by_its_theory(run: Model) -> None:
     found = compared(run)
@@ -102,6 +104,7 @@ def test_a_run_is_accepted_by_its_theory(run: Model) -> None:
         assert sum(name.startswith("spectrum") for name in scores_off_centre(found)) == 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("run", "through"), [(ORDINARY, LENS), (ROUGH, PARABOLA)], ids=["lens", "parabola"])
 def test_the_theory_of_centred_passes_rejects_it(run: Model, through: Pulse) -> None:
     """The control: centred passes of the same mean life and births, as many and as large."""
@@ -147,6 +150,7 @@ def test_the_start_has_more_of_long_lives() -> None:
     assert abs(share.mean() - 0.5) * (12.0 * share.size) ** 0.5 <= 4.0
 
 
+@pytest.mark.slow
 def test_rows_are_what_the_offset_says() -> None:
     rows = played(ORDINARY)["junctions"]
     d, b = rows["diameter"], rows["lateral_offset"]

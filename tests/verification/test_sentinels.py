@@ -148,10 +148,12 @@ def start_scores(law: Positive) -> Figures:
     return found
 
 
+@pytest.mark.slow
 def test_who_is_alive_at_the_start() -> None:
     judge(start_scores(SPREADS["120 %"]))
 
 
+@pytest.mark.slow
 def test_five_per_cent_in_the_sizes_at_the_start_would_be_seen() -> None:
     law = SPREADS["120 %"]
     larger = Positive(mean=1.05 * law.mean, std=1.05 * law.std)

@@ -72,6 +72,7 @@ def relative(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
     return float(np.abs(found - true).max() / np.abs(true).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DAMPING_RATIOS)
 def test_an_adaptive_integrator_agrees(name: str) -> None:
     run = sliding(DAMPING_RATIOS[name], distance=40.0, tick=0.05)
@@ -146,6 +147,7 @@ def straight_reference(run: Model, record: MemoryRecord) -> Motion:
     return reference(run, record, straight_motion if run.pulse is TRIANGLE else theta_motion)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [1e2, 1e3, 1e5, 1e7])
 @pytest.mark.parametrize("name", FEW_RATIOS)
 def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, speed: float) -> None:
@@ -154,6 +156,7 @@ def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, s
     assert difference(record, straight_reference(run, record)) < PROMISED
 
 
+@pytest.mark.slow("many", "odd regular, over-damped", "Rabinowicz with his fluctuation")
 @pytest.mark.parametrize(
     "run",
     [

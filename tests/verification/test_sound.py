@@ -104,6 +104,7 @@ def test_a_sound_played_a_tenth_too_fast_has_not(run: RunFile) -> None:
 # From a scenario's text to a file anyone opens: the same bytes as in memory, for thin, dense, short and empty runs.
 
 
+@pytest.mark.slow
 def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
     """It begins at rest, and comes to its spread by swings far above it: the loudest of the run, if they were heard."""
     scenario = ROOT / "scenarios" / "load" / "fig5_smooth.toml"
@@ -119,6 +120,7 @@ def test_the_start_of_normal_motion_is_not_heard(tmp_path: Path) -> None:
     assert np.abs(left_out).max() > 12.0 * exact
 
 
+@pytest.mark.slow
 def test_impacts_are_heard_when_they_happen(tmp_path: Path) -> None:
     scenario = rubnoise.load(ROOT / "scenarios" / "load" / "bouncing.toml", ["sliding.distance=4 mm"])
     rubnoise.run(scenario, tmp_path / "x.h5").close()

@@ -239,6 +239,7 @@ def ratio_of_spreads(point: Point) -> tuple[float, float]:
     return sqrt(two_ways.sum() / one_way.sum()), error
 
 
+@pytest.mark.slow
 def test_weak_coupling_at_five_points_by_one_chi_square() -> None:
     """Sum of z^2 over five points, each z a Student deviate of 23 degrees of freedom.
 

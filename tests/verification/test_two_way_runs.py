@@ -39,6 +39,7 @@ def two_way(run: Model, **changes: Any) -> Model:
     return replace(run, slider=replace(run.slider, coupling="two-way", **changes))
 
 
+@pytest.mark.slow("gamma-events")
 @pytest.mark.parametrize("engine", ["events", "batch"])
 @pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
 def test_the_contact_is_that_of_the_one_way_run(changes: dict[str, Any], engine: Engine) -> None:
@@ -163,6 +164,7 @@ def of_figure_5() -> dict[str, Any]:
     return next(each for each in POINTS if (each["speed"], each["junctions"]) == (1000.0, 20))
 
 
+@pytest.mark.slow
 def test_another_slider_is_told_from_that_of_the_reference() -> None:
     """With a spring 5 % stiffer, or one-way, figures lie beyond the bound."""
     point = of_figure_5()
@@ -178,6 +180,7 @@ FAST = 1e5
 """From this speed (um/s) on one-way coupling, whose figures are exact, moves the slider alike on the same junctions."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("point", POINTS, ids=NAMES)
 def test_longer_fields_agree_with_the_reference(point: dict[str, Any]) -> None:
     distance = SHARE * point["seconds"] * point["speed"] / point["runs"]

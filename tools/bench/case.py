@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import sqrt
-from random import Random
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -81,76 +80,45 @@ class Case:
 
 
 class Draws(Protocol):
-    """Where junctions come from: one by one, or all of a run at once.
-
-    ``seed`` is for who draws them itself.
-    """
+    """Where the junctions of a run come from; ``seed`` is for who draws them itself."""
 
     seed: int
-
-    def gap(self) -> float:
-        """Return the distance in um to the next birth."""
-        ...
-
-    def diameter(self) -> float:
-        """Return the diameter in um of the next junction."""
-        ...
 
     def rows(self) -> tuple[Doubles, Doubles]:
         """Return births and diameters in um of every junction of the run, in order of birth."""
         ...
 
 
+@dataclass
 class Drawn:
-    """Random junctions: Python's own generator for one, which is the fastest at it, and numpy's for many."""
+    """Random junctions of a case."""
 
-    def __init__(self, case: Case, seed: int) -> None:
-        """Draw for a case."""
-        self.case, self.seed = case, seed
-        self.single, self.many = Random(seed), np.random.default_rng(seed)  # noqa: S311
-
-    def gap(self) -> float:
-        """Return an exponential gap."""
-        return self.single.expovariate(1.0 / self.case.mean_gap)
-
-    def diameter(self) -> float:
-        """Return a normal diameter, redrawn while it is not positive."""
-        while (d := self.single.gauss(self.case.mean_diameter, self.case.diameter_std)) <= 0.0:
-            pass
-        return d
+    case: Case
+    seed: int
 
     def rows(self) -> tuple[Doubles, Doubles]:
-        """Return a Poisson process of births up to the end of the run, and normal diameters, redrawn likewise."""
-        case = self.case
+        """Return a Poisson process of births up to the end of the run, and normal diameters, redrawn until positive."""
+        case, random = self.case, np.random.default_rng(self.seed)
         count = int(case.junctions + 10.0 * sqrt(case.junctions) + 10)
-        birth = np.cumsum(self.many.exponential(case.mean_gap, count))
+        birth = np.cumsum(random.exponential(case.mean_gap, count))
         birth = birth[birth <= case.distance]
-        diameter = self.many.normal(case.mean_diameter, case.diameter_std, birth.size)
+        diameter = random.normal(case.mean_diameter, case.diameter_std, birth.size)
         while (wrong := diameter <= 0.0).any():
-            diameter[wrong] = self.many.normal(case.mean_diameter, case.diameter_std, int(wrong.sum()))
+            diameter[wrong] = random.normal(case.mean_diameter, case.diameter_std, int(wrong.sum()))
         return birth, diameter
 
 
+@dataclass
 class Given:
-    """Junctions that rubnoise has drawn from a seed, so that all tools can make the same run."""
+    """Junctions that rubnoise has drawn from a seed (um), so that all tools can make the same run."""
 
-    def __init__(self, birth: Doubles, diameter: Doubles, seed: int = SEED) -> None:
-        """Hand out these rows (um)."""
-        self.birth, self.sizes, self.seed = birth, diameter, seed
-        self._gaps = iter([*np.diff(birth, prepend=0.0).tolist(), 1e12])
-        self._diameters = iter([*diameter.tolist(), 1.0])
-
-    def gap(self) -> float:
-        """Return the next gap; after the last row one that leads beyond any run."""
-        return float(next(self._gaps, 1e12))
-
-    def diameter(self) -> float:
-        """Return the next diameter."""
-        return float(next(self._diameters))
+    birth: Doubles
+    diameter: Doubles
+    seed: int = SEED
 
     def rows(self) -> tuple[Doubles, Doubles]:
         """Return all rows."""
-        return self.birth, self.sizes
+        return self.birth, self.diameter
 
 
 @dataclass(frozen=True, kw_only=True)

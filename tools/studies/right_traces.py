@@ -1,7 +1,5 @@
 """Friction traces whose junctions are known, made with numpy alone: they share no code with rubnoise, and judge it.
 
-    .venv/bin/python tools/studies/right_traces.py OUT.csv [--seed 1] [--bandwidth 5] [--strength-spread 0.5] ...
-
 Junctions of one diameter d are born at random along the sliding distance. Each adds its strength times the overlap of
 two circles of diameter d. The sum goes through the sensor: a filter of one or two poles, then white noise. Lengths are
 in um, forces in uN. `tools/studies inference` fits these traces; tests take single ones.
@@ -9,10 +7,7 @@ in um, forces in uN. `tools/studies inference` fits these traces; tests take sin
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,33 +130,3 @@ def without_junctions(kind: str, samples: int, rng: np.random.Generator) -> Doub
     else:
         raise ValueError(f"no kind {kind}")
     return 5.0 + (values - values.mean()) / values.std()
-
-
-def main() -> None:
-    """Write a trace over sliding distance as CSV."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--seed", type=int, default=1)
-    options: dict[str, Any] = {
-        name: field.default for name, field in Contact.__dataclass_fields__.items() if name != "off_centre"
-    }
-    for name, default in options.items():
-        kind = float if default is None else type(default)
-        parser.add_argument(f"--{name.replace('_', '-')}", type=kind, default=default)
-    parser.add_argument("--off-centre", action="store_true")
-    asked = vars(parser.parse_args())
-    contact = Contact(**{name: asked[name] for name in (*options, "off_centre")})
-    force = trace(contact, np.random.default_rng(asked["seed"]))
-    place = contact.tick * np.arange(force.size)
-    np.savetxt(
-        asked["out"],
-        np.column_stack([place, force]),
-        fmt="%.10g",
-        delimiter=",",
-        header="distance (um),force (uN)",
-        comments="",
-    )
-
-
-if __name__ == "__main__":
-    main()

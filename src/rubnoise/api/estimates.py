@@ -88,11 +88,12 @@ class PowerSpectrum(Table):
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
-        from rubnoise.api.pictures import drawn_estimate
+        from rubnoise.api.pictures import drawn_columns
 
         curves = {"estimated": self.density[1:]} | ({} if self.exact is None else {"exact": self.exact[1:]})
-        labels = f"{self.names[0]} ({self.place_units})", f"spectral density of {self.name}\n({self.units})"
-        return Table.plot(self, name) if name else drawn_estimate(self.place[1:], curves, labels)
+        along = self.place[1:], f"{self.names[0]} ({self.place_units})"
+        shown = [(curves, f"spectral density of {self.name}\n({self.units})")]
+        return Table.plot(self, name) if name else drawn_columns(along, shown, logarithmic=True)
 
     @property
     def _heading(self) -> str:

@@ -2,18 +2,19 @@
 
 import json
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from rubnoise.answer import Answer
 from rubnoise.api import keywords
+from rubnoise.api.inferred import answer_of
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, needing
 from rubnoise.inference import inference
 from rubnoise.scenario.text import text_of
-from rubnoise.tables import as_html, shortened
+from rubnoise.tables import shortened
 from rubnoise.units import SPEED, STRESS
 
 if TYPE_CHECKING:
@@ -108,7 +109,7 @@ class Inference(inference.InferenceResult):
             raise Refused(f"{self.name}: there is nothing to report: {self.refused_because}")
         from rubnoise.api.pictures import page_of_fit
 
-        return self._written(path, page_of_fit(self, self.name, self._lines()), force=force)
+        return self._written(path, page_of_fit(self, self.name, self.summary()), force=force)
 
     def plot(self) -> "Figure":
         """Draw trace, spectrum, residuals, autocorrelation and histogram; raises Refused if nothing was found."""
@@ -119,8 +120,8 @@ class Inference(inference.InferenceResult):
         return drawn_fit(self)
 
     def summary(self) -> str:
-        """Return estimates with their 95 % intervals, what is not identified, and what speaks against the model."""
-        return "\n".join(self._lines())
+        """Return the whole answer as text."""
+        return self.answer.to_text()
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Return each estimate by its name: value, standard error, both ends of the 95 % interval, unit."""
@@ -151,26 +152,16 @@ class Inference(inference.InferenceResult):
             part.write_text(text, encoding="utf-8")
         return place
 
-    def _lines(self) -> list[str]:
-        if self.refused_because is not None:
-            return [f"{self.name}: refused: {self.refused_because}"]
-        rows = [f"  {name:<22} {value}" for name, value in self._rows().items()]
-        unknown = [f"  {name}: not identified: {why}" for name, why in self.not_identified.items()]
-        flags = [f"  flagged: {words}" for words in self.flags]
-        return [f"what {self.name} shows, with sizes of law {self.law} (95 % intervals)", *rows, *unknown, *flags]
+    @property
+    def answer(self) -> Answer:
+        """The answer to what stands behind the trace: estimates, assumptions, tests, and the other laws and pulses.
 
-    def _rows(self) -> Mapping[str, str]:
-        return {
-            name: f"{each.value:.5g} [{each.interval[0]:.5g}, {each.interval[1]:.5g}]"
-            f" {'' if each.unit == '1' else each.unit}".rstrip()
-            for name, each in self.estimates.items()
-        }
+        It fails if the trace says too little, or fails a test.
+        """
+        return answer_of(self, self.name)
 
     def __repr__(self) -> str:
-        return shortened(self._lines())
+        return shortened(self.answer.to_text().splitlines())
 
     def _repr_html_(self) -> str:
-        if self.refused_because is not None:
-            return as_html(f"{self.name}: refused", (), (), self.refused_because)
-        notes = "\n".join([*(f"flagged: {words}" for words in self.flags), *self.assumptions])
-        return as_html(f"what {self.name} shows", ("", "value [95 %]"), list(self._rows().items()), notes)
+        return self.answer._repr_html_()

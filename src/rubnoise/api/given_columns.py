@@ -11,7 +11,7 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
-from rubnoise.storage.samples import Source
+from rubnoise.storage.measured import Source
 from rubnoise.storage.text_heads import NONE, head_of
 
 _NANOSECONDS: Final = 1e-9
@@ -49,7 +49,7 @@ def source_of(columns: Mapping[str, ArrayLike], name: str) -> Source:
     if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
         raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
     heads = [replace(head, unit=unit) for head, (_, unit) in zip(heads, read, strict=True)]
-    return Source(path=name, heads=heads, arrays=arrays, first=0)
+    return Source(path=name, heads=heads, arrays=dict(enumerate(arrays)))
 
 
 def _of_column(source: Column) -> dict[str, Any] | None:

@@ -25,9 +25,9 @@ from rubnoise.model import Model
 from rubnoise.real_numbers import real_numbers, with_unit
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
+from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import Asked, Measured, measured
-from rubnoise.storage.samples import LARGEST_VALUE, Source, along_of, listed
+from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source, along_of, listed, measured
 from rubnoise.storage.text_heads import Head
 from rubnoise.units import SPEED, STRESS
 
@@ -99,7 +99,7 @@ def infer(
     signal = _signal(found, velocity, unit)
     _check_sensor(found, signal, zero)
     if strokes is not None:
-        signal = joined(signal, share("strokes", strokes, MOST_OF_AN_END), found.first)
+        signal = joined(signal, share("strokes", strokes, MOST_OF_AN_END), found.begin)
     if strength is not None and signal.scale is None:
         raise Refused(
             f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
@@ -121,7 +121,7 @@ def infer(
     return replace(answer, bootstrap=_bootstrapped(answer, bootstrap, asked))
 
 
-def _measured(trace: Any, asked: Asked) -> Measured:
+def _measured(trace: Any, asked: Asked) -> Source:
     if isinstance(trace, str | os.PathLike):
         with refusing_files(trace):
             own = _own_result(trace, asked)
@@ -135,7 +135,7 @@ def _measured(trace: Any, asked: Asked) -> Measured:
     values, unit = with_unit(trace, "trace", "")
     if values.ndim != 1 or not values.size:
         raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
-    return measured(Source(path="", heads=[Head("trace", unit, "trace")], arrays=[values], word="value"), asked)
+    return measured(Source(path="", heads=[Head("trace", unit, "trace")], arrays={0: values}), asked)
 
 
 def _of_trace(trace: Any) -> Source:
@@ -144,14 +144,14 @@ def _of_trace(trace: Any) -> Source:
     return Source(
         path=getattr(trace, "name", "trace"),
         heads=[Head(name, trace.units[name], name) for name in names],
-        arrays=[real_numbers(trace.columns[name], name) for name in names],
+        arrays={n: real_numbers(trace.columns[name], name) for n, name in enumerate(names)},
         step=trace.step,
         along="time" if trace.units[trace.place] == "s" else "distance",
         notes=tuple(getattr(trace, "notes", ())),
     )
 
 
-def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Measured:
+def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Source:
     """Return a column of a table after its time or distance; for a run of ``ours`` the force, otherwise the area."""
     source = source_of(columns, "trace")
     others = [head.name for head in source.heads[1:]]
@@ -165,7 +165,7 @@ def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Measure
     return measured(source, asked)
 
 
-def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Measured | None:
+def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Source | None:
     """Return a column of the trace of a result of ours; None for any other file."""
     from rubnoise.regular_file import is_hdf5
 
@@ -177,7 +177,10 @@ def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Measured | None:
     try:
         opened = open_result(path)
     except RunFileRefused as problem:
-        raise Refused(f"{problem}; of a file of another program, {path}:PATH names a dataset") from problem
+        try:
+            opened_file(path)
+        except Refused as refused:
+            raise Refused(f"{problem}; {refused}") from problem
     with opened as run:
         there = run.trace
         name = column or ("friction_force" if "friction_force" in there else "real_contact_area")
@@ -185,21 +188,18 @@ def _own_result(trace: str | os.PathLike[str], asked: Asked) -> Measured | None:
             raise Refused(
                 f"{path}: column=: {name} is neither friction_force, which needs a strength, nor real_contact_area"
             )
-        unit = "uN" if name == "friction_force" else "um^2"
+        head = Head(name, "uN" if name == "friction_force" else "um^2", name)
         values = np.asarray(there[name][:], dtype=np.float64)
-        step = run.scenario.model().tick
-    held = Source(
-        path=path, heads=[Head(name, unit, name)], arrays=[values], step=step, along="distance", word="sample"
-    )
+        held = Source(path=path, heads=[head], arrays={0: values}, step=run.scenario.model().tick, along="distance")
     return measured(held, replace(asked, column=None))
 
 
-def _named(found: Measured) -> str:
-    where = found.source.where
+def _named(found: Source) -> str:
+    where = found.where
     return f"{where}: {found.head.name}" if where else found.head.name
 
 
-def _check_sensor(found: Measured, signal: Signal, zero: str) -> None:
+def _check_sensor(found: Source, signal: Signal, zero: str) -> None:
     """Raise Refused for a saturated sensor, and for a force of the wrong sign."""
     values = signal.values
     if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
@@ -214,10 +214,8 @@ def _check_sensor(found: Measured, signal: Signal, zero: str) -> None:
         )
 
 
-def _signal(found: Measured, speed: float | None, unit: Any) -> Signal:
+def _signal(found: Source, speed: float | None, unit: Any) -> Signal:
     step = found.step
-    if step is None:
-        raise Refused('the trace has no time and no distance; rate="20 kHz" says how often it was sampled')
     if found.along == "time":
         if speed is None:
             raise Refused('speed= is needed: the trace is over time, junctions live by distance; as in speed="1 mm/s"')

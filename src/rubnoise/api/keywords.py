@@ -10,12 +10,14 @@ from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.errors import Refused
-from rubnoise.storage.measured import Asked, Measured
+from rubnoise.storage.measured import Asked, Source
 from rubnoise.storage.text_heads import spelled
 from rubnoise.units import (
     AREA,
     FORCE,
     FREQUENCY,
+    LENGTH,
+    TIME,
     Kind,
     Quantity,
     QuantityError,
@@ -94,7 +96,21 @@ def asked(*, rate: Any = None, from_: Any = None, to: Any = None, **columns: Any
         key: value if value is None or isinstance(value, str) else str(count(key, value, MOST_COLUMNS))
         for key, value in columns.items()
     }
-    return Asked(**named, rate=quantity("rate", rate, FREQUENCY), begin=from_, end=to)
+    often, ends = quantity("rate", rate, FREQUENCY), (_end("from_", from_), _end("to", to))
+    return Asked(**named, rate=often, begin=ends[0], end=ends[1])
+
+
+def _end(keyword: str, value: Any) -> int | Quantity | None:
+    """Return the number of a sample, from 1 on, or a time or distance from the first one."""
+    if value is None or (isinstance(value, Integral) and not isinstance(value, bool)):
+        return None if value is None else int(value)
+    if isinstance(value, str) and re.fullmatch("[0-9]{1,15}", value.strip()):
+        return int(value)
+    try:
+        return quantity_of(value, TIME, LENGTH)
+    except QuantityError as problem:
+        form = f'right form: {keyword}="7201" for a sample, {keyword}="{TIME.example}"'
+        raise Refused(f"{keyword}=: {shown(value)}: {problem}; {form}") from problem
 
 
 def unit_text(unit: Any) -> Any:
@@ -130,10 +146,10 @@ def scale_of(unit: Any, what: str) -> tuple[float | None, bool, float]:
     return (None, False, sign) if volts else (abs(float(factor)), factor.kind is AREA, sign)
 
 
-def check_own_unit(found: Measured, unit: Any) -> None:
+def check_own_unit(found: Source, unit: Any) -> None:
     """Raise Refused for a unit beside values from Python that have another one; that of a file is replaced."""
-    own = "" if found.source.of_file else found.head.unit
-    what = ": ".join(each for each in (found.source.where, found.head.name) if each)
+    own = "" if found.of_file else found.head.unit
+    what = ": ".join(each for each in (found.where, found.head.name) if each)
     if any(unit_or_one(own).dimension) and scale_of(own, f"{what}: unit") != scale_of(unit, "unit="):
         raise Refused(f"unit=: {shown(unit)}: {what} is in {own} by its own words; leave unit= out")
 

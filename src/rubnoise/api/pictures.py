@@ -10,11 +10,12 @@ import numpy as np
 
 from rubnoise.api import keywords
 from rubnoise.api.column_group import SHORT
+from rubnoise.api.kinds import Kind
 from rubnoise.api.trace import Trace
-from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.real_numbers import number_in
+from rubnoise.record.reader import Reader
 from rubnoise.regular_file import is_hdf5
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
@@ -37,7 +38,9 @@ OTHER_WORDS: Final = {
 }
 """Words that other programs have for these pictures."""
 
-THREE_PANES: Final = ("slider", "overview", "load")
+TALL: Final = ("trace", "slider", "overview", "load", "lives", "lifelines", "phase", "psd")
+"""Pictures of several panes, which need a column that is higher than wide."""
+
 HIGH: Final = "84 mm x 110 mm"
 WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
 MICROMETRES_PER_INCH: Final = 25_400.0
@@ -53,13 +56,10 @@ def drawn(
     stop: Any = None,
     of: str = AREA,
     beside: "Run | Trace | str | os.PathLike[str] | None" = None,
-    size: str | None = None,
-    title: bool = True,
-    style: str | None = None,
+    **look: Any,
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Run.plot)."""
-    from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, drawing
-    from rubnoise.figures.stretch import Stretch
+    from rubnoise.figures.catalogue import PICTURES
 
     if what is None:
         what = "overview" if run.model().free is None else "load"
@@ -68,39 +68,52 @@ def drawn(
         near = OTHER_WORDS.get(str(what)) or next(iter(get_close_matches(str(what), PICTURES, n=1)), "")
         hint = f'; did you mean "{near}"?' if near else ""
         raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
-    heard = heard_of(of)
-    if isinstance(beside, str | os.PathLike):
-        if what not in {"psd", *OVERLAID}:
-            raise Refused('beside: a trace of yours goes with "psd", another run with "slider", "phase" and "load"')
-        beside = _measurement(beside, whole=what != "psd" or heard is not None)
+    if not (beside is None or isinstance(beside, Trace) or hasattr(beside, "reader")):
+        beside = _measurement(beside, whole=what != "psd" or of != AREA)
+    ends = ("start=", start), ("stop=", stop)
+    first, last = (None if end is None else number_in(end, name, LENGTH) for name, end in ends)
+    other = beside if beside is None or isinstance(beside, Trace) else beside.reader()
+    return picture_of(run.reader(), what, (first, last), of, other, appearance(what, **look), ax=ax)
+
+
+def picture_of(
+    file: Reader,
+    what: Kind,
+    ends: tuple[float | None, float | None],
+    of: str,
+    beside: Reader | Trace | None,
+    look: "Appearance",
+    *,
+    names: tuple[str, str] = ("of", "beside"),
+    ax: "Axes | None" = None,
+) -> "Figure":
+    """Draw a stretch of a run and return the figure; ``names`` are the caller's own for ``of`` and ``beside``.
+
+    Raises Refused for what does not go together.
+    """
+    from rubnoise.figures.catalogue import HEARD, OVERLAID, drawing
+    from rubnoise.figures.motion import prefix_refusals
+    from rubnoise.figures.stretch import Stretch
+
+    heard, other, measured = heard_of(of), None, None
     if heard is not None and what not in HEARD:
-        raise Refused(f'of={of!r}: is for "psd" and "histogram"')
-    if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and not (what == "psd" and heard):
-        raise Refused('beside: another run goes with "slider", "phase", "load", and "psd" of anything but the area')
-    if isinstance(beside, Trace) and what != "psd":
-        raise Refused('beside: a trace of yours goes with "psd"')
-    stretch = Stretch.of(run.reader(), _distance("start", start), _distance("stop", stop))
-    other = Stretch.of(beside.reader()) if beside is not None and not isinstance(beside, Trace) else None
-    measured = measured_spectrum(beside, heard) if isinstance(beside, Trace) else None
-    return drawing(
-        what,
-        stretch,
-        heard=heard,
-        beside=other,
-        measured=measured,
-        look=appearance(size, style, title=title, what=what),
-        ax=ax,
-    )
+        raise Refused(f"{names[0]} is for psd and histogram, not for {what}")
+    if isinstance(beside, Trace):
+        if what != "psd":
+            raise Refused(f"{names[1]}: a record of yours is for psd, not for {what}")
+        measured = measured_spectrum(beside, heard)
+    elif beside is not None:
+        if what not in OVERLAID and not (what == "psd" and heard):
+            raise Refused(f"{names[1]}: another run is for slider, phase, load, and psd of anything but the area")
+        with prefix_refusals(names[1]):
+            other = Stretch.of(beside)
+    return drawing(what, Stretch.of(file, *ends), heard=heard, beside=other, measured=measured, look=look, ax=ax)
 
 
-def _distance(keyword: str, value: Any) -> float | None:
-    return None if value is None else number_in(value, f"{keyword}=", LENGTH)
-
-
-def _measurement(path: str | os.PathLike[str], *, whole: bool) -> Trace:
+def _measurement(path: Any, *, whole: bool) -> Trace:
     """Read a trace to draw beside a spectrum; raises Refused for a result if the picture needs the ``whole`` run."""
     with refusing_files(path):
-        if is_hdf5(path):
+        if isinstance(path, str | os.PathLike) and is_hdf5(path):
             opened = f'rubnoise.open("{os.fspath(path)}")'
             right = opened if whole else f"rubnoise.Trace({opened})"
             raise Refused(f"beside: {os.fspath(path)}: is a result, not a table of text; right form: beside={right}")
@@ -123,16 +136,18 @@ def in_inches(size: str) -> tuple[float, float]:
     return width, height
 
 
-def appearance(size: str | None, style: str | None, *, title: bool, what: str = "") -> "Appearance":
+def appearance(
+    what: str = "", *, size: str | None = None, style: str | None = None, title: bool = True
+) -> "Appearance":
     """Return the appearance of a picture ``what`` from words; raises Refused for an unknown size or style.
 
-    Without a style a narrow picture has that of paper. Three panes one above the other need a higher column.
+    Without a style a narrow picture has that of paper. Several panes one above the other need a higher column.
     """
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.narrow import NARROW
     from rubnoise.figures.style import STYLES
 
-    size = HIGH if size == "single" and what in THREE_PANES else size
+    size = HIGH if size == "single" and what in TALL else size
     inches = None if size is None else in_inches(size)
     if style is None:
         style = "paper" if inches and inches[0] < NARROW else "screen"
@@ -149,65 +164,48 @@ def drawn_fit(found: InferenceResult) -> "Figure":
     return figure(found)
 
 
-def page_of_fit(found: InferenceResult, name: str, lines: list[str]) -> str:
+def page_of_fit(found: InferenceResult, name: str, text: str) -> str:
     """Return the page of an inference (see rubnoise.Inference.report)."""
     from rubnoise.figures.inference import page
 
-    return page(found, name, lines)
+    return page(found, name, text)
 
 
-def drawn_columns(place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: "Axes | None" = None) -> "Figure":
+def drawn_columns(
+    place: tuple[Any, str], curves: Sequence[tuple[Any, str]], ax: "Axes | None" = None, *, logarithmic: bool = False
+) -> "Figure":
     """Draw columns over their place, one below the other, each with its label, and return the figure.
 
-    With ``ax`` one column is drawn into these axes.
+    A column may be several by name, "estimated" and "exact". With ``ax`` one is drawn into these axes.
     """
-    from rubnoise.figures.style import BLUE, house_style, new_figure
+    from rubnoise.figures import style
 
-    with house_style():
+    with style.house_style():
         if ax is None:
-            figure = new_figure(7.0, 1.2 + 1.8 * len(curves))
+            figure = style.new_figure(7.0, 1.2 + 1.8 * len(curves))
             panes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
         else:
             figure, panes = cast("Figure", ax.figure), np.array([ax])
         for axes, (values, label) in zip(panes, curves, strict=True):
-            axes.plot(place[0], values, color=BLUE, linewidth=0.8)
+            several = values if isinstance(values, Mapping) else {"": values}
+            for name, each in several.items():
+                colour = style.VERMILION if name == "exact" else style.BLUE
+                axes.plot(place[0], each, color=colour, linewidth=0.8, label=name)
             axes.set_ylabel(label)
+            if logarithmic:
+                style.logarithmic(axes.xaxis, axes.yaxis)
+                style.legend_above(axes)
         panes[-1].set_xlabel(place[1])
         return figure
 
 
-def drawn_estimate(place: Doubles, curves: Mapping[str, Doubles], labels: tuple[str, str]) -> "Figure":
-    """Draw curves over their places by name, "estimated" and "exact", on logarithmic axes, and return the figure."""
-    from rubnoise.figures import style
-
-    colours = {"estimated": style.BLUE, "exact": style.VERMILION}
-    with style.house_style():
-        figure = style.new_figure(7.0, 3.8)
-        axes = figure.subplots()
-        for name, values in curves.items():
-            axes.plot(place, values, color=colours[name], lw=1.0, label=name)
-        style.logarithmic(axes.xaxis)
-        style.logarithmic(axes.yaxis)
-        axes.set_xlabel(labels[0])
-        axes.set_ylabel(labels[1])
-        style.legend_above(axes)
-        return figure
-
-
-def drawn_sweep(
-    sweep: "SweepResult",
-    what: Any,
-    *,
-    size: str | None = None,
-    title: bool = True,
-    style: str | None = None,
-) -> "Figure":
+def drawn_sweep(sweep: "SweepResult", what: Any, **look: Any) -> "Figure":
     """Draw a quantity of a sweep, and return the figure (see SweepResult.plot)."""
     from rubnoise.figures.catalogue import sweep_drawing
 
     if what is not None and not isinstance(what, str):
         raise Refused(f'{what!r}: is no quantity of a sweep; right form: sweep.plot("real_contact_area_std")')
-    return sweep_drawing(sweep, what, look=appearance(size, style, title=title))
+    return sweep_drawing(sweep, what, look=appearance(**look))
 
 
 def heard_of(of: str) -> "Heard | None":

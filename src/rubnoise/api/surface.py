@@ -81,13 +81,11 @@ class Surface:
         if spacing is None or not own:
             raise Refused('an array of heights needs spacing= and unit=; right form: spacing="0.5 um", unit="nm"')
         scaled = heights * length_scale(own, name)
-        return cls._of_scan(Scan(heights=scaled, spacing=_two_lengths("spacing", spacing), name=name), form)
+        return cls._of_scan({"heights": scaled, "spacing": _two_lengths("spacing", spacing), "name": name}, form)
 
     @classmethod
     def _of_scan(cls, scan: Scan, form: str, *, turn: bool = False) -> Self:
-        whole = HeightMap(
-            heights=scan.heights, spacing=scan.spacing, periodic=scan.periodic, name=scan.name, history=scan.history
-        )
+        whole = HeightMap(**scan)
         check_sense(whole)
         known = str(keywords.choice("form", form, tuple(FORMS)))
         return cls(without_form(whole.transposed() if turn else whole, known))

@@ -23,9 +23,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
-from rubnoise.regular_file import is_hdf5
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import Asked, Measured, measured
+from rubnoise.storage.measured import Asked, Source, measured
 from rubnoise.storage.text_heads import NONE, OTHERS, check_unit
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
@@ -118,9 +117,6 @@ class Trace(Table):
     @classmethod
     def _of_file(cls, path: str | os.PathLike[str], asked: Asked, unit: Any) -> Self:
         with refusing_files(path):
-            if os.path.exists(path) and is_hdf5(path):  # noqa: PTH110  (a path with a colon may be no path)
-                right = f'of a result, Trace(rubnoise.open("{path}")) takes the trace; {path}:PATH names a dataset'
-                raise Refused(f"{path}: {right}")
             return cls._of(read_measured(path, asked, every=True), str(path), unit)
 
     @classmethod
@@ -139,45 +135,35 @@ class Trace(Table):
         return cls._of(measured(source_of(columns, name), asked, every=True), name, unit)
 
     @classmethod
-    def _of(cls, found: Measured, name: str, unit: Any) -> Self:
+    def _of(cls, found: Source, name: str, unit: Any) -> Self:
         """Return a trace in working units; those of further columns that are unknown stay, and are noted."""
         columns: dict[str, Doubles] = {}
         units: dict[str, str] = {}
-        notes = list(found.notes)
-        if unit is not None and found.chosen is None:
+        notes, alone = list(found.notes), len(found.used) == 1
+        if unit is not None and not alone:
             raise Refused(f"unit=: {keywords.shown(unit)}: of which column? column= names it")
         if unit is not None:
             keywords.check_own_unit(found, unit)
-        for number, values in found.columns.items():
-            head = found.source.heads[number]
+        for number in found.used if found.placed is None else (found.placed, *found.used):
+            head, values = found.heads[number], found.arrays[number]
             if head.name in columns:
-                raise Refused(
-                    f"{found.source.where}: two columns are named {head.name}; column= takes one by its number"
-                )
-            if number == found.chosen and unit is not None:
+                raise Refused(f"{found.where}: two columns are named {head.name}; column= takes one by its number")
+            if unit is not None and number != found.placed:
                 units[head.name], factor = _given_units(unit)
             else:
-                own = found.chosen is not None or number == found.place_at
-                what = f"{found.source.where}: {head.written}"
+                what, own = f"{found.where}: {head.written}", alone or number == found.placed
                 units[head.name], factor = _in_working_units(head.unit, what, notes, own=own)
             columns[head.name] = values if factor == 1.0 else factor * values
-        if found.chosen is not None and found.source.of_file:
+        if alone and found.of_file:
             notes += digits(found.values, found.head.unit)
             notes += [f"{found.head.name}: {said}" for said in (clipped(found.values, found.place),) if said]
-        if found.place_at is not None:
-            place = found.source.heads[found.place_at].name
-            step = float(columns[place][-1] - columns[place][0]) / (columns[place].size - 1)
-        elif found.step is not None:
-            place = "time" if found.along == "time" else "distance"
+        place = found.along if found.placed is None else found.heads[found.placed].name
+        if found.placed is None:
             if place in columns:
-                raise Refused(f"{found.source.where}: the column {place} has no unit of its own; column= leaves it out")
+                raise Refused(f"{found.where}: the column {place} has no unit of its own; column= leaves it out")
             columns = {place: found.step * np.arange(found.values.size, dtype=np.float64), **columns}
-            step, units[place] = found.step, "s" if found.along == "time" else "um"
-        else:
-            raise Refused(
-                f'{found.source.where}: has no time and no distance; rate="20 kHz" says how often it was sampled'
-            )
-        return cls._made(name, place, step, columns, units, tuple(notes))
+            units[place] = "s" if place == "time" else "um"
+        return cls._made(name, place, found.step, columns, units, tuple(notes))
 
     @classmethod
     def _made(cls, *given: Any) -> Self:

@@ -66,11 +66,11 @@ class Escaping:
 
     def __init__(self, stream: TextIO) -> None:
         """Take the stream beneath."""
-        self._stream = stream
+        self.beneath = stream
 
     def write(self, text: str) -> int:
         """Write a text, escaped (see escaped)."""
-        return self._stream.write(escaped(text))
+        return self.beneath.write(escaped(text))
 
     def writelines(self, lines: Iterator[str]) -> None:
         """Write several texts."""
@@ -78,7 +78,7 @@ class Escaping:
             self.write(line)
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
+        return getattr(self.beneath, name)
 
 
 @contextmanager

@@ -11,7 +11,8 @@ import typer
 import rubnoise
 from rubnoise.cli.layout import sentence
 from rubnoise.cli.options import Quiet
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once
+from rubnoise.cli.progress import announce_compilation
+from rubnoise.cli.signals import interrupted_at_once
 from rubnoise.errors import OutputRefused
 
 SCENARIO: Final = "first/rubbing"

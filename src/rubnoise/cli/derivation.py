@@ -7,7 +7,7 @@ from pathlib import Path
 from rubnoise.analysis.moments import missing_for_motion
 from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.answer import Answer, Row
-from rubnoise.cli.layout import number, too_short_for_motion
+from rubnoise.cli.layout import too_short_for_motion
 from rubnoise.cli.load import load_as_json, load_notes, load_rows, load_warnings
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -164,7 +164,7 @@ def _notes(scenario: Scenario, theory: Exact) -> list[str]:
         off = model.strengths.mean / given - 1.0
         if abs(off) > WORTH_A_NOTE:
             law = scenario.strength.law
-            notes.append(f"the law {law} changes the mean strength by {off:+.1%} from {number(given)} MPa")
+            notes.append(f"the law {law} changes the mean strength by {off:+.1%} from {given:.7g} MPa")
     if model.is_two_way:
         notes.append(ONE_WAY_ALONE)
     notes += load_notes(load_as_json(theory))

@@ -10,7 +10,7 @@ import typer
 from rubnoise.answer import size
 from rubnoise.cli.layout import grouped
 from rubnoise.cli.options import ReplaceFiles, ResultFile
-from rubnoise.cli.progress import stoppable
+from rubnoise.cli.signals import stoppable
 
 STANDARD_OUTPUT = Path("-")
 

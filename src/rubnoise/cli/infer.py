@@ -1,24 +1,17 @@
 """`rubnoise infer`: from a measured trace back to its junctions, as text, as JSON, as a scenario and as a page."""
 
-from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import asdict
+from dataclasses import replace
 from enum import StrEnum
-from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from rubnoise.answer import printable
-from rubnoise.cli.layout import json_text, line, remark
+from rubnoise.answer import Answer, printable
+from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import in_shell
-
-if TYPE_CHECKING:
-    from rubnoise.inference.assumed import OtherPulse
-    from rubnoise.inference.estimates import Estimate
-    from rubnoise.inference.inference import InferenceResult
 
 Shape = StrEnum("Shape", "lens parabola")
 Offset = StrEnum("Offset", "none uniform")
@@ -103,6 +96,7 @@ def command(
 
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
+    from rubnoise.api.inferred import answer_of
     from rubnoise.api.inferring import infer
     from rubnoise.errors import Refused, TraceDoubtful
     from rubnoise.storage.output import check_output, whole_file
@@ -135,164 +129,25 @@ def command(
         strokes=strokes,
         bootstrap=bootstrap,
     )
+    answer = _in_shell(answer_of(found, trace))
     texts: dict[Path, str] = {}
     if output is not None and found.refused_because is None:
         texts[output] = found.to_toml()
     if report is not None and found.refused_because is None:
         from rubnoise.figures.inference import page
 
-        texts[report] = page(found, trace, list(described(found, trace)))
+        texts[report] = page(found, trace, answer.to_text())
     with ExitStack() as files:  # each gets its name when all are written: all or none
         for path, text in texts.items():
             files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
-    print(json_text(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
+    show(answer, as_json=as_json)
     if found.refused_because is not None:
         raise TraceDoubtful(f"{printable(trace)}: refused: {found.refused_because}")
     if found.flags:
         raise TraceDoubtful(f"{printable(trace)}: flagged: {'; '.join(found.flags)}")
 
 
-def contents(found: "InferenceResult", trace: str) -> dict[str, Any]:
-    """Return an inference by name, for JSON."""
-    return {
-        "trace": trace,
-        "law": found.law,
-        "estimates": _in_order(found.estimates),
-        "not_identified": {name: in_shell(reason) for name, reason in found.not_identified.items()},
-        "flags": [in_shell(flag) for flag in found.flags],
-        "refused": found.refused_because,
-        "laws": {
-            each.law: {
-                "criterion": each.criterion,
-                "worse_by": each.worse_by,
-                "worse_by_error": each.error,
-                "told_apart": each.told_apart,
-                "estimates": _in_order(each.estimates),
-            }
-            for each in found.laws
-        },
-        "tests": {
-            each.name: {"statistic": each.statistic, "p": each.p, "level": each.level, "flagged": each.flagged}
-            for each in found.tests
-        },
-        "law_free": dict(found.law_free),
-        "left_out": list(found.signal.left_out),
-        "notes": [in_shell(note) for note in found.signal.notes],
-        "assumptions": list(found.assumptions),
-        **_other(found),
-        "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
-        "bootstrap": {name: asdict(each) for name, each in found.bootstrap.items()},
-    }
-
-
-def _in_order(estimates: Mapping[str, "Estimate"]) -> dict[str, Any]:
-    return {name: asdict(estimates[name]) for name in _LABELS if name in estimates}
-
-
-def _other(found: "InferenceResult") -> dict[str, Any]:
-    told = {}
-    for key, other in (("offset", found.other_offset), ("shape", found.other_shape)):
-        if other is not None:
-            told[f"other_{key}"] = {
-                key: getattr(other.pulse, key),
-                "worse_by": other.worse_by,
-                "worse_by_error": other.error,
-                "diameter": other.diameter,
-                "diameter_off": other.diameter_off,
-                "told_apart": other.told_apart,
-                "estimates": _in_order(other.estimates),
-            }
-    return told
-
-
-_LABELS = {
-    "junction_count": "junctions at a time",
-    "diameter": "mean diameter",
-    "relative_spread": "spread over mean",
-    "shear_strength": "shear strength",
-    "strength_spread": "spread of strengths",
-    "mean_real_contact_area": "real contact area",
-    "noise": "noise of the sensor",
-}
-"""The estimates of an answer, in order, and what they are called."""
-
-
-def described(found: "InferenceResult", trace: str) -> Iterator[str]:
-    """Yield the lines of an inference."""
-    yield from _heading(found, trace)
-    if found.refused_because is not None:
-        yield remark(f"refused: {found.refused_because}")
-        return
-    alike = [each.law for each in found.laws if not each.told_apart and each.law != found.law]
-    laws = f"{found.law}; not distinguished from it: {', '.join(alike)}" if alike else found.law
-    yield line("law of sizes", laws)
-    for name, label in _LABELS.items():
-        if name in found.estimates:
-            yield line(label, _value(found.estimates[name]))
-    if alike:
-        yield remark("Intervals hold 95 % whichever of these laws is right.")
-    for name, reason in found.not_identified.items():
-        yield remark(f"{_LABELS[name]}: not identified: {in_shell(reason)}")
-    yield from _granted(found)
-    yield "without a law"
-    yield line("diameter m6/m5", f"{found.law_free['effective_diameter']:.4g} um")
-    if "effective_count" in found.law_free:
-        yield line("number, if sizes were equal", f"{found.law_free['effective_count']:.4g}")
-    if found.bootstrap:
-        yield "bootstrap: mean and scatter of simulated traces"
-        for name, each in found.bootstrap.items():
-            yield line(_LABELS[name], f"{each.value:.4g} +- {each.standard_error:.2g} {_unit(each)}".rstrip())
-    yield "tests of the trace"
-    for test in found.tests:
-        yield remark(f"{'FLAGGED: ' if test.flagged else ''}{in_shell(test.words)} (p = {test.p:.2g})")
-
-
-def _heading(found: "InferenceResult", trace: str) -> Iterator[str]:
-    """Yield the length of the trace, and the parts that were left out."""
-    signal = found.signal
-    length = signal.tick * signal.values.size
-    yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
-    for words in (*signal.left_out, *signal.notes):
-        yield remark(in_shell(words))
-
-
-def _granted(found: "InferenceResult") -> Iterator[str]:
-    """Yield the assumptions, and how number and strength depend on them."""
-    if found.assumptions:
-        yield "taken for granted"
-    for words in found.assumptions:
-        yield remark(in_shell(words))
-    if found.other_offset is not None:
-        uniform = found.other_offset.pulse.offset == "uniform"
-        passes = "passes off the centre (--offset uniform)" if uniform else "passes through the centre"
-        yield remark(_compared(passes, found.other_offset))
-    if found.other_shape is not None:
-        shape = found.other_shape.pulse.shape
-        yield remark(_compared(f"lives of the shape {shape} (--pulse {shape})", found.other_shape))
-    for each in found.by_strength_spread:
-        strength = "" if each.shear_strength is None else f" of {each.shear_strength:.4g} MPa"
-        numbers = f"{each.junction_count:.4g} junctions{strength}"
-        yield line(f"strengths spread by {100.0 * each.strength_spread:.0f} %", numbers)
-
-
-def _compared(what: str, other: "OtherPulse") -> str:
-    which, size = ("worse" if other.worse_by >= 0.0 else "better"), ("more" if other.diameter_off >= 0.0 else "less")
-    fit = f"{what} fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion"
-    told = "" if other.told_apart else ", which decides nothing"
-    numbers = [
-        f"{_LABELS[name]} {each.value:.4g} {_unit(each)}".rstrip()
-        for name, each in other.estimates.items()
-        if name in {"junction_count", "shear_strength"}
-    ]
-    size = f"mean diameter {other.diameter:.4g} um ({100.0 * abs(other.diameter_off):.2g} % {size})"
-    return f"{fit}{told}; they give {', '.join([size, *numbers])}"
-
-
-def _value(estimate: "Estimate") -> str:
-    low, high = estimate.interval
-    ends = f"{low:.4g} to {high:.4g}" if isfinite(high) else f"from {low:.4g}"
-    return f"{estimate.value:.4g} {_unit(estimate)}".rstrip() + f"  (95 %: {ends})"
-
-
-def _unit(estimate: "Estimate") -> str:
-    return "" if estimate.unit == "1" else estimate.unit
+def _in_shell(answer: Answer) -> Answer:
+    """Return an answer whose words name options of the command instead of keywords."""
+    rows = tuple(replace(row, name=in_shell(row.name), note=in_shell(row.note)) for row in answer.rows)
+    return replace(answer, rows=rows, notes=tuple(map(in_shell, answer.notes)))

@@ -1,18 +1,17 @@
 """`rubnoise info`: the content of a result, or of the folder of a sweep."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
-from math import floor, log10
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import rubnoise
-from rubnoise.answer import Answer, Row, Table, finite, printable, size
-from rubnoise.cli.layout import grouped, json_text, line, sentence, show
+from rubnoise.answer import Answer, Row, Table
+from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultOrSweep
-from rubnoise.cli.sweep import format_failures, states_in_words, values_in_words
+from rubnoise.cli.sweep import failures
 from rubnoise.errors import Refused
 from rubnoise.regular_file import is_folder
 
@@ -58,10 +57,8 @@ def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json:
     if over is not None and figures is None:
         raise typer.BadParameter("--over is for --figures")
     with rubnoise.open_sweep(folder) as sweep:
-        answer = sweep_as_json(sweep, folder)
-        if figures is not None:
-            answer["estimates"] = estimates_as_json(sweep, [name.strip() for name in figures.split(",")], over)
-    print(json_text(answer) if as_json else "\n".join(format_sweep(answer)))
+        names = [] if figures is None else [name.strip() for name in figures.split(",")]
+        show(sweep_answer(sweep, folder, estimates(sweep, names, over)), as_json=as_json)
 
 
 def run_answer(run: "Run", file: Path) -> Answer:
@@ -112,54 +109,45 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
     return rows, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
 
 
-def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
-    """Return the content of the folder of a sweep, by name."""
-    attributes = sweep.attributes
-    return {
-        "folder": str(folder),
-        "title": sweep.title,
-        "source": attributes["source"],
-        "command": attributes["command"],
-        "written": attributes["written"],
-        "grid": list(sweep.grid),
-        "side_by_side": list(sweep.side_by_side),
-        "points": len(sweep.points),
-        "runs": len(sweep.runs),
-        "done": sweep.count("done"),
-        "failed": sweep.count("failed"),
-        "planned": sweep.count("planned"),
-        "bytes": sum(file.stat().st_size for file in folder.rglob("*") if file.is_file()),
-        "figures": list(sweep.figures),
-        "summaries": list(sweep.summaries),
-        "failures": [asdict(each) for each in sweep.failures],
-    }
+def sweep_answer(sweep: "SweepResult", folder: Path, estimated: "list[Table]") -> Answer:
+    """Return the content of the folder of a sweep, and ``estimated`` figures."""
+    origin = {name: sweep.attributes[name] for name in ("source", "command", "written")}
+    counts = {state: sweep.count(state) for state in ("done", "failed", "planned")}
+    known: dict[str, Any] = origin | {"points": len(sweep.points), "runs": len(sweep.runs), **counts}
+    size_of_all = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+    lists: dict[str, Sequence[str]] = {"grid": sweep.grid, "side_by_side": sweep.side_by_side, "figures": sweep.figures}
+    lists |= {"summaries": sweep.summaries}
+    return Answer(
+        title=f"{folder}: {sweep.title}",
+        rows=(
+            *(Row(name=name, value=value) for name, value in known.items()),
+            Row(name="bytes", value=size_of_all, unit="B"),
+            *(Row(name=name, value=list(values)) for name, values in lists.items() if values),
+        ),
+        tables=(*failures(sweep), *estimated),
+    )
 
 
-def estimates_as_json(sweep: "SweepResult", names: Sequence[str], over: str | None = None) -> list[dict[str, Any]]:
+def estimates(sweep: "SweepResult", names: Sequence[str], over: str | None = None) -> list[Table]:
     """Return figures of each point over its replicates with their 95 % intervals, and ratios ``over`` other points.
 
     Raises Refused for a figure that no run has, and for a text that is not KEY=VALUE of a point.
     """
     if unknown := [name for name in names if name not in sweep.figures]:
         raise Refused(f'"{unknown[0]}": no figure of this sweep; there are {", ".join(sweep.figures) or "none yet"}')
-    found: list[dict[str, Any]] = [{"values": values, "figures": {}} for values in sweep.values]
+    key, value = ("", None) if over is None else _swept_value(sweep, over)
+    found = []
     for name in names:
-        for point, estimate in zip(found, sweep.estimates(name), strict=True):
-            point["figures"][name] = _interval(estimate)
-    if over is None:
-        return found
-    key, value = _swept_value(sweep, over)
-    for point in found:
-        point["over"] = {}
-    for name in names:
-        try:
-            ratios = sweep.ratios(name, key, value)
-        except ValueError as problem:
-            raise Refused(
-                f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
-            ) from problem
-        for point, estimate in zip(found, ratios, strict=True):
-            point["over"][name] = _interval(estimate)
+        columns: dict[str, list[Any]] = {each: [str(values[each]) for values in sweep.values] for each in sweep.keys}
+        columns |= _intervals("", sweep.estimates(name))
+        if over is not None:
+            try:
+                columns |= _intervals("ratio_", sweep.ratios(name, key, value))
+            except ValueError as problem:
+                raise Refused(
+                    f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
+                ) from problem
+        found.append(Table(name=name, columns=columns))
     return found
 
 
@@ -174,55 +162,13 @@ def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
     return key, next(values[key] for values in sweep.values if str(values[key]) == text)
 
 
-def _interval(estimate: "PooledEstimate") -> dict[str, float | int | None]:
-    """Return value, standard error, 95 % interval and the number of runs; unknown ones are None."""
-    numbers = {
-        "value": estimate.value,
-        "standard_error": estimate.standard_error,
-        "low": estimate.value - estimate.reach,
-        "high": estimate.value + estimate.reach,
-        "runs": estimate.runs,
+def _intervals(prefix: str, estimates: "Sequence[PooledEstimate]") -> dict[str, list[Any]]:
+    """Return the columns of estimates: value, standard error, 95 % interval and number of runs."""
+    columns: dict[str, list[Any]] = {
+        "value": [each.value for each in estimates],
+        "standard_error": [each.standard_error for each in estimates],
+        "low": [each.value - each.reach for each in estimates],
+        "high": [each.value + each.reach for each in estimates],
+        "runs": [each.runs for each in estimates],
     }
-    return dict(finite(numbers))
-
-
-def format_sweep(answer: Mapping[str, Any]) -> list[str]:
-    """Return the same as lines to print."""
-    lines = [
-        sentence(f"{answer['folder']}: {printable(answer['title'])}"),
-        line("written by", f"{answer['source']}, {answer['written']}"),
-        line("command", answer["command"], whole=True),
-        line("points", grouped(answer["points"])),
-        line("runs", f"{grouped(answer['runs'])}: {states_in_words(answer)}"),
-        line("size", size(answer["bytes"])),
-        *(line("swept", key) for key in answer["grid"]),
-        *(line("swept in parallel", key) for key in answer["side_by_side"]),
-        line("figures of each run", ", ".join(answer["figures"])),
-    ]
-    lines += ["", *format_failures(answer["failures"])] if answer["failures"] else []
-    return lines + (["", *_estimate_lines(answer["estimates"])] if "estimates" in answer else [])
-
-
-def _estimate_lines(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield a line for each figure of each point, below the swept values."""
-    for point in points:
-        yield sentence(values_in_words(point["values"]))
-        for name, estimate in point["figures"].items():
-            over = point.get("over", {}).get(name, {"runs": 0})
-            # A point over itself is 1, which needs no telling.
-            ratio = f"; ratio {_with_interval(over)}" if over["runs"] and over["standard_error"] != 0.0 else ""
-            runs = f" ({estimate['runs']} runs)" if estimate["runs"] else ""
-            yield line(name.replace("_", " "), f"{_with_interval(estimate)}{runs}{ratio}")
-
-
-def _with_interval(estimate: Mapping[str, Any]) -> str:
-    """Return a value with the decimals of two digits of its 95 % interval."""
-    if estimate["value"] is None:
-        return "not known"
-    if estimate["low"] is None:
-        return f"{estimate['value']:.5g}"
-    reach = 0.5 * (estimate["high"] - estimate["low"])
-    if reach == 0.0:
-        return f"{estimate['value']:g}"
-    places = max(1 - floor(log10(reach)), 0)
-    return f"{estimate['value']:.{places}f} +- {reach:.{places}f}"
+    return {f"{prefix}{name}": values for name, values in columns.items()}

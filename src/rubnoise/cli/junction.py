@@ -3,12 +3,12 @@
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from rubnoise.answer import printable
-from rubnoise.cli.layout import filled, grouped, json_text, number, table_row
+from rubnoise.answer import Answer, Row, Table, printable
+from rubnoise.cli.layout import show
 from rubnoise.cli.plot import check_picture, write_picture
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rubnoise.record.rows import JunctionState
 
 
-def show(
+def show_life(
     file: Path, number: str, picture: Path | None, *, plot: bool, force: bool, as_csv: bool, as_json: bool
 ) -> None:
     """Show one junction of a result in the chosen form."""
@@ -29,46 +29,73 @@ def show(
         life = life_of(run, row)
         if plot:
             _draw(life, file, picture or Path(f"{file.stem}_junction{life.number}.png"), force=force)
-        elif as_json:
-            print(json_text(life_as_json(life, file)))
         elif as_csv:
             print("\n".join(curve_lines(life)))
         else:
-            print("\n".join(format_life(life, file)))
+            show(life_answer(life, file), as_json=as_json)
 
 
-def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
-    """Return everything about a life, by name; values that the run lacks, or the life did not reach, are None."""
+def life_answer(life: "Life", file: Path) -> Answer:
+    """Return everything about a life: its row, the contact where its area is largest, and its curve."""
+    state = state_names(life.state)
+    of = ", ".join(STATES[name] for name in state)
+    return Answer(
+        title=f"{file}: junction {life.number} of 0 to {life.rows - 1}, {of}",
+        rows=(*_row_of(life), *_peak(life)),
+        tables=(Table(name="curve", columns=life.curve(), units=UNITS, shown=()),),
+    )
+
+
+def _row_of(life: "Life") -> Iterator[Row]:
+    """Yield the columns of its row that the run has, and where it reached its largest overlap."""
+    yield Row(part="junction", name="state", value=state_names(life.state))
     middle = life.mid_life_distance
-    return {
-        "file": str(file),
-        "junction": life.number,
-        "rows": life.rows,
-        "state": state_names(life.state),
-        "birth_distance": life.birth_distance,
-        "mid_life_distance": middle,
-        "death_distance": life.death_distance,
-        "life_distance": life.life_distance,
-        "birth_time": life.birth_time,
-        "mid_life_time": None if middle is None else life.time(middle),
-        "death_time": life.death_time,
-        "diameter": life.diameter,
-        "lateral_offset": life.lateral_offset,
-        "max_area": life.max_area,
-        "shear_strength": life.shear_strength,
-        "peak": {
-            "distance": life.peak_distance,
-            "time": life.time(life.peak_distance),
-            "area": life.peak_area,
-            "force": life.peak_force,
-            "real_contact_area": life.real_contact_area,
-            "friction_force": life.friction_force,
-            "area_share": life.area_share,
-            "force_share": life.force_share,
-            "others_alive": life.beside.rows.tolist(),
-        },
-        "curve": life.curve(),
+    for name, distance in (("birth", life.birth_distance), ("mid_life", middle), ("death", life.death_distance)):
+        if distance is None:
+            yield Row(part="junction", name=f"{name}_distance", note="not reached")
+            continue
+        after = "before the start" if distance < 0.0 else "after the end" if distance > life.record_end else ""
+        yield Row(part="junction", name=f"{name}_distance", value=distance, unit="um", note=after)
+        time = getattr(life, f"{name}_time", None) if name != "mid_life" else life.time(distance)
+        if time is not None:
+            yield Row(part="junction", name=f"{name}_time", value=float(time), unit="s")
+    for name, unit in (
+        ("life_distance", "um"),
+        ("diameter", "um"),
+        ("lateral_offset", "um"),
+        ("max_area", "um^2"),
+        ("shear_strength", "MPa"),
+    ):
+        if (value := getattr(life, name)) is not None:
+            yield Row(part="junction", name=name, value=value, unit=unit)
+
+
+def _peak(life: "Life") -> Iterator[Row]:
+    """Yield the contact where the area of this junction is largest, and who was alive there."""
+    time = life.time(life.peak_distance)
+    known = {
+        "distance": (life.peak_distance, "um"),
+        "time": (None if time is None else float(time), "s"),
+        "area": (life.peak_area, "um^2"),
+        "real_contact_area": (life.real_contact_area, "um^2"),
+        "area_share": (life.area_share, ""),
+        "force": (life.peak_force, "uN"),
+        "friction_force": (life.friction_force, "uN"),
+        "force_share": (life.force_share, ""),
     }
+    for name, (value, unit) in known.items():
+        if value is not None:
+            note = _occasion(life) if name == "distance" else ""
+            yield Row(part="peak", name=name, value=value, unit=unit, note=note)
+    yield Row(part="peak", name="others_alive", value=life.beside.rows.tolist(), note="row numbers")
+
+
+def _occasion(life: "Life") -> str:
+    if life.peak_distance == life.mid_life_distance:
+        return "mid-life"
+    if life.peak_distance == life.death_distance:
+        return "just before it was ended"
+    return f"largest in the record, at the {'end' if life.peak_distance == life.record_end else 'start'}"
 
 
 def _check_options(picture: Path | None, *, plot: bool, force: bool, as_csv: bool, as_json: bool) -> None:
@@ -102,8 +129,6 @@ STATES = {
     "ended_early": "ended early",
     "complete": "a complete life",
 }
-MOST_NAMED = 60
-"""Others named on the terminal; --json names all."""
 
 
 def state_names(state: "JunctionState") -> list[str]:
@@ -117,76 +142,3 @@ def curve_lines(life: "Life") -> Iterator[str]:
     yield ",".join(f"{name}_{UNITS[name].replace('^', '')}" for name in curve)
     for values in zip(*(column.tolist() for column in curve.values()), strict=True):
         yield ",".join(map(repr, values))
-
-
-def format_life(life: "Life", file: Path) -> Iterator[str]:
-    """Yield the life in words and numbers."""
-    state = ", ".join(STATES[name] for name in state_names(life.state))
-    yield f"{printable(str(file))}: junction {life.number} of 0 to {life.rows - 1}, {state}"
-    yield ""
-    yield from _event_lines(life)
-    yield ""
-    yield _line("diameter", life.diameter, "um")
-    if life.lateral_offset is not None:
-        yield _line("lateral offset", life.lateral_offset, "um")
-    yield _line("area at full overlap" if life.lateral_offset is None else "area at mid-life", life.max_area, "um^2")
-    if life.shear_strength is not None:
-        yield _line("shear strength", life.shear_strength, "MPa")
-    yield ""
-    yield from _peak(life)
-
-
-def _event_lines(life: "Life") -> Iterator[str]:
-    yield _event("birth", life, life.birth_distance)
-    middle = life.mid_life_distance
-    yield _event("mid-life", life, middle) if middle is not None else "  mid-life    not reached"
-    yield _event("death", life, life.death_distance)
-    length = _line("life", life.life_distance, "um")
-    if life.birth_time is not None and life.death_time is not None:
-        length = f"{length:<31}{number(life.death_time - life.birth_time):>14} s"
-    yield length
-
-
-def _event(name: str, life: "Life", distance: float) -> str:
-    time = life.time(distance)
-    after = "" if time is None else f"{number(float(time)):>14} s"
-    if distance < 0.0:
-        after += "   before the start"
-    elif distance > life.record_end:
-        after += "   after the end"
-    return table_row(f"{_line(name, distance, 'um'):<31}", after)
-
-
-def _line(name: str, value: float, unit: str, after: str = "") -> str:
-    return table_row(f"  {name:<22}{number(value):>13} {unit}", after)
-
-
-def _peak(life: "Life") -> Iterator[str]:
-    yield f"at {_peak_occasion(life)}, {number(life.peak_distance)} um"
-    yield _line("its area", life.peak_area, "um^2", f"   {_percent(life.area_share)} of the contact")
-    yield _line("real contact area", life.real_contact_area, "um^2")
-    if life.peak_force is not None and life.friction_force is not None and life.force_share is not None:
-        yield _line("its force", life.peak_force, "uN", f"   {_percent(life.force_share)} of the friction force")
-        yield _line("friction force", life.friction_force, "uN")
-    yield from _neighbour_lines(life)
-
-
-def _peak_occasion(life: "Life") -> str:
-    if life.peak_distance == life.mid_life_distance:
-        return "its peak, mid-life"
-    if life.peak_distance == life.death_distance:
-        return "its peak, just before it was ended"
-    return f"its largest in the record, at the {'end' if life.peak_distance == life.record_end else 'start'}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
-
-
-def _neighbour_lines(life: "Life") -> Iterator[str]:
-    rows = life.beside.rows
-    yield f"  alive beside it: {grouped(rows.size)}" + (", row numbers" if rows.size else "")
-    named = ", ".join(str(row) for row in rows[:MOST_NAMED].tolist())
-    more = f" and {grouped(rows.size - MOST_NAMED)} more (--json names all)" if rows.size > MOST_NAMED else ""
-    if rows.size:
-        yield filled(named + more, "    ", "    ")

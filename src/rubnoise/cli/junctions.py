@@ -1,17 +1,15 @@
 """`rubnoise junctions`: the rows of a result that meet a condition, or one of them, as text, CSV or JSON."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 import typer
 
-from rubnoise.answer import printable
-from rubnoise.cli.junction import show as show_life
-from rubnoise.cli.junction import state_names
-from rubnoise.cli.layout import grouped, groups_that_fit, json_text
-from rubnoise.cli.layout import number as in_digits
+from rubnoise.answer import Answer, Row, Table, printable
+from rubnoise.cli.junction import show_life, state_names
+from rubnoise.cli.layout import as_wide_text, grouped, json_text
 from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
 from rubnoise.errors import Refused
 
@@ -155,55 +153,51 @@ def print_csv(found: ChosenRows) -> None:
 
 
 def print_json(found: ChosenRows) -> None:
-    """Print one JSON object, with a line for each row, while the rows are read."""
-    from rubnoise.record.rows import JunctionState
+    """Print one JSON object, column by column while the rows are read, so that memory does not grow with them."""
+    from rubnoise.analysis.selection import gather
 
-    about: dict[str, Any] = {"file": str(found.path), "where": found.where, "sort": found.sort}
-    about |= {"rows": found.run.rows("junctions"), "matched": found.total}
-    names = [column.name for column in found.columns]
-    print(json_text(about)[:-1] + ', "junctions": [', end="")
-    for i, row in enumerate(found.values()):
-        values: dict[str, Any] = dict(zip(names, row, strict=True))
-        if "state" in values:
-            values["state"] = state_names(JunctionState(values["state"]))
-        print(",\n" if i else "\n", json_text(values), sep="", end="")
-    print("]}")
+    print(json_text(about(found).to_json())[:-1] + ', "junctions": {', end="")
+    for i, column in enumerate(found.columns):
+        print(",\n" if i else "\n", json_text(column.name), ": [", sep="", end="")
+        separator = ""
+        for chunk in gather(found.run, found.rows, [column.name]):
+            cells = json_text(_cells(column.name, chunk[column.name].tolist()))[1:-1]
+            print(separator, cells, sep="", end="")
+            separator = ", "
+        print("]", end="")
+    print("}}")
+
+
+def about(found: ChosenRows) -> Answer:
+    """Return which rows were chosen, without these."""
+    all_rows = found.run.rows("junctions")
+    rows = {"where": found.where, "sort": found.sort, "rows": all_rows, "matched": found.total}
+    return Answer(
+        title=f"{found.path}: {grouped(found.total)} of {grouped(all_rows)} junctions",
+        rows=tuple(Row(name=name, value=value) for name, value in rows.items() if value is not None),
+    )
 
 
 def print_text(found: ChosenRows) -> None:
     """Print the rows in columns below their names and units, and the number of further ones."""
-    all_rows = grouped(found.run.rows("junctions"))
-    print(f"{printable(str(found.path))}: {grouped(found.total)} of {all_rows} junctions")
-    if found.rows.size:
-        print()
-        print("\n".join(_table(found)))
+    units = {column.name: column.units for column in found.columns if column.units != "1"}
+    names = [column.name for column in found.columns]
+    values = {
+        name: _cells(name, list(cells)) for name, cells in zip(names, zip(*found.values(), strict=True), strict=False)
+    }
+    tables = (Table(name="", columns=values, units=units),) if found.rows.size else ()
+    print(as_wide_text(replace(about(found), rows=(), tables=tables)))
     if found.total > found.rows.size:
         print(f"\n  and {grouped(found.total - found.rows.size)} more (--head N for more, --csv for all)")
 
 
-def _table(found: ChosenRows) -> Iterator[str]:
-    cells = [[_cell(c.name, value) for c, value in zip(found.columns, row, strict=True)] for row in found.values()]
-    names = [column.name for column in found.columns]
-    units = ["" if column.units == "1" else column.units for column in found.columns]
-    widths = [max(map(len, column)) + 2 for column in zip(names, units, *cells, strict=True)]
-    for place, group in enumerate(groups_that_fit(widths)):
-        if place:
-            yield ""
-        for line in (names, units, *cells):
-            if not place or any(line[n] for n in group):  # no line of units if none has one
-                yield "".join(_aligned(names[n], line[n], widths[n]) for n in group).rstrip()
+def _cells(name: str, values: list[Any]) -> list[Any]:
+    """Return the values of a column as JSON and text have them: states by name."""
+    if name != "state":
+        return values
+    from rubnoise.record.rows import JunctionState
 
-
-def _aligned(name: str, cell: str, width: int) -> str:
-    return f"  {cell.ljust(width - 2)}" if name == "state" else cell.rjust(width)
-
-
-def _cell(name: str, value: float) -> str:
-    if name == "state":
-        from rubnoise.record.rows import JunctionState
-
-        return ", ".join(state_names(JunctionState(int(value))))
-    return str(value) if isinstance(value, int) else in_digits(value)
+    return [state_names(JunctionState(value)) for value in values]
 
 
 def _chosen_columns(columns: str | None, there: "tuple[Dataset, ...]", named: set[str] | None) -> "tuple[Dataset, ...]":

@@ -3,13 +3,12 @@
 import json
 import os
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from math import isfinite
 from textwrap import fill
 from typing import Any, TextIO
 
-from rubnoise.answer import Answer, finite, printable
+from rubnoise.answer import Answer, finite
 from rubnoise.answer import as_json as as_json_text
 
 WIDTH = 80
@@ -36,78 +35,23 @@ def width() -> int:
     return max(columns_of(sys.stdout) or WIDTH, NARROWEST)
 
 
-def filled(text: str, first: str = "", others: str = "") -> str:
-    """Return a text in lines of the terminal's width, broken between words, each with its indentation."""
-    return fill(
-        text, width(), initial_indent=first, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
-    )
-
-
-def sentence(text: str) -> str:
+def sentence(text: str, indent: str = "") -> str:
     """Return a sentence broken between words on a terminal, otherwise in one line."""
-    return text if columns_of(sys.stdout) is None else filled(text, "", "  ")
-
-
-def table_row(label: str, numbers: str) -> str:
-    """Return a row of a table, with its label above its numbers if the terminal is too narrow for one line.
-
-    Both are padded to the width of their column, so that all rows are broken or none.
-    """
-    most = columns_of(sys.stdout)
-    if most is None or len(label) + len(numbers) <= most:
-        return (label + numbers).rstrip()
-    return "\n".join(part.rstrip() for part in (label, f"  {numbers}") if part.strip())
-
-
-def groups_that_fit(widths: Sequence[int]) -> list[list[int]]:
-    """Return the numbers of a table's columns in groups that fit a terminal, each beginning with the first column.
-
-    Without a terminal they are one group, for programs that read one row per line.
-    """
-    most = columns_of(sys.stdout)
-    groups = [[0]]
-    for number in range(1, len(widths)):
-        taken = sum(widths[each] for each in groups[-1]) + widths[number]
-        if most is not None and taken > max(most, NARROWEST) and len(groups[-1]) > 1:
-            groups.append([0])
-        groups[-1].append(number)
-    return groups
-
-
-def cut(text: str, stream: TextIO) -> str:
-    """Return a line cut to the width of the terminal, since the next line of progress cannot overwrite a broken one."""
-    columns = columns_of(stream)
-    return text if columns is None else text[: columns - 1]
-
-
-LABEL_WIDTH, SHORTER_LABEL_WIDTH, NARROW = 30, 25, 72
-"""Columns of labels before their values, and the same on terminals of fewer columns than the last."""
-
-
-def line(label: str, value: str, *, whole: bool = False) -> str:
-    """Return one labelled value, indented below its heading; a long one takes several lines unless it is ``whole``."""
-    head = f"  {label:<{LABEL_WIDTH if width() >= NARROW else SHORTER_LABEL_WIDTH}}"
-    return head + printable(value) if whole else filled(printable(value), head, " " * len(head)) or head.rstrip()
-
-
-def remark(text: str) -> str:
-    """Return a sentence below the values."""
-    return filled(text, "  ", "    ")
-
-
-def number(value: float) -> str:
-    """Return a number to seven digits."""
-    return f"{value:.7g}"
+    if columns_of(sys.stdout) is None:
+        return indent + text
+    return fill(
+        text,
+        width(),
+        initial_indent=indent,
+        subsequent_indent=f"{indent}  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def grouped(value: float) -> str:
     """Return a whole number with separated thousands."""
     return f"{round(value):,}" if isfinite(value) else str(value)
-
-
-def about(value: float) -> str:
-    """Return an estimated whole number, with three digits."""
-    return f"about {grouped(float(f'{value:.3g}'))}"
 
 
 def distance(um: float) -> str:
@@ -142,5 +86,5 @@ def show(answer: Answer, *, as_json: bool, as_csv: bool = False) -> None:
 
 def as_wide_text(answer: Answer) -> str:
     """Return an answer as text as wide as the terminal."""
-    title, _, rest = answer.to_text(width()).partition("\n")
-    return f"{sentence(title)}\n{rest}"
+    title, *rest = answer.to_text(width(), columns_of(sys.stdout)).split("\n", 1)
+    return "\n".join([sentence(title), *rest])

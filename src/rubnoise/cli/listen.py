@@ -1,5 +1,6 @@
 """`rubnoise listen`: a run as sound, and the audible part of it."""
 
+from collections.abc import Iterator
 from contextlib import ExitStack
 from enum import StrEnum
 from functools import partial
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from rubnoise import __version__
-from rubnoise.cli.layout import grouped, line, number, remark, sentence
+from rubnoise.answer import Answer, Row
+from rubnoise.cli.layout import grouped, show
 from rubnoise.cli.options import ReplaceFile
-from rubnoise.cli.progress import stoppable
+from rubnoise.cli.signals import stoppable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,7 +84,7 @@ def command(
         levels = on_one_scale(level_of(sound, between) for sound in sounds)
         for path, sound, level in zip(paths, sounds, levels, strict=True):
             _write(path, sound, level, between, force=force)
-            print(*format_sound(path, sound, level, others=len(sounds) - 1), sep="\n")
+            show(sound_answer(path, sound, level, others=len(sounds) - 1), as_json=False)
 
 
 def _check_paths(files: list[Path], paths: list[Path], *, force: bool) -> None:
@@ -125,48 +127,50 @@ def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
     }
 
 
-def format_sound(path: Path, sound: "Sound", level: "Level", others: int = 0) -> list[str]:
+def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
     """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
+    from rubnoise.analysis.hearing import Hearing
     from rubnoise.storage.wave_file import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
     rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
-    lines = [sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}")]
-    if sound.first:
-        began = sound.first * sound.tick_duration
-        lines.append(line("begins at", f"{began:.4g} s, after the transient of the normal motion"))
-    lines += [
-        line("speed-up", number(sound.speed_up)),
-        line("full scale", f"{number(level.full_scale)} {sound.units}, {whose} 3 dB below"),
-        line("mean, taken away", f"{number(level.mean)} {sound.units}"),
-    ]
+    hearing = None if level.spectrum is None else Hearing.of(level.spectrum)
+    began = (Row(name="begins_at", value=sound.first * sound.tick_duration, unit="s", note="after the transient"),)
+    heard = () if hearing is None else tuple(_audible(hearing, level))
+    return Answer(
+        title=f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}",
+        rows=(*(began if sound.first else ()), *_scale(sound, level, whose), *heard),
+        notes=_advice(hearing, sound.speed_up),
+    )
+
+
+def _scale(sound: "Sound", level: "Level", whose: str) -> Iterator[Row]:
+    yield Row(name="speed_up", value=sound.speed_up)
+    yield Row(name="full_scale", value=level.full_scale, unit=sound.units, note=f"{whose} 3 dB below")
+    yield Row(name="mean", value=level.mean, unit=sound.units, note="taken away")
     if sound.natural is not None:
-        heard = f"{number(sound.natural)} Hz, heard at {sound.natural * sound.speed_up:.4g} Hz"
-        lines.append(line("natural frequency", heard))
-    return lines + _audible_lines(sound, level)
+        heard = f"heard at {sound.natural * sound.speed_up:.4g} Hz"
+        yield Row(name="natural_frequency", value=sound.natural, unit="Hz", note=heard)
 
 
-def _audible_lines(sound: "Sound", level: "Level") -> list[str]:
-    if level.spectrum is None:
-        return [remark("too short to estimate the audible part")]
-    from rubnoise.analysis.hearing import Hearing
-
-    hearing = Hearing.of(level.spectrum)
-    lines = [
-        line("half of the power below", f"{hearing.middle:.3g} Hz"),
-        line("audible, 20 Hz to 20 kHz", f"{100.0 * hearing.audible:.3g} % of the power"),
-        line("level in 200 to 4000 Hz", f"{level.laptop:.1f} dB re full scale, what a laptop plays"),
-    ]
-    better = hearing.better(sound.speed_up)
-    return lines if better is None else [*lines, remark(_advice(hearing, sound.speed_up, better))]
+def _audible(hearing: "Hearing", level: "Level") -> Iterator[Row]:
+    yield Row(name="middle", value=hearing.middle, unit="Hz", note="half of the power lies below")
+    yield Row(name="audible_share", value=hearing.audible, note="20 Hz to 20 kHz")
+    yield Row(name="level", value=level.laptop, unit="dB", note="re full scale, 200 to 4000 Hz: what a laptop plays")
 
 
-def _advice(hearing: "Hearing", speed_up: float, better: float) -> str:
+def _advice(hearing: "Hearing | None", speed_up: float) -> tuple[str, ...]:
     """Return advice for a sound that most ears and small loudspeakers miss."""
+    if hearing is None:
+        return ("too short to estimate the audible part",)
+    better = hearing.better(speed_up)
+    if better is None:
+        return ()
     if hearing.audible < 0.01:
         problem = "next to nothing of it can be heard"
     elif hearing.middle < 100.0:
         problem = "most of it is deeper than small loudspeakers go"
     else:
         problem = "most of it is higher than many can hear"
-    return f"{problem}; --speed-up {better:g} would bring the middle to {hearing.middle * better / speed_up:.3g} Hz"
+    middle = hearing.middle * better / speed_up
+    return (f"{problem}; --speed-up {better:g} would bring the middle to {middle:.3g} Hz",)

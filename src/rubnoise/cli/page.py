@@ -144,7 +144,7 @@ def _sweep(folder: Path) -> tuple[str, str]:
 def report_page(file: Path) -> str:
     """Return the report of a result or of a sweep."""
     from rubnoise.cli.loading import finished_run
-    from rubnoise.cli.progress import stoppable
+    from rubnoise.cli.signals import stoppable
     from rubnoise.pages.report import run_report, sweep_report
 
     with stoppable() as between:

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast, get_args
+from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 
@@ -18,9 +18,9 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.sound import Heard
     from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import Format
+    from rubnoise.record.reader import Reader
 
 
 PICTURES: tuple[Kind, ...] = get_args(Kind)
@@ -115,7 +115,7 @@ def command(
         raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     from rubnoise.api.pictures import appearance
 
-    look = appearance(size, style, title=title, what=what or "")
+    look = appearance(what or "", size=size, style=style, title=title)
     if not is_folder(file):
         _plot_run(file, _picture(what), of, ends, beside, output, look, force=force)
         return
@@ -142,35 +142,22 @@ def _plot_run(
     *,
     force: bool,
 ) -> None:
-    from rubnoise.api.pictures import measured_spectrum
+    from rubnoise.api.pictures import picture_of
     from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import finished_run
-    from rubnoise.figures.catalogue import HEARD, OVERLAID, picture
-    from rubnoise.figures.motion import prefix_refusals
-    from rubnoise.figures.stretch import Stretch
+    from rubnoise.figures.style import as_bytes, house_style
     from rubnoise.storage.reader import open_run
 
-    heard = _heard(of)
-    has_measured = beside is not None and beside.suffix.lower() in RECORDS
-    if heard is not None and what not in HEARD:
-        raise typer.BadParameter(f"--of is for psd and histogram, not for {what}")
-    if has_measured and what != "psd":
-        raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what}")
-    if beside is not None and not has_measured and what not in OVERLAID and not (what == "psd" and heard):
-        raise typer.BadParameter("--with is for slider, phase, load, and psd --of anything but area")
-    path = output or Path(f"{file.stem}_{what}{_ending(heard)}.png")
+    quantity = "" if of is SpectrumOf.area else f"_{of}"
+    path = output or Path(f"{file.stem}_{what}{quantity}.png")
     check_picture(path, force=force, reads=[file] if beside is None else [file, beside])
-    with finished_run(file) as run, ExitStack() as opened:
-        stretch = Stretch.of(run, *ends)
-        other = measured = None
-        if beside is not None and has_measured:
-            measured = measured_spectrum(Trace.from_csv(beside), heard)
-        elif beside is not None:
-            file_beside = opened.enter_context(open_run(beside))
-            with prefix_refusals(f"--with {beside}"):
-                other = Stretch.of(file_beside)
-        draw = partial(picture, what, stretch, heard=heard, beside=other, measured=measured, look=look)
-        write_picture(path, draw, force=force)
+    with finished_run(file) as run, ExitStack() as opened, house_style(look.style):
+        other: Trace | Reader | None = None
+        if beside is not None:
+            is_record = beside.suffix.lower() in RECORDS
+            other = Trace.from_csv(beside) if is_record else opened.enter_context(open_run(beside))
+        figure = picture_of(run, what, ends, of.value, other, look, names=("--of", f"--with {beside}"))
+        write_picture(path, partial(as_bytes, figure), force=force)
 
 
 def _plot_sweep(
@@ -190,14 +177,6 @@ def _plot_sweep(
         except Refused as refusal:
             raise type(refusal)(f"{folder}: {refusal}") from refusal
     write_picture(path, lambda _: content, force=force)
-
-
-def _heard(of: SpectrumOf) -> "Heard | None":
-    return None if of is SpectrumOf.area else cast("Heard", of.value)
-
-
-def _ending(heard: "Heard | None") -> str:
-    return "" if heard is None else f"_{heard}"
 
 
 def distance(option: str, text: str | None) -> float | None:

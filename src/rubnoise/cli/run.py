@@ -14,9 +14,10 @@ import typer
 import rubnoise
 from rubnoise.analysis.one_way import one_way_warnings
 from rubnoise.answer import Answer, Row, size
-from rubnoise.cli.layout import grouped, remark, show, too_short_for_motion
+from rubnoise.cli.layout import grouped, sentence, show, too_short_for_motion
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
+from rubnoise.cli.progress import announce_compilation, on_terminal, watching
+from rubnoise.cli.signals import interrupted_at_once
 from rubnoise.regular_file import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -76,9 +77,8 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         announce_compilation()
     began, compiling = time.monotonic(), TimingListener()  # type: ignore[no-untyped-call]
     shown = on_terminal() and not quiet
-    with watching(scenario.model().distance, shown=shown) as watcher, install_listener("numba:compile", compiling):
-        watcher.counting()
-        result = rubnoise.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
+    with watching(scenario.model().distance, shown=shown) as watch, install_listener("numba:compile", compiling):
+        result = rubnoise.run(scenario, path, force=force, watch=watch, command=["rubnoise", *sys.argv[1:]])
     with result:
         seconds = time.monotonic() - began - (compiling.duration if compiling.done else 0.0)
         _print_result(result, path, seconds, [*scenario.warnings, *doubts], as_json=as_json, quiet=quiet)
@@ -155,5 +155,5 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
         doubts.append(too_short_for_motion(missing.decays, missing.needed))
     if not quiet:
         for doubt in doubts:
-            print(remark(f"warning: {doubt}"), file=sys.stderr)
+            print(sentence(f"warning: {doubt}", "  "), file=sys.stderr)
     return doubts

@@ -1,6 +1,6 @@
 """`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from enum import StrEnum
 from math import isfinite
@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.answer import printable
-from rubnoise.cli.layout import json_text, line, number, remark, sentence
+from rubnoise.answer import Answer, Row, Table, printable
+from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import Refused, in_shell
 
 if TYPE_CHECKING:
     from rubnoise.api.surface import Surface
+    from rubnoise.surface.normal_motion import NormalMotion
     from rubnoise.surface.sliding import SlidingContact
+    from rubnoise.theory.load import LoadMotion
 
 Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
 """Forms that can be removed."""
@@ -105,9 +107,9 @@ def command(
         slider, cutoff=cutoff, load=load, hardness=hardness, longest=longest, slider_length=slider_length
     )
     wanted = _wanted(speed, distance, mass, damping_ratio)
-    _write(contact, output, report, wanted, force=force)
-    moved = motions(contact, wanted)
-    print(json_text(contents(contact) | moved) if as_json else "\n".join((*described(contact), *_moving(moved))))
+    answer = answer_of(contact, wanted)
+    _write(contact, answer, output, report, wanted, force=force)
+    show(answer, as_json=as_json)
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
 
@@ -122,7 +124,13 @@ def _refuse_unused(context: typer.Context) -> None:
 
 
 def _write(
-    contact: "SlidingContact", output: Path | None, report: Path | None, scenario: dict[str, Any], *, force: bool
+    contact: "SlidingContact",
+    answer: Answer,
+    output: Path | None,
+    report: Path | None,
+    scenario: dict[str, Any],
+    *,
+    force: bool,
 ) -> None:
     """Write scenario and report, both or none; neither for a refused contact."""
     from rubnoise.storage.output import whole_file
@@ -133,7 +141,7 @@ def _write(
     if report is not None and not contact.refused:
         from rubnoise.pages.surface_report import surface_report
 
-        texts[report] = surface_report(contact, list(described(contact)), **scenario)
+        texts[report] = surface_report(contact, answer.to_text(), **scenario)
     with ExitStack() as files:
         for path, text in texts.items():
             files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
@@ -178,129 +186,125 @@ def _wanted(speed: str | None, distance: str | None, mass: str | None, damping_r
     }
 
 
-def figures(contact: "SlidingContact") -> Iterator[tuple[str, str, str, str, float]]:
-    """Yield every figure of an answer: its table and key in JSON, its label, its unit and its value."""
-    gaussian, counted, scenario = contact.gaussian, contact.counted, contact.in_scenario
-    exact = (
-        ("real_contact_area", "real contact area", "um^2", gaussian.real_contact_area),
-        ("junction_count", "junctions", "", gaussian.junction_count),
-        ("count_slope", "  d N / d ln(cut-off)", "", gaussian.count_slope(contact.cutoff)),
-        ("birth_rate", "births", "per um", gaussian.birth_rate),
-        ("mean_life", "mean life", "um", gaussian.mean_life),
-        ("relative_std", "std/mean, long run", "", gaussian.relative_std),
-        ("relative_std_short", "std/mean, short run", "", gaussian.relative_std_short),
-        ("frozen_share", "frozen share of variance", "", gaussian.frozen_share),
-        ("correlation_length", "correlation length", "um", gaussian.correlation_length),
-        ("height_scale", "height scale of the area", "um", gaussian.height_scale),
-        ("separation_std", "std of the gap under load", "um", gaussian.load_std),
-        ("separation_slope", "its rms slope", "", contact.gap_slope),
-    )
-    maps = (
-        ("patch_count", "patches", "", counted.patch_count),
-        ("largest_share", "largest patch over all", "", counted.largest_share),
-        ("real_contact_area", "their area", "um^2", counted.real_contact_area),
-        ("map_area", "area of the map", "um^2", counted.map_area),
-        ("mean_diameter", "mean diameter", "um", counted.mean_diameter),
-        ("relative_spread", "spread of areas over mean", "", counted.relative_spread),
-        ("over_gaussian", "counted over exact", "", contact.honesty),
-    )
-    ours = (
-        ("relative_std", "std/mean", "", scenario["relative_std"]),
-        ("correlation_length", "correlation length", "um", scenario["correlation_length"]),
-        ("separation_std", "std of the gap under load", "um", scenario["separation_std"]),
-        ("separation_slope", "its rms slope", "", scenario["separation_slope"]),
-    )
-    for table, rows in (("gaussian", exact), ("counted", maps), ("scenario", ours)):
-        yield from ((table, *row) for row in rows)
-
-
-def motions(contact: "SlidingContact", wanted: dict[str, Any]) -> dict[str, Any]:
-    """Return the normal motion under ``motion``, on the surfaces and in the scenario; empty without a mass."""
-    asked = {name: wanted[name] for name in ("speed", "mass", "damping_ratio")}
-    if None in asked.values() or not asked["damping_ratio"]:
-        return {}
-    return {
-        "motion": {
-            name: {key: getattr(each, key) for key in ("separation_std", "velocity_std", "velocity_level")}
-            for name, each in zip(("gaussian", "scenario"), contact.motions(**asked), strict=True)
-        }
-    }
-
-
-def _moving(moved: dict[str, Any]) -> Iterator[str]:
-    """Yield the lines of the normal motion, with a warning if the scenario's level is off by more than 1 dB."""
-    from rubnoise.surface.sliding import NEAR_LEVEL
-
-    if not moved:
-        return
-    exact, ours = (moved["motion"][name] for name in ("gaussian", "scenario"))
-    yield "normal motion at this speed and mass, to first order: of the surfaces, and in the scenario"
-    yield line("std of the gap", f"{exact['separation_std']:.4g} and {ours['separation_std']:.4g} um")
-    yield line("level, dB re 50 nm/s", f"{exact['velocity_level']:.1f} and {ours['velocity_level']:.1f} dB")
-    if abs(louder := ours["velocity_level"] - exact["velocity_level"]) > NEAR_LEVEL:
-        yield remark(
-            f"warning: the scenario is {abs(louder):.1f} dB too {'loud' if louder > 0.0 else 'quiet'}: take the level"
-            " of the surfaces"
-        )
-
-
-HEADINGS: Final = {
-    "gaussian": "exact for Gaussian surfaces with these spectra",
-    "counted": "counted on the maps",
-    "scenario": "in the scenario",
-}
-
-
-def contents(contact: "SlidingContact") -> dict[str, Any]:
-    """Return the answer by name, lengths in um; numbers that are not finite are null."""
+def answer_of(contact: "SlidingContact", wanted: dict[str, Any]) -> Answer:
+    """Return what carries the load: exact for Gaussian surfaces, as counted on the maps, and in the scenario."""
     import numpy as np
 
-    gaussian = contact.gaussian
+    gaussian, moved = contact.gaussian, _moved(contact, wanted)
     lags = np.linspace(0.0, gaussian.curve[0][-1], _LAGS)
     waves = np.geomspace(0.02, 20.0, _WAVES) * np.pi / contact.cutoff
-    tables: dict[str, dict[str, float | None]] = {name: {} for name in HEADINGS}
-    for table, key, _, _, value in figures(contact):
-        tables[table][key] = value
-    return {
-        "track": _map(contact, 0),
-        "slider": _map(contact, 1),
-        **{name: getattr(contact, name) for name in ("cutoff", "longest", "slider_length", "nominal_area", "share")},
-        "level": gaussian.level,
-        **tables,
-        "autocovariance": {"lag": lags.tolist(), "value": gaussian.autocovariance(lags).tolist()},
-        "spectrum": {"wavenumber": waves.tolist(), "value": gaussian.spectrum(waves).tolist()},
-        "remarks": list(contact.remarks),
-        "refused": list(map(in_shell, contact.refused)),
+    covariance = {"lag": lags, "value": gaussian.autocovariance(lags)}
+    spectrum = {"wavenumber": waves, "value": gaussian.spectrum(waves)}
+    refused = [Row(name="refused", value=in_shell(reason), fails=True) for reason in contact.refused]
+    return Answer(
+        title=f"{contact.slider.name} on {contact.track.name}",
+        rows=(*refused, *_given(contact), *_figures(contact), *_motions(moved)),
+        tables=(
+            Table(name="autocovariance", columns=covariance, units={"lag": "um", "value": "um^4"}, shown=()),
+            Table(name="spectrum", columns=spectrum, units={"wavenumber": "rad/um", "value": "um^5"}, shown=()),
+        ),
+        notes=(contact.direction, *(f"warning: {each}" for each in (*contact.remarks, *_level_off(moved)))),
+    )
+
+
+def _given(contact: "SlidingContact") -> Iterator[Row]:
+    """Yield the surfaces as they were read, and what was asked of them."""
+    for which, part in enumerate(("track", "slider")):
+        surface = getattr(contact, part)
+        yield Row(part=part, name="name", value=surface.name)
+        yield Row(part=part, name="points", value=list(surface.heights.shape), note="along and across the sliding")
+        yield Row(part=part, name="spacing", value=list(surface.spacing), unit="um")
+        yield Row(part=part, name="history", value=list(surface.history))
+        yield Row(part=part, name="digest", value=contact.scans[which].digest)
+    for name, unit in _UNITS["contact"].items():
+        value = contact.gaussian.level if name == "level" else getattr(contact, name)
+        if value is not None and isfinite(value):
+            yield Row(part="contact", name=name, value=value, unit=unit)
+
+
+def _figures(contact: "SlidingContact") -> Iterator[Row]:
+    """Yield the figures of Gaussian surfaces, of the maps and of the scenario, under the same names."""
+    gaussian, counted = contact.gaussian, contact.counted
+    other = {
+        "count_slope": gaussian.count_slope(contact.cutoff),
+        "separation_std": gaussian.load_std,
+        "separation_slope": contact.gap_slope,
+        "over_gaussian": contact.honesty,
     }
+    for part, found in (("gaussian", gaussian), ("counted", counted), ("scenario", contact.in_scenario)):
+        for name, unit in _UNITS[part].items():
+            value = found[name] if isinstance(found, dict) else other.get(name, getattr(found, name, None))
+            yield Row(part=part, name=name, value=value, unit=unit, note=_NOTES.get(name, ""))
 
 
-def _map(contact: "SlidingContact", which: int) -> dict[str, Any]:
-    surface = (contact.track, contact.slider)[which]
-    return {
-        "name": surface.name,
-        "points": list(surface.heights.shape),
-        "spacing": list(surface.spacing),
-        "history": list(surface.history),
-        "digest": contact.scans[which].digest,
-    }
+def _motions(moved: "Sequence[NormalMotion | LoadMotion]") -> Iterator[Row]:
+    """Yield the normal motion to first order, of the surfaces and in the scenario; nothing without a mass."""
+    for part, motion in zip(("gaussian_motion", "scenario_motion"), moved, strict=False):
+        for name, unit in _UNITS["motion"].items():
+            yield Row(part=part, name=name, value=getattr(motion, name), unit=unit, note=_NOTES.get(name, ""))
 
 
-def described(contact: "SlidingContact") -> Iterator[str]:
-    """Yield the lines of the answer."""
-    for role, surface in (("track", contact.track), ("slider", contact.slider)):
-        along, across = surface.size
-        yield sentence(
-            f"{role}: {printable(surface.name)}, {along:.4g} um along and {across:.4g} um across the sliding"
-        )
-        yield from map(remark, surface.history)
-    yield remark(contact.direction)
-    yield line("share of the nominal area", f"{100.0 * contact.share:.4g} %, level u = {contact.gaussian.level:.4g}")
-    heading = ""
-    for table, _, label, unit, value in figures(contact):
-        if table != heading:
-            heading = table
-            yield HEADINGS[table]
-        yield line(label, f"{number(value) if table == 'counted' else f'{value:.4g}'} {unit}".rstrip())
-    if contact.remarks:
-        yield "what the scenario does not have from the surfaces"
-    yield from map(remark, contact.remarks)
+def _moved(contact: "SlidingContact", wanted: dict[str, Any]) -> "Sequence[NormalMotion | LoadMotion]":
+    """Return the motion of the surfaces and that of the scenario; nothing without a mass."""
+    asked = {name: wanted[name] for name in ("speed", "mass", "damping_ratio")}
+    return contact.motions(**asked) if None not in asked.values() and asked["damping_ratio"] else ()
+
+
+def _level_off(moved: "Sequence[NormalMotion | LoadMotion]") -> Iterator[str]:
+    """Yield a warning if the scenario's level is off by more than 1 dB."""
+    from rubnoise.surface.sliding import NEAR_LEVEL
+
+    if moved:
+        louder = moved[1].velocity_level - moved[0].velocity_level
+        if abs(louder) > NEAR_LEVEL:
+            much = "loud" if louder > 0.0 else "quiet"
+            yield f"the scenario is {abs(louder):.1f} dB too {much}: take the level of the surfaces"
+
+
+_UNITS: Final[dict[str, dict[str, str]]] = {
+    "contact": {
+        "cutoff": "um",
+        "longest": "um",
+        "slider_length": "um",
+        "nominal_area": "um^2",
+        "share": "",
+        "level": "",
+    },
+    "gaussian": {
+        "real_contact_area": "um^2",
+        "junction_count": "",
+        "count_slope": "",
+        "birth_rate": "1/um",
+        "mean_life": "um",
+        "relative_std": "",
+        "relative_std_short": "",
+        "frozen_share": "",
+        "correlation_length": "um",
+        "height_scale": "um",
+        "separation_std": "um",
+        "separation_slope": "",
+    },
+    "counted": {
+        "patch_count": "",
+        "largest_share": "",
+        "real_contact_area": "um^2",
+        "map_area": "um^2",
+        "mean_diameter": "um",
+        "relative_spread": "",
+        "over_gaussian": "",
+    },
+    "scenario": {"relative_std": "", "correlation_length": "um", "separation_std": "um", "separation_slope": ""},
+    "motion": {"separation_std": "um", "velocity_std": "um/s", "velocity_level": "dB"},
+}
+"""The figures of each part of an answer, with their units."""
+
+_NOTES: Final = {
+    "count_slope": "d N / d ln(cut-off)",
+    "relative_std": "long run",
+    "relative_std_short": "short run",
+    "frozen_share": "of the variance",
+    "separation_std": "of the gap under the load",
+    "separation_slope": "rms",
+    "over_gaussian": "patches over exact",
+    "velocity_level": "re 50 nm/s",
+}

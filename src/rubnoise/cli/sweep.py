@@ -1,22 +1,26 @@
 """`rubnoise sweep`: every run of a sweep that is not done yet, and an index of them all."""
 
 import sys
-from collections.abc import Mapping
-from dataclasses import asdict
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.answer import printable
-from rubnoise.cli.layout import grouped, json_text, remark
+from rubnoise.answer import Answer, Row, Table
+from rubnoise.cli.layout import as_wide_text, grouped, show
 from rubnoise.cli.options import AsJson, EngineName, Quiet
-from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
+from rubnoise.cli.progress import announce_compilation_by_workers, on_terminal, watching_sweep
+from rubnoise.cli.signals import interrupted_at_once
 
 if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.runs.stopping_rule import Unmet
     from rubnoise.scenario.sweep import Sweep
+
+MOST_FAILURES: Final = 20
+"""Failed runs that text shows."""
 
 
 @interrupted_at_once
@@ -84,55 +88,55 @@ def command(
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
-    answer = outcome_as_json(sweep, open_sweep(place), imprecise)
+    result = open_sweep(place)
+    answer = outcome(sweep, result, imprecise)
     if as_json:
-        print(json_text(answer))
+        show(answer, as_json=True)
     elif not quiet:
-        print("\n".join(format_outcome(answer)))
-    if answer["failures"] and not as_json:
-        print("\n".join(format_failures(answer["failures"])), file=sys.stderr)
-    if answer["failures"]:
+        print(as_wide_text(replace(answer, rows=(), tables=answer.tables[1:] if result.failures else answer.tables)))
+    if result.failures and not as_json:
+        count = len(result.failures)
+        told = f"{grouped(count)} {'run' if count == 1 else 'runs'} failed; the same command tries again"
+        print(as_wide_text(Answer(title=told, tables=tuple(failures(result)))), file=sys.stderr)
+    if result.failures:
         raise typer.Exit(1)
 
 
-def outcome_as_json(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> dict[str, Any]:
-    """Return the outcome of a sweep, by name."""
-    return {
-        "folder": str(result.path),
-        "index": str(result.path / "index.h5"),
-        "points": len(sweep.cases),
-        "runs": len(result.runs),
-        **{state: result.count(state) for state in ("done", "failed", "planned")},
-        "failures": [asdict(failure) for failure in result.failures],
-        "imprecise": [asdict(unmet) for unmet in imprecise],
-        "warnings": list(sweep.warnings),
-    }
+def outcome(sweep: "Sweep", result: "SweepResult", imprecise: "list[Unmet]") -> Answer:
+    """Return what came of a sweep: how many runs, and which points are short of the requested precision."""
+    counts = {state: result.count(state) for state in ("done", "failed", "planned")}
+    short = Table(
+        name="imprecise",
+        columns={
+            **{key: [str(unmet.values[key]) for unmet in imprecise] for key in sweep.keys},
+            "replicates": [unmet.replicates for unmet in imprecise],
+            "relative_standard_error": [unmet.reached for unmet in imprecise],
+        },
+    )
+    known: dict[str, Any] = {"folder": str(result.path), "index": str(result.path / "index.h5")}
+    known |= {"points": len(sweep.cases), "runs": len(result.runs), **counts}
+    return Answer(
+        title=f"{result.path}: {grouped(len(sweep.cases))} points, {runs_in_words(result)}",
+        rows=tuple(
+            Row(name=name, value=value, fails=name == "failed" and bool(value)) for name, value in known.items()
+        ),
+        tables=(*failures(result), *([short] if imprecise else [])),
+        notes=tuple(f"warning: {warning}" for warning in sweep.warnings),
+    )
 
 
-def format_outcome(answer: dict[str, Any]) -> list[str]:
-    """Return the same as lines to print; failed runs have a table of their own."""
-    points, runs = grouped(answer["points"]), grouped(answer["runs"])
-    lines = [f"{answer['folder']}: {points} points, {runs} runs: {states_in_words(answer)}"]
-    for short in answer["imprecise"]:
-        reached = f"{values_in_words(short['values'])}: relative standard error {short['reached']:.2g}"
-        lines.append(remark(f"precision not reached: {reached} with {grouped(short['replicates'])} replicates"))
-    return lines
+def failures(result: "SweepResult") -> Iterator[Table]:
+    """Yield the runs that failed, with their points and the reasons."""
+    failed = result.failures
+    if failed:
+        columns: dict[str, list[Any]] = {"run_id": [each.run_id for each in failed]}
+        columns |= {key: [str(each.values[key]) for each in failed] for key in result.keys}
+        columns |= {"replicate": [each.replicate for each in failed], "reason": [each.reason for each in failed]}
+        yield Table(name="failures", columns=columns, shown=range(min(len(failed), MOST_FAILURES)))
 
 
-def format_failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
-    """Return a table of runs that failed."""
-    lines = [f"{grouped(len(failed))} {'run' if len(failed) == 1 else 'runs'} failed; the same command tries again:"]
-    for each in failed[:most]:
-        where = ", ".join(part for part in (values_in_words(each["values"]), f"replicate {each['replicate']}") if part)
-        lines += [f"  {each['run_id']}  {where}", f"    {printable(each['reason'])}"]
-    return lines + ([f"  and {grouped(len(failed) - most)} more"] if len(failed) > most else [])
-
-
-def states_in_words(answer: Mapping[str, Any]) -> str:
-    """Return how many runs are done, failed and planned."""
-    return ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
-
-
-def values_in_words(values: Mapping[str, Any]) -> str:
-    """Return the swept values of a point."""
-    return printable(", ".join(f"{key} = {value}" for key, value in values.items()))
+def runs_in_words(result: "SweepResult") -> str:
+    """Return the number of runs, and how many are done, failed and planned."""
+    counts = {state: result.count(state) for state in ("done", "failed", "planned")}
+    told = ", ".join(f"{grouped(count)} {state}" for state, count in counts.items() if count)
+    return f"{grouped(len(result.runs))} runs: {told}"

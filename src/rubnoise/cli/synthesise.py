@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from rubnoise.cli.layout import json_text, line, sentence
+from rubnoise.answer import Answer, Row
+from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplaceFile
 
 
@@ -47,10 +48,10 @@ def command(
         points=points, spacing=spacing, roughness=roughness, hurst=hurst, rolloff=rolloff, cutoff=cutoff, seed=seed
     )
     made.save(path, force=force)
-    figures = made.roughness()
-    if as_json:
-        print(json_text({"surface": str(path), "digest": made.map.digest, "roughness": figures}))
-        return
-    print(sentence(f"{path}: {made.map.history[0]}"))
-    for name, value in figures.items():
-        print(line(name.replace("_", " "), f"{value:.4g}{' um' if name in {'Sa', 'Sq'} else ''}"))
+    units = {"Sa": "um", "Sq": "um"}
+    rows = [
+        Row(part="roughness", name=name, value=value, unit=units.get(name, ""))
+        for name, value in made.roughness().items()
+    ]
+    about = (Row(name="surface", value=str(path)), Row(name="digest", value=made.map.digest))
+    show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*about, *rows)), as_json=as_json)

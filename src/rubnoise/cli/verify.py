@@ -9,7 +9,7 @@ from rubnoise.answer import printable
 from rubnoise.cli.commands import Command
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultFile
-from rubnoise.cli.progress import StatusLine, on_terminal, watching_reads
+from rubnoise.cli.progress import bar, on_terminal, watching_reads
 from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
 
@@ -62,8 +62,8 @@ def command(
     if is_folder(file):
         from rubnoise.runs.verify import verify_sweep
 
-        with StatusLine(shown=shown) as line:
-            found = verify_sweep(file, blocks, lambda done, runs: line.show(f"{done:,} of {runs:,} runs verified"))
+        with bar(shown=shown) as show_bar:
+            found = verify_sweep(file, blocks, lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs"))
     else:
         with finished_run(file) as run, watching_reads(run, shown=shown):
             found = verify(run, blocks)

@@ -117,11 +117,7 @@ def drawing(
     """
     with house_style(look.style), in_place_of(ax), of_size(look.inches):
         figure = _figure(name, stretch, heard, beside, measured)
-        if not look.title:
-            without_titles(figure)
-        if look.inches is not None and ax is None:
-            fit_labels(figure)
-    whole: Figure = figure.figure
+        whole: Figure = _finished(figure, look, fitted=ax is None).figure
     return whole
 
 
@@ -140,20 +136,19 @@ def sweep_drawing(sweep: SweepResult, what: str | None, *, look: Appearance = AS
     Raises Refused if the sweep does not have the quantity.
     """
     with house_style(look.style), of_size(look.inches):
-        figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)))
-        if not look.title:
-            without_titles(figure)
-        if look.inches is not None:
-            fit_labels(figure)
-        return figure
+        return _finished(draw_study(study_of_sweep(sweep, what or first_quantity(sweep))), look)
 
 
-def without_titles(figure: "Figure") -> None:
-    """Remove the titles of a figure and its axes, for a figure with a caption."""
-    figure.suptitle("")
-    for axes in figure.axes:
-        axes.set_title("", loc="left")
-        axes.set_title("")
+def _finished(figure: "Figure", look: Appearance, *, fitted: bool = True) -> "Figure":
+    """Remove the titles of a figure that has a caption, and fit its labels into its size."""
+    if not look.title:
+        figure.suptitle("")
+        for axes in figure.axes:
+            axes.set_title("", loc="left")
+            axes.set_title("")
+    if look.inches is not None and fitted:
+        fit_labels(figure)
+    return figure
 
 
 def _figure(

@@ -5,34 +5,39 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rubnoise.analysis.covariance import autocovariance
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.inference.inference import InferenceResult
-from rubnoise.web_page import web_page
+from rubnoise.tables import as_html
+from rubnoise.web_page import part, web_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from rubnoise.arrays import Doubles
-
 _SHOWN = 2000
 _MOST = 1 << 20  # samples of an autocorrelation
-_STYLE = (
-    "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
-    "pre{white-space:pre-wrap}svg{max-width:100%;height:auto}"
-)
 
 
-def page(found: InferenceResult, name: str, lines: list[str]) -> str:
-    """Return a page of HTML that needs no network: the texts of the command, and five pictures."""
+def page(found: InferenceResult, name: str, text: str) -> str:
+    """Return a page of HTML, in the style of a run's report: estimates, five pictures, tests, the command's texts."""
     with house_style():
         picture = as_bytes(_drawn(found), "svg").decode("utf-8")
     picture = picture[picture.index("<svg") :]
-    tests = "".join(
-        f"<li>{'<strong>flagged</strong>: ' if test.flagged else ''}{escape(test.words)}</li>" for test in found.tests
-    )
+    estimates = [
+        (key.replace("_", " "), f"{each.value:.4g}", "{:.4g} to {:.4g}".format(*each.interval), each.unit.strip("1"))
+        for key, each in found.estimates.items()
+    ]
+    tests = [("flagged" if test.flagged else "", test.words) for test in found.tests]
+    sections = {
+        "What it shows": as_html("", ("quantity", "estimate", "95 % interval", "unit"), estimates),
+        "Pictures": f"<figure>{picture}</figure>",
+        "Tests of the trace": as_html("", ("", "test"), tests),
+        "In full": f"<pre>{escape(text)}</pre>",
+    }
     title = f"Junctions behind {name}"
-    body = f"<h1>{escape(title)}</h1><pre>{escape(chr(10).join(lines))}</pre>{picture}<h2>Tests</h2><ul>{tests}</ul>"
-    return web_page(body, title=title, styles=[_STYLE])
+    body = "".join(f"<section><h2>{heading}</h2>{content}</section>" for heading, content in sections.items())
+    style = part("rubnoise.figures", "report.css")
+    return web_page(f"<main><h1>{escape(title)}</h1>{body}</main>", title=title, styles=[style])
 
 
 def figure(found: InferenceResult) -> "Figure":
@@ -51,7 +56,7 @@ def _drawn(found: InferenceResult) -> "Figure":
     place = signal.tick * np.arange(shown.size)
     axes = figure.add_subplot(grid[0, :])
     axes.plot(place, shown, color=BLUE, linewidth=0.8)
-    axes.set(xlabel="sliding distance (um)", ylabel=f"trace ({signal.unit})", title=f"First {shown.size:,} samples")
+    axes.set(xlabel="sliding distance (µm)", ylabel=f"trace ({signal.unit})", title=f"First {shown.size:,} samples")
 
     bands, mean = fit.problem.bands, fit.expected.mean
     k = bands.wavenumber / signal.tick
@@ -63,7 +68,7 @@ def _drawn(found: InferenceResult) -> "Figure":
     axes.loglog(k, mean * unit, color=VERMILION, label="expected")
     low = np.maximum(mean - 2.0 * error, 0.02 * mean)
     axes.fill_between(k, low * unit, (mean + 2.0 * error) * unit, color=VERMILION, alpha=0.2, linewidth=0)
-    axes.set(xlabel="wavenumber (rad/um)", ylabel=f"spectral density ({signal.unit}^2 um)", title="Spectrum")
+    axes.set(xlabel="wavenumber (rad/µm)", ylabel=f"spectral density ({signal.unit}² µm)", title="Spectrum")
     logarithmic(axes.xaxis, axes.yaxis)
     axes.legend()
 
@@ -71,25 +76,19 @@ def _drawn(found: InferenceResult) -> "Figure":
     axes.semilogx(k, fit.residual[extra:] / error, ".", color=BLUE, markersize=3)
     for level in (-2.0, 0.0, 2.0):
         axes.axhline(level, color=VERMILION if level == 0.0 else FAINT, linewidth=0.8)
-    axes.set(xlabel="wavenumber (rad/um)", ylabel="residual (standard errors)", title="Residuals")
+    axes.set(xlabel="wavenumber (rad/µm)", ylabel="residual (standard errors)", title="Residuals")
     logarithmic(axes.xaxis)
 
     axes = figure.add_subplot(grid[2, 0])
-    lags, measured = _autocovariance(signal.values, int(6.0 * fit.contact.place.diameter))
-    axes.plot(lags * signal.tick, measured, color=BLUE, label="trace")
+    values = signal.values[:_MOST]
+    measured = autocovariance(values, max(1, min(int(6.0 * fit.contact.place.diameter), values.size // 2)))
+    axes.plot(signal.tick * np.arange(measured.size), measured / measured[0], color=BLUE, label="trace")
     axes.axhline(0.0, color=FAINT, linewidth=0.8)
     axes.axvline(2.0 * fit.contact.place.diameter * signal.tick, color=VERMILION, linestyle="--", label="mean life")
-    axes.set(xlabel="lag (um)", ylabel="autocorrelation", title="Autocorrelation")
+    axes.set(xlabel="lag (µm)", ylabel="autocorrelation", title="Autocorrelation")
     axes.legend()
 
     axes = figure.add_subplot(grid[2, 1])
     axes.hist(signal.values, bins=60, color=BLUE, density=True)
     axes.set(xlabel=f"trace ({signal.unit})", ylabel=f"density (1/{signal.unit})", title="Histogram")
     return figure
-
-
-def _autocovariance(values: "Doubles", longest: int) -> "tuple[Doubles, Doubles]":
-    centred = values[:_MOST] - values[:_MOST].mean()
-    transform = np.fft.rfft(centred, 2 * centred.size)
-    covariance = np.fft.irfft(np.square(np.abs(transform)))[: max(2, min(longest, centred.size // 2))]
-    return np.arange(covariance.size, dtype=np.float64), covariance / covariance[0]

@@ -17,6 +17,7 @@ NARROW: Final = 120.0 / 25.4
 _ROUNDS: Final = 4
 _APART: Final = 0.08  # inches
 _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
+_FREE: Final = 0.94  # of the way from a title to the next pane
 _SMALLER: Final = 0.3  # of its size, to which a single word may shrink
 _FEWEST: Final = 8  # characters of a line, however little room there is
 
@@ -55,7 +56,7 @@ def _labels(figure: "Figure") -> Iterator[tuple[Any, float, bool]]:
         right = min((other.x0 for other in others if other.x0 >= box.x1), default=width)
         middle = 0.5 * (box.x0 + box.x1)
         for text in _titles(axes):
-            yield text, right - box.x0, False
+            yield text, _FREE * (right - box.x0), False
         yield axes.xaxis.label, 2.0 * min(middle - left, right - middle), False
         yield axes.yaxis.label, box.height, True
     for legend, panes in _legends(figure):

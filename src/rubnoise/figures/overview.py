@@ -25,13 +25,13 @@ SHOWN_LIVES: Final = 40.0
 """Natural periods of a slider that are shown, and mean lives of a run without."""
 
 
-def overview_figure(stretch: Stretch, number: int | None = None) -> "Figure":
-    """Draw a run, and the life of one of its junctions: the first that is born in the second half, or ``number``.
+def overview_figure(stretch: Stretch) -> "Figure":
+    """Draw a run, and the life of one of its junctions: one in its middle, of about the mean diameter.
 
     With a slider its force and displacement are drawn below, without one area and count beside theory. Raises Refused
-    for a number without a junction.
+    for a run without junctions.
     """
-    junction = _chosen(stretch, number)
+    junction = _chosen(stretch)
     figure = new_figure(9.0, 5.4)
     below = ["force", "x"] if stretch.model.slider is not None else ["area", "count"]
     rows: Any = [["sum", "sum", "life"], *([name] * 3 for name in below)]
@@ -46,15 +46,16 @@ def overview_figure(stretch: Stretch, number: int | None = None) -> "Figure":
     return figure
 
 
-def _chosen(stretch: Stretch, number: int | None) -> Neighbours:
-    """Return the junction whose life is shown."""
+def _chosen(stretch: Stretch) -> Neighbours:
+    """Return the junction of about the mean diameter among those that are born in a life in the middle."""
     rows = stretch.file.rows("junctions")
     if rows == 0:
         raise Refused("no junction lives in this run; there is nothing to draw")
-    if number is None:
-        number = min(stretch.first_born(0.5 * (stretch.start + stretch.stop)), rows - 1)
-    if not 0 <= number < rows:
-        raise Refused(f"junction {number}: not there; the run has junctions 0 to {rows - 1}")
+    middle = 0.5 * (stretch.start + stretch.stop)
+    first = min(stretch.first_born(middle), rows - 1)
+    last = max(stretch.first_born(middle + stretch.model.mean_life_distance), first + 1)
+    diameter = stretch.file.column("junctions", "diameter", first, last)
+    number = first + int(np.argmin(np.abs(diameter - stretch.model.sizes.moment(1))))
     begin = float(stretch.file.column("junctions", "birth_distance", number, number + 1)[0])
     return neighbours(stretch.file, -1, begin, begin).only(number)
 
@@ -64,14 +65,11 @@ def _draw_sum(axes: "Axes", stretch: Stretch, junction: Neighbours) -> None:
     first = max(birth - 0.5 * (WINDOW_LIVES - 1.0) * life, 0.0)
     window = np.linspace(first, first + WINDOW_LIVES * life, 1200)
     alive = neighbours(stretch.file, -1, float(window[0]), float(window[-1]))
-    areas = alive.areas(window)
-    axes.plot(window, areas.sum(axis=0), color=INK, label="real contact area")
-    for row, area in zip(alive.rows.tolist(), areas, strict=True):
-        shown = np.where(area > 0.0, area, np.nan)
-        if row == junction.rows[0]:
-            axes.plot(window, shown, color=BLUE, lw=2.2, zorder=3, label=f"junction {row}")
-        else:
-            axes.plot(window, shown, color=FAINT, lw=0.6)
+    chosen = alive.rows == junction.rows[0]
+    edges = np.cumsum(alive.areas(window)[np.argsort(~chosen, kind="stable")], axis=0)  # the chosen one lies lowest
+    axes.plot(window, edges[:-1].T, color=FAINT, lw=0.4)
+    axes.plot(window, edges[-1], color=INK, label="real contact area")
+    axes.fill_between(window, edges[0], color=BLUE, lw=0.0, zorder=3, label=f"junction {junction.rows[0]}")
     axes.set_xlim(window[0], window[-1])
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(DISTANCE)
@@ -87,7 +85,7 @@ def _draw_life(axes: "Axes", junction: Neighbours) -> None:
     axes.plot(age, area, color=BLUE, lw=2.2)
     axes.set_xlim(0.0, age[-1])
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("distance since its birth (µm)")
+    axes.set_xlabel("since its birth (µm)")
     axes.set_ylabel("its area (µm²)")
     axes.set_title(f"The life of junction {junction.rows[0]}")
 

@@ -170,7 +170,7 @@ def _draw_path(axes: "Axes", motions: Sequence[Motion]) -> None:
         axes.plot(place, MILLI * speed, label=label, **look)
     coarse = max(motions, key=lambda motion: motion.apart)
     note = f", a row every {coarse.apart:.3g} s" if coarse.apart * coarse.slider.natural_frequency > COARSE else ""
-    axes.set_title(f"the path, {_time_range(motions[0])}{note}", fontsize=8.5)
+    axes.set_title(f"the path, {_time_range(motions[0])}{note}", fontsize="medium")
 
 
 def _draw_density(axes: "Axes", motion: Motion) -> None:
@@ -187,7 +187,7 @@ def _draw_density(axes: "Axes", motion: Motion) -> None:
         norm=LogNorm(vmin=float(share[share > 0.0].min()), vmax=float(share.max())),
         rasterized=True,
     )
-    axes.set_title(f"how often it is where, {_time_range(motion)}", fontsize=8.5)
+    axes.set_title(f"how often it is where, {_time_range(motion)}", fontsize="medium")
     bar = axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="share of the time in a box")
     logarithmic(bar.ax.yaxis)
 

@@ -22,6 +22,7 @@ from rubnoise.figures.style import (
     one_line,
     put_title,
     shortened,
+    with_minus,
 )
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 Place = Callable[[float], float]
 LOOK: Final[dict[str, Any]] = {"ms": 4.5, "lw": 0.0, "elinewidth": 1.0, "capsize": 2.0, "zorder": 3}
 MOST_LABELS: Final = 10
+CLOSE: Final = 0.1
+"""Least distance of two labelled values over the length of the axis."""
+
 APART: Final = 0.06
 """How far lines are drawn apart if the key has words for values, which lie 1 apart."""
 
@@ -122,12 +126,19 @@ def _label(axes: "Axes", study: Study) -> None:
 
 
 def _scale(axes: "Axes", study: Study, values: Doubles) -> None:
-    """Make axes logarithmic if the points lie so, and then that of a quantity which falls by more than ten."""
-    if not study.logarithmic:
-        return
-    logarithmic(axes.xaxis)
-    if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
-        logarithmic(axes.yaxis)
+    """Make axes logarithmic if the points lie so, and then that of a quantity which falls by more than ten.
+
+    The axis of the key labels the values that are swept, if they are few and apart.
+    """
+    if study.logarithmic:
+        logarithmic(axes.xaxis)
+        if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
+            logarithmic(axes.yaxis)
+    places = study.scale * np.unique([spot.place for line in study.lines for spot in line.spots])
+    along = np.log(places) if study.logarithmic else places
+    if places.size > 1 and np.diff(along).min() > CLOSE * np.ptp(along):
+        axes.set_xticks(places, [with_minus(f"{place:.4g}") for place in places])
+        axes.set_xticks([], minor=True)
 
 
 def _legend(axes: "Axes", study: Study) -> None:

@@ -102,30 +102,31 @@ def by_spread(estimates: Mapping[str, Estimate], known: Given) -> tuple[IfSpread
     return tuple(found)
 
 
-def sentences(assumed: Assumed, fit: Fit, signal: Signal) -> tuple[str, ...]:
-    """Return the assumptions, one sentence each."""
-    said = []
+def assumptions(assumed: Assumed, fit: Fit, signal: Signal) -> dict[str, str]:
+    """Return the assumptions by what they are about, one sentence each."""
+    said = {}
     if moves_with_spread(fit.known) and not signal.is_area:
-        said.append(
-            f"strengths are taken for lognormal with a spread of {100.0 * assumed.strength_spread:.3g} % of their mean"
+        said["strengths"] = (
+            f"taken for lognormal with a spread of {100.0 * assumed.strength_spread:.3g} % of their mean"
             if assumed.strength_spread
             else "junctions are taken for equally strong (strength_spread= gives another spread)"
         )
-    said.append(_of_sensor(assumed, 2.0 * fit.contact.place.diameter * signal.tick))
-    shape = f"lives are taken to have the shape {assumed.pulse.shape}"
-    said.append(shape if assumed.shape_chosen else f"{shape} (pulse= takes lens or parabola)")
-    if assumed.pulse.offset == "none":
-        said.append('passes are taken to go through both centres (offset="uniform" for passes off it)')
-    else:
-        said.append("passes are taken to miss the centre by offsets uniform on -d to d")
+    said["sensor"] = _of_sensor(assumed, 2.0 * fit.contact.place.diameter * signal.tick)
+    shape = f"taken to have the shape {assumed.pulse.shape}"
+    said["lives"] = shape if assumed.shape_chosen else f"{shape} (pulse= takes lens or parabola)"
+    said["passes"] = (
+        'taken to go through both centres (offset="uniform" for passes off it)'
+        if assumed.pulse.offset == "none"
+        else "taken to miss the centre by offsets uniform on -d to d"
+    )
     if min(signal.ways) > 0:
-        said.append("each stroke is taken to meet junctions of its own; where strokes repeat them, errors are larger")
-    return tuple(said)
+        said["strokes"] = "each is taken to meet junctions of its own; where strokes repeat them, errors are larger"
+    return said
 
 
 def _of_sensor(assumed: Assumed, life: float) -> str:
     """Return the assumption about the sensor, for a mean ``life`` of 2 d in um."""
     if isinf(assumed.bandwidth):
-        return f"the sensor is taken to pass {ENOUGH_CYCLES:g} cycles per life or more (bandwidth= gives its corner)"
+        return f"taken to pass {ENOUGH_CYCLES:g} cycles per life or more (bandwidth= gives its corner)"
     poles = "one pole" if assumed.poles == 1 else f"{assumed.poles} poles"
-    return f"the sensor is taken to have {poles} at {assumed.bandwidth * life:.3g} cycles per life, 2 d"
+    return f"taken to have {poles} at {assumed.bandwidth * life:.3g} cycles per life, 2 d"

@@ -11,7 +11,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import pulse_of
 from rubnoise.contact.pulses import Offset, Pulse, Shape
 from rubnoise.errors import Refused
-from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, OtherPulse, by_spread, sentences
+from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, OtherPulse, assumptions, by_spread
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import FitPoint, FitProblem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
@@ -65,8 +65,8 @@ class InferenceResult:
     ``tests`` of the trace against the model; ``not_identified`` names what it cannot show, with what would show it;
     ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
     ``bootstrap`` is empty, or how estimates of simulated traces scatter. ``assumptions`` says what was taken for
-    granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths;
-    ``other_offset`` and ``other_shape`` are how other passes and other lives fit, if they were tried.
+    granted, a sentence for each thing; ``by_strength_spread`` is how number and strength move with the spread of
+    strengths; ``other_offset`` and ``other_shape`` are how other passes and other lives fit, if they were tried.
     """
 
     estimates: Mapping[str, Estimate] = field(default_factory=dict)
@@ -81,7 +81,7 @@ class InferenceResult:
     signal: Signal = field(repr=False)
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
-    assumptions: tuple[str, ...] = ()
+    assumptions: Mapping[str, str] = field(default_factory=dict)
     other_offset: OtherPulse | None = None
     other_shape: OtherPulse | None = None
     by_strength_spread: tuple[IfSpread, ...] = ()
@@ -189,7 +189,7 @@ def infer_signal(
         covariance=best.covariance,
         signal=signal,
         fit=best,
-        assumptions=sentences(assumed, best, signal),
+        assumptions=assumptions(assumed, best, signal),
         other_offset=tried(pulse.shape, OTHER_OFFSETS[pulse.offset], asked=pulse.offset != "none"),
         other_shape=tried(OTHER_SHAPES[pulse.shape], pulse.offset, asked=True),
         shape_chosen=assumed.shape_chosen,

@@ -19,7 +19,7 @@ from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.figures.style import PicturesMissing
 from rubnoise.model import Model
-from rubnoise.pages.page import HERE, coded, written
+from rubnoise.pages.page import coded, written
 from rubnoise.pages.report_words import flights_in_words, in_words, motion_in_words, number
 from rubnoise.record.reader import Reader
 from rubnoise.scenario.text import text_of
@@ -110,7 +110,7 @@ def sweep_report(sweep: SweepResult, between: Between) -> str:
 
 def _page(title: str, when: str, sections: Sequence[str]) -> str:
     body = f"<main>\n<h1>{escape(title)}</h1>\n<p>{escape(when)}</p>{''.join(sections)}\n</main>"
-    return web_page(body, title=title, styles=[part(HERE, "report.css")])
+    return web_page(body, title=title, styles=[part("rubnoise.figures", "report.css")])
 
 
 def _section(heading: str, content: str, kind: str = "") -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.api.running import simulate
 from rubnoise.figures.surface import contact_picture
-from rubnoise.pages.page import HERE, coded, written
+from rubnoise.pages.page import coded, written
 from rubnoise.scenario import loads
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.surface.sliding import SlidingContact
@@ -22,7 +22,7 @@ SAMPLES_A_LIFE: Final = 100
 _PEAK: Final = 0.7
 
 
-def surface_report(contact: SlidingContact, lines: list[str], **scenario: Any) -> str:
+def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     """Return the page: the text of the command, five panes, the sound of the area, and the scenario as it is written.
 
     ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
@@ -30,16 +30,15 @@ def surface_report(contact: SlidingContact, lines: list[str], **scenario: Any) -
     title = f"{contact.slider.name} on {contact.track.name}"
     image = coded(contact_picture(contact))
     alt = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
-    text = escape("\n".join(lines))
     sound, words = _sound(contact)
     body = (
-        f"<main><h1>{escape(title)}</h1><pre>{text}</pre>"
+        f"<main><h1>{escape(title)}</h1><pre>{escape(text)}</pre>"
         f'<figure><img alt="{alt} autocovariance" src="data:image/png;base64,{image}"></figure>'
         f'<section class="on-screen"><h2>Sound</h2><p>{escape(words)}</p>'
         f'<audio controls src="data:audio/wav;base64,{sound}"></audio></section>'
         f"<h2>Scenario</h2><pre>{escape(contact.scenario_text(**scenario))}</pre></main>"
     )
-    return web_page(body, title=title, styles=[part(HERE, "report.css")])
+    return web_page(body, title=title, styles=[part("rubnoise.figures", "report.css")])
 
 
 def _sound(contact: SlidingContact) -> tuple[str, str]:

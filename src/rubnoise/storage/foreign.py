@@ -6,23 +6,20 @@ Soft links of HDF5 lead on within the file; links and storage in other files are
 import os
 import posixpath
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from math import prod
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, Final
 
 import h5py
 import numpy as np
 
 from rubnoise.errors import UNFINISHED, NoColumn, Refused, RunFileRefused
-from rubnoise.regular_file import is_hdf5, open_regular, open_stream, read_at_most, size_of
-from rubnoise.storage.measured import Asked, Measured, measured
+from rubnoise.regular_file import open_stream, read_at_most, size_of
+from rubnoise.storage.measured import Asked, Source, listed, measured
 from rubnoise.storage.objects import opened_by_hdf5
-from rubnoise.storage.samples import Source, column_of
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_heads import Head, spelled
-from rubnoise.storage.text_table import TextTable
+from rubnoise.storage.text_table import read_table
 
 LARGEST: Final = 2 * 1024**3
 """Bytes of a file of text, sound, MATLAB or netCDF-3."""
@@ -32,14 +29,13 @@ MOST_UNPACKED: Final = 10_000_000
 
 MOST_VALUES: Final = 100_000_000
 _MOST_LINKS: Final = 16
-_ATTRIBUTES: Final = ("scale_factor", "add_offset", "_FillValue", "missing_value", "units")
-_LISTED: Final = 12
-_NUMBERS: Final = frozenset(
-    ["double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))]
-)
+_NUMBERS: Final = ("double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
+
+Columns = tuple[list[tuple[Head, Any]], float]
+"""Columns with their names and units, and the step in s that the file names, or 0."""
 
 
-def read_measured(trace: str | os.PathLike[str], asked: Asked = Asked(), *, every: bool = False) -> Measured:  # noqa: B008
+def read_measured(trace: str | os.PathLike[str], asked: Asked = Asked(), *, every: bool = False) -> Source:  # noqa: B008
     """Return a column of a file, or ``every`` one; ``FILE.h5:PATH`` is a dataset. Raises Refused, with the line."""
     return measured(opened(trace, asked.column), asked, every=every)
 
@@ -52,181 +48,102 @@ def opened(trace: str | os.PathLike[str], column: str | None = None) -> Source:
     begin, _, name = text.rpartition(":")
     inside = bool(begin) and not Path(text).exists() and Path(begin).exists()
     path, name = (Path(begin), name) if inside else (Path(text), "")
-    if is_hdf5(path):
-        if not name:
-            raise Refused(f"{path}: which dataset? {path}:PATH names one")
-        return _of_hdf5(path, name)
-    if (held := size_of(path)) > LARGEST:
+    kind = {b"\x89HD": "HDF", b"CDF": "CDF"}.get(read_at_most(path, 3), path.suffix.lower())
+    if (held := size_of(path)) > LARGEST and kind != "HDF":
         raise Refused(f"{path}: has {held:,} bytes; traces of up to {LARGEST:,} are read")
-    if read_at_most(path, 3) == b"CDF":
-        with _naming(path, "netCDF file", "convert it to netCDF-4 or CSV"):
-            return _of_netcdf(path, name)
-    if path.suffix.lower() == ".wav":
-        with open_stream(path) as stream, _naming(path, "WAV file", "save it as PCM of 16 or 24 bits"):
-            return _of_wave(path, stream)
-    if path.suffix.lower() == ".mat":
-        with open_stream(path) as stream, _naming(path, "MATLAB 5 file", "save it with -v6 or -v7"):
-            return _of_matlab(path, stream, column)
-    return TextTable.of(path)
-
-
-@contextmanager
-def _naming(path: Path, kind: str, remedy: str) -> Iterator[None]:
-    """Turn what a library raises on a damaged file, which may be any error, into a refusal that names the file."""
+    if kind not in _KINDS:
+        return read_table(path)
+    what, remedy, read = _KINDS[kind]
     try:
-        yield
-    except NoColumn:
-        raise
+        columns, step = read(path, name or column or "")
+        arrays = {n: np.ascontiguousarray(np.ravel(values), dtype=np.float64) for n, (_, values) in enumerate(columns)}
     except Refused as refused:
-        raise Refused(f"{path}: {refused}") from refused
+        raise type(refused)(f"{path}: {refused}") from refused
     except MemoryError as problem:
         raise Refused(f"{path}: is damaged, or there is no memory to unpack it; save fewer values") from problem
-    except Exception as problem:
-        said = isinstance(problem, ValueError | Warning)
-        why = " ".join(str(problem).split())[:200].rstrip(".") if said else "it is cut or damaged"
-        raise Refused(f"{path}: is no {kind} that can be read: {why}; {remedy}") from problem
+    except Exception as problem:  # what a library raises on a damaged file, which may be any error
+        said = " ".join(str(problem).split())[:200].rstrip(".")
+        why = said if isinstance(problem, ValueError | OSError | Warning) else "it is cut or damaged"
+        raise NoColumn(f"{path}: is no {what} that can be read: {why}; {remedy}") from problem
+    return Source(path=path, heads=[head for head, _ in columns], arrays=arrays, step=step, of_file=True)
 
 
-def _of_wave(path: Path, stream: BinaryIO) -> Source:
+def _of_wave(path: Path, _: str) -> Columns:
     """Return the channels of a sound; whole numbers are parts of full scale."""
     from scipy.io import wavfile
 
-    with warnings.catch_warnings():
+    with open_stream(path) as stream, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         warnings.filterwarnings("error", message="Reached EOF|Incomplete|Unknown")
         rate, sound = wavfile.read(stream)
-    channels = sound.reshape(len(sound), -1)
-    if not rate or not channels.size:
+    if not rate or not sound.size:
         raise Refused(f"has {len(sound)} samples at {rate} Hz; both are needed")
+    channels = sound.reshape(len(sound), -1)
     if sound.dtype.kind in "iu":
         zero, full = (128.0, 128.0) if sound.dtype == np.uint8 else (0.0, -float(np.iinfo(sound.dtype).min))
         channels = (channels - zero) / full
-    arrays = [np.ascontiguousarray(each, dtype=np.float64) for each in channels.T]
-    heads = [Head(str(number), "", str(number)) for number in range(1, len(arrays) + 1)]
-    return Source(path=path, heads=heads, arrays=arrays, step=1.0 / rate, word="sample", of_file=True)
+    return [(Head(str(n), "", str(n)), each) for n, each in enumerate(channels.T, 1)], 1.0 / rate
 
 
-def _of_matlab(path: Path, stream: BinaryIO, wanted: str | None) -> Source:
-    """Return the vectors of a MATLAB file that are as long as the wanted one: those beside the times, or one of them.
-
-    A file says how many values a vector has before they are unpacked.
-    """
+def _of_matlab(path: Path, wanted: str) -> Columns:
+    """Return the vectors of a MATLAB file that are as long as the wanted one, or as the longest."""
     from scipy.io import loadmat, whosmat
 
-    shapes = {name: shape for name, shape, kind in whosmat(stream) if kind in _NUMBERS}
-    sizes = {name: max(shape) for name, shape in shapes.items() if prod(shape) == max(shape) > 1}
+    with open_stream(path) as stream:
+        shapes = {name: shape for name, shape, kind in whosmat(stream) if kind in _NUMBERS}
+    sizes = {name: max(shape) for name, shape in shapes.items() if np.prod(shape, dtype=object) == max(shape) > 1}
     if not sizes:
-        there = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in list(shapes.items())[:_LISTED])
+        there = listed([f"{name} {'x'.join(map(str, shape))}" for name, shape in shapes.items()])
         raise Refused(f"has no vector of real numbers; it has {there or 'no numbers'}")
-    heads = [Head(name, "s" if name.lower() in {"t", "time"} else "", name) for name in sizes]
-    others = [head.name for head in heads if not head.unit]
-    if wanted is None and len({sizes[name] for name in others}) > 1:
-        raise NoColumn(f"{path}: which column? column= takes one of: {', '.join(others[:_LISTED])}")
-    chosen = [*others, *sizes][0]
-    if wanted is not None:
-        chosen = heads[column_of(Source(path=path, heads=heads), wanted, "column")].name
-    alike = [head for head in heads if sizes[head.name] == sizes[chosen]]
-    kept = [head for head in alike if wanted is None or head.unit or head.name == chosen]
-    if sizes[chosen] > MOST_UNPACKED:
-        raise Refused(
-            f"{chosen} has {sizes[chosen]:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5"
-        )
-    stream.seek(0)
-    found = loadmat(stream, squeeze_me=True, variable_names=[head.name for head in kept])
-    arrays = [np.asarray(found[head.name]) for head in kept]
-    for head, array in zip(kept, arrays, strict=True):
-        if array.dtype.kind not in "fiu" or array.shape != (sizes[chosen],):
-            raise Refused(f"{head.name} is no vector of real numbers")
-    return Source(path=path, heads=kept, arrays=[each.astype(np.float64) for each in arrays], of_file=True)
+    size = sizes.get(wanted, max(sizes.values()))
+    if size > MOST_UNPACKED:
+        raise Refused(f"has vectors of {size:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
+    alike = [name for name in sizes if sizes[name] == size]
+    with open_stream(path) as stream:
+        found = loadmat(stream, squeeze_me=True, variable_names=alike)
+    if bad := [name for name in alike if found[name].dtype.kind not in "fiu" or found[name].shape != (size,)]:
+        raise Refused(f"{bad[0]} is no vector of real numbers")
+    return [(Head(name, "s" if name.lower() in {"t", "time"} else "", name), found[name]) for name in alike], 0.0
 
 
-def _of_netcdf(path: Path, name: str) -> Source:
+def _of_netcdf(path: Path, name: str) -> Columns:
     """Return a variable of a netCDF-3 file, at the places of the variable of its dimension."""
     from scipy.io import netcdf_file
 
-    with netcdf_file(path, "r", mmap=False) as file:
+    with open_stream(path) as stream, netcdf_file(stream, "r", mmap=False) as file:
         found = file.variables.get(name.strip("/"))
         if found is None:
-            there = ", ".join(list(file.variables)[:_LISTED])
-            raise NoColumn(f"{path}: which variable? {path}:NAME names one of: {there or 'none'}")
+            raise NoColumn(f"which variable? FILE:NAME takes one of: {listed(list(file.variables)) or 'none'}")
         long = [dimension for dimension, side in zip(found.dimensions, found.shape, strict=True) if side != 1]
         scale = file.variables.get(long[0]) if len(long) == 1 else None
         parts = [(name, found)] if scale is None or scale is found else [(name, found), (long[0], scale)]
-        about = [{key: getattr(part, key, None) for key in _ATTRIBUTES} for _, part in parts]
-        return _unpacked(
-            path, [(each, part.data.copy(), said) for (each, part), said in zip(parts, about, strict=True)]
-        )
+        return [_unpacked(each, part.data.copy(), vars(part)) for each, part in parts], 0.0
 
 
-def _of_hdf5(path: Path, name: str) -> Source:
+def _of_hdf5(path: Path, name: str) -> Columns:
     """Return a dataset of HDF5, at the places of its dimension scale."""
-    descriptor = open_regular(path)
-    try:
-        with opened_by_hdf5(path, descriptor) as file:
-            _check_finished(path, file)
-            dataset = _dataset(file, name)
-            axis = dataset.dims[int(np.argmax(dataset.shape))]
-            scale = axis[0] if len(axis) else None
-            parts = [(name, dataset[()], dataset.attrs)]
-            if scale is not None and _is_here(scale) and scale.size == dataset.size and scale.dtype.kind in "fiu":
-                parts.append((scale.name or f"scale of {name}", scale[()], scale.attrs))
-            return _unpacked(path, parts)
-    except NoColumn as refused:
-        raise NoColumn(f"{path}: {refused}") from refused
-    except RunFileRefused:
-        raise
-    except Exception as problem:
-        raise NoColumn(f"{path}: damaged or no HDF5: {' '.join(str(problem).split())}") from problem
-    finally:
-        os.close(descriptor)
-
-
-def _unpacked(path: Path, parts: Sequence[tuple[str, Any, Mapping[str, Any]]]) -> Source:
-    """Return values as their attributes tell: scale_factor, add_offset, and what stands for a missing one."""
-    heads, arrays, missing = [], [], {}
-    for number, (name, raw, about) in enumerate(parts):
-        if raw.dtype.kind not in "fiu" or raw.size != max(raw.shape, default=0):
-            raise Refused(f"{name} has {raw.ndim} dimensions of {raw.dtype}; one of numbers is needed")
-        said = {key: np.ravel(about[key]) for key in _ATTRIBUTES[:-1] if about.get(key) is not None}
-        flat = raw.ravel()
-        values = flat.astype(np.float64) * said.get("scale_factor", [1.0])[0] + said.get("add_offset", [0.0])[0]
-        for key in ("_FillValue", "missing_value"):
-            for filling in said.get(key, ()):
-                if (flat == filling).any():
-                    missing[number] = f"its {key}, {filling:g}"
-                    values[flat == filling] = np.nan
-        unit = spelled(_text(about.get("units")).partition(" since ")[0])
-        heads.append(Head(name.rpartition("/")[2] if number else name, unit, name))
-        arrays.append(values)
-    return Source(path=path, heads=heads, arrays=arrays, missing=missing, of_file=True)
-
-
-def _text(attribute: Any) -> str:
-    """Return an attribute as a text: one, an array of one, or bytes in UTF-8 or Latin-1."""
-    if isinstance(attribute, np.ndarray):
-        attribute = attribute.ravel()[0] if attribute.size else None
-    if isinstance(attribute, bytes):
-        try:
-            return attribute.decode()
-        except UnicodeDecodeError:
-            return attribute.decode("latin-1")
-    return "" if attribute is None or isinstance(attribute, h5py.Empty) else str(attribute)
-
-
-def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
-    """Return the dataset of numbers with a path; raises NoColumn for anything else."""
-    dataset = _linked(file, name)
-    if not isinstance(dataset, h5py.Dataset):
-        there: list[str] = []
-        file.visititems(lambda path, item: there.append(path) if isinstance(item, h5py.Dataset) else None)
-        raise NoColumn(f"{name} is no dataset in it; it has {', '.join(there[:_LISTED]) or 'none'}")
-    if not _is_here(dataset):
-        raise NoColumn(f"{name} has its values in other files, which are not read")
-    if dataset.dtype.kind not in "fiu" or not dataset.size or dataset.size != max(dataset.shape, default=0):
-        raise NoColumn(f"{name} has {dataset.ndim} dimensions of {dataset.dtype}; one of numbers is needed")
-    if dataset.size > MOST_VALUES:
-        raise NoColumn(f"{name} has {dataset.size:,} values; up to {MOST_VALUES:,} are read from a file of others")
-    return dataset
+    with open_stream(path) as stream, opened_by_hdf5(path, stream.fileno()) as file:
+        origin, dataset = _linked(file, "provenance"), _linked(file, name)
+        if _text(file.attrs.get("format")) == FORMAT:
+            if origin is None or not _text(origin.attrs.get("finished", "unknown")):
+                raise RunFileRefused(UNFINISHED)  # whose last rows were never computed
+            if not name:
+                raise NoColumn(f'is a result of rubnoise; of a result, Trace(rubnoise.open("{path}")) takes the trace')
+        if not isinstance(dataset, h5py.Dataset):
+            there: list[str] = []
+            file.visititems(lambda each, item: there.append(each) if isinstance(item, h5py.Dataset) else None)
+            wrong = f"{name} is no dataset in it;" if name else "which dataset?"
+            raise NoColumn(f"{wrong} FILE:PATH takes one of: {listed(there) or 'none'}")
+        axis = dataset.dims[int(np.argmax(dataset.shape))] if dataset.shape else ()
+        scales = [axis[number] for number in range(len(axis)) if axis[number].size == dataset.size]
+        parts = [(name, dataset), *((each.name or "scale", each) for each in scales[:1])]
+        for each, part in parts:
+            creation = part.id.get_create_plist()
+            if creation.get_layout() == h5py.h5d.VIRTUAL or creation.get_external_count():
+                raise NoColumn(f"{each} has its values in other files, which are not read")
+            if part.size is not None and part.size > MOST_VALUES:
+                raise NoColumn(f"{each} has {part.size:,} values; up to {MOST_VALUES:,} are read from a file of others")
+        return [_unpacked(each, part[()], part.attrs) for each, part in parts], 0.0
 
 
 def _linked(file: h5py.File, path: str, links: int = _MOST_LINKS) -> h5py.HLObject | None:
@@ -242,15 +159,35 @@ def _linked(file: h5py.File, path: str, links: int = _MOST_LINKS) -> h5py.HLObje
     return owner
 
 
-def _is_here(dataset: h5py.Dataset) -> bool:
-    """Whether the values of a dataset lie in its own file."""
-    creation = dataset.id.get_create_plist()
-    return creation.get_layout() != h5py.h5d.VIRTUAL and not creation.get_external_count()
+def _unpacked(name: str, raw: Any, about: Mapping[str, Any]) -> tuple[Head, Any]:
+    """Return values as their attributes tell: scale_factor, add_offset, and what stands for a missing one."""
+    if raw.dtype.kind not in "fiu" or not raw.size or raw.size != max(raw.shape):
+        raise NoColumn(f"{name} has {raw.ndim} dimensions of {raw.dtype}; one of numbers is needed")
+    scale, offset = (np.ravel(about.get(key, usual))[0] for key, usual in (("scale_factor", 1.0), ("add_offset", 0.0)))
+    values, missing = raw.astype(np.float64) * scale + offset, ""
+    for key in ("_FillValue", "missing_value"):
+        for filling in np.ravel(about.get(key, ())):
+            if (raw == filling).any():
+                values[raw == filling], missing = np.nan, f"its {key}, {filling:g}"
+    unit = spelled(_text(about.get("units")).partition(" since ")[0])
+    return Head(name.rpartition("/")[2], unit, name, missing=missing), values
 
 
-def _check_finished(path: Path, file: h5py.File) -> None:
-    """Refuse the part file of a run of ours, whose last rows were never computed."""
-    origin = _linked(file, "provenance")
-    finished = "unknown" if origin is None else _text(origin.attrs.get("finished", "unknown"))
-    if _text(file.attrs.get("format")) == FORMAT and finished == "":
-        raise RunFileRefused(f"{path}: {UNFINISHED}")
+def _text(attribute: Any) -> str:
+    """Return an attribute as a text: one, an array of one, or bytes in UTF-8 or Latin-1."""
+    found = np.ravel(attribute)[:1].tolist() if not isinstance(attribute, h5py.Empty) else []
+    if found and isinstance(found[0], bytes):
+        try:
+            return found[0].decode()
+        except UnicodeDecodeError:
+            return found[0].decode("latin-1")
+    return str(found[0]) if found and found[0] is not None else ""
+
+
+_KINDS: Final[Mapping[str, tuple[str, str, Callable[[Path, str], Columns]]]] = {
+    ".wav": ("WAV file", "save it as PCM of 16 or 24 bits", _of_wave),
+    ".mat": ("MATLAB 5 file", "save it with -v6 or -v7", _of_matlab),
+    "CDF": ("netCDF file", "convert it to netCDF-4 or CSV", _of_netcdf),
+    "HDF": ("HDF5 file", "copy it again", _of_hdf5),
+}
+"""What a file is called, what helps if it is damaged, and what reads it, by its first bytes or its ending."""

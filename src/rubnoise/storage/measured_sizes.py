@@ -8,7 +8,7 @@ from rubnoise.errors import NoColumn, Refused, refusing_files
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
 from rubnoise.storage.foreign import opened
-from rubnoise.storage.samples import check_values, column_of
+from rubnoise.storage.measured import check_values, column_of
 from rubnoise.storage.text_heads import check_unit
 from rubnoise.units import LENGTH, unit_or_one
 
@@ -34,10 +34,11 @@ def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
         if head.unit and unit_or_one(head.unit).dimension != LENGTH.dimension:
             raise Refused(f"{source.where}: {head.name}: has the unit {head.unit}; diameters are lengths")
         size = float(unit_or_one(head.unit).size)
-        (values,) = source.columns([number])
+        source = source.with_columns([number])
+        values = source.arrays[number]
     if values.size > MOST:
         raise Refused(f"{path}: has more than {MOST:,} values, which a result keeps at most; take fewer of it")
-    check_values(source, number, values)
+    check_values(source, number)
     wrong = ~((values * size >= SMALLEST) & (values * size <= LARGEST))
     if wrong.any():
         row = int(np.argmax(wrong))

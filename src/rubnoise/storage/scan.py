@@ -2,8 +2,9 @@
 
 import re
 import warnings
+from collections.abc import Sequence
 from contextlib import redirect_stderr
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +14,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import size_of
-from rubnoise.storage.scan_text import MOST_VALUES, decoded, gridded, points_of, table_of
+from rubnoise.storage.scan_text import MOST_VALUES, gridded, points_of, table_of, text_of
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 MOST_MISSING: Final = 0.1  # share of missing points that are filled
@@ -30,15 +31,8 @@ class Told:
     channel: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scan:
-    """Heights and spacings in um, the first index along the sliding; ``history`` says how they were read."""
-
-    heights: Doubles = field(repr=False)
-    spacing: tuple[float, float]
-    periodic: bool = False
-    name: str
-    history: tuple[str, ...] = ()
+Scan = dict[str, Any]
+"""The fields of a HeightMap: heights and spacings in um, and the history that says how they were read."""
 
 
 def read_scan(path: Path, told: Told) -> Scan:
@@ -62,18 +56,16 @@ def _read(library: Any, path: Path, told: Told) -> Scan:
         raise Refused(f"{path}: has {held:,} bytes; up to {MOST_BYTES:,} are read")
     fitting = [each for each in library.IO.readers if path.suffix.lower()[1:] in (each.file_extensions() or ())]
     others = [each for each in fitting if each.format() not in ("xyz", "asc")]
-    text, history = decoded(path.read_bytes()) if others != fitting or not fitting else (None, ())
+    text, history = text_of(path) if others != fitting or not fitting else (None, ())
     if text is None:
         return _of_channel(_opened(library, path, others), path.name, told, history)
     head, values, clean = table_of(text, path.name)
     if (found := points_of(head, values)) is None:
         return _of_channel(library.open_topography(StringIO(clean), "asc"), path.name, told, history)
-    points, unit, height_unit = found
-    scale = length_scale(unit or told.unit, path.name)
-    up = length_scale(told.height_unit or height_unit or told.unit, path.name, "height_unit")
-    heights, steps = gridded(points * (scale, scale, up), path.name)
-    made = library.Topography(np.ma.masked_invalid(heights), np.multiply(heights.shape, steps), unit="um")
-    return from_topography(made, path.name, Told(), history)
+    points, *units = found
+    heights, steps = gridded(points, path.name)
+    made = library.Topography(np.ma.masked_invalid(heights), np.multiply(heights.shape, steps))
+    return from_topography(made, path.name, told, history, units)
 
 
 def _opened(library: Any, path: Path, fitting: list[Any]) -> Any:
@@ -98,23 +90,25 @@ def _of_channel(reader: Any, name: str, told: Told, history: tuple[str, ...]) ->
     if channels[chosen].physical_sizes is None and told.size is None:
         raise Refused(f'{name}: does not say how large it is; say it: size="128 um x 128 um"')
     given = {"physical_sizes": told.size} if channels[chosen].physical_sizes is None else {}
-    return from_topography(channels[chosen].topography(**given), name, told, history, "um" if given else "")
+    return from_topography(channels[chosen].topography(**given), name, told, history, ["um" if given else "", ""])
 
 
-def from_topography(topography: Any, name: str, told: Told, history: tuple[str, ...] = (), lateral: str = "") -> Scan:
-    """Return an object of SurfaceTopography, its size in ``lateral``, as a map; raises Refused as `read_scan` does."""
+def from_topography(
+    topography: Any, name: str, told: Told, history: tuple[str, ...] = (), units: Sequence[str] = ("", "")
+) -> Scan:
+    """Return an object of SurfaceTopography as a map, with other ``units`` of its size and its heights, or Refused."""
     if topography.dim != 2 or not topography.is_uniform:
         raise Refused(f"{name}: is a profile or has uneven points; a map of heights over an even grid is needed")
     if (points := int(np.prod(topography.nb_grid_pts))) > MOST_VALUES:
         raise Refused(f"{name}: has {points:,} points; up to {MOST_VALUES:,} are read")
     own = getattr(topography, "unit", None)
-    named = lateral or own or topography.info.get("raw_metadata", {}).get("xunit")  # a text may name that of its size
+    named = units[0] or own or topography.info.get("raw_metadata", {}).get("xunit")  # a text may name that of its size
     scale = length_scale(named or told.unit, name)
-    up = length_scale(told.height_unit or own or told.unit, name, "height_unit")
+    up = length_scale(told.height_unit or units[1] or own or told.unit, name, "height_unit")
     along, across = (float(step) * scale for step in topography.pixel_size)
     heights, done = _filled(topography, name)
-    scaled, periodic = np.ascontiguousarray(heights * up), bool(topography.is_periodic)
-    return Scan(heights=scaled, spacing=(along, across), periodic=periodic, name=name, history=(*history, *done))
+    scaled, about = np.ascontiguousarray(heights * up), {"name": name, "history": (*history, *done)}
+    return {"heights": scaled, "spacing": (along, across), "periodic": bool(topography.is_periodic), **about}
 
 
 def length_scale(unit: Any, name: str, keyword: str = "unit") -> float:

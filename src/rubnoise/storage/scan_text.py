@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from contextlib import suppress
 from itertools import dropwhile
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -11,23 +12,20 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
 from rubnoise.storage.text_heads import head_of, is_unit
+from rubnoise.storage.text_table import ENCODINGS, encoding_of, lines_of
 
 MOST_VALUES: Final = 1 << 26  # points of a map that is read
 _NEAR: Final = 0.1  # of a step: how far a point may lie off the grid
-_CONTROL: Final = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 _MISSED: Final = re.compile(r"(?<!\w)(?:nan|bad|inf(?:inite)?)(?!\w)", re.IGNORECASE)
 _ROW: Final = re.compile(r"(?=.*(?:\d|nan))[\s\d.,;+-]*(?:(?:[eEdD](?=[+-]?\d)|nan)[\s\d.,;+-]*)*")
 
 
-def decoded(raw: bytes) -> tuple[str | None, tuple[str, ...]]:
-    """Return a text in UTF-8, UTF-16 or Windows-1252, with a note on the last two; None for other bytes."""
-    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return raw.decode("utf-16", "replace"), ("read as UTF-16",)
-    if _CONTROL.search(raw, 0, 1 << 16):
-        return None, ()
-    with suppress(UnicodeDecodeError):
-        return raw.decode("utf-8-sig"), ()
-    return raw.decode("cp1252", "replace"), ("read as Windows-1252",)
+def text_of(path: Path) -> tuple[str | None, tuple[str, ...]]:
+    """Return a text in UTF-8, UTF-16 or Windows-1252, with a note on the last two; None for other files."""
+    encoding = encoding_of(path)
+    with suppress(Refused):
+        return "\n".join(line for _, line in lines_of(path, encoding)), ENCODINGS[encoding]
+    return None, ()
 
 
 def table_of(text: str, name: str) -> tuple[str, Doubles, str]:

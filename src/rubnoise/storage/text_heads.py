@@ -20,43 +20,44 @@ NONE: Final = frozenset(["", "1", "-"])
 LONGEST_NAME: Final = 200
 """Characters of a name with a unit at most: the forms below take the square of them."""
 
-_BRACKETS: Final = re.compile(
-    r"(?P<name>[^()\[\]]*[^\W\d][^()\[\]]*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])"
-)
+_NAME: Final = r"(?P<name>[^()\[\]]*[^\W\d][^()\[\]]*?)\s*"
+_BRACKETS: Final = (re.compile(_NAME + r"\((?P<unit>[^()]*)\)"), re.compile(_NAME + r"\[(?P<unit>[^\[\]]*)\]"))
 _SLASH: Final = re.compile(r"(?P<name>[^/]*[^\W\d][^/]*?)\s*/\s*(?P<unit>\S.*)")
-_IN: Final = re.compile(r"(?P<name>.*[^\W\d].*?)\s+in\s+(?P<unit>\S.*)")
+_IN: Final = re.compile(r"(?P<name>.*[^\W\d].*?)(?:\s+in|,)\s+(?P<unit>\S.*)")
 _ENDING: Final = re.compile(r"(?P<name>.*?[^\W\d_].*?)_(?P<unit>[A-Za-z\u00b5\u03bc]+2?(?:_per_[A-Za-z]+)?)")
+_POWERS: Final = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
+_SPELLINGS: Final = {"kp": "kgf", "msec": "ms", "usec": "us", "d": "day", "days": "day", "hours": "hour"} | {
+    **dict.fromkeys(("sek", "sek.", "sekunde", "sekunden"), "s"),
+    "minutes": "minute",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The name of a column and its unit, which is empty if it has none; ``written`` is the cell itself."""
+    """The name of a column and its unit, empty if it has none, and the cell as ``written``.
+
+    Its cells are of a ``kind``, "number" or "time", empty for others; ``missing`` says what nan stands for.
+    """
 
     name: str
     unit: str
     written: str
+    kind: str = "number"
+    missing: str = ""
 
 
 def head_of(cell: str) -> Head:
-    """Return name and unit of a column. A text in brackets is its unit; after `/`, `in` and `_` a known unit is."""
+    """Return name and unit of a column. A text in brackets is its unit; after `/`, `in`, comma and `_` a known one."""
     text = cell.strip()
-    if len(text) > LONGEST_NAME:
-        return Head(text, "", text)
-    if found := _BRACKETS.fullmatch(text):
-        unit = (found["round"] if found["round"] is not None else found["square"]).strip()
-        return Head(found["name"].strip(), spelled(unit), text)
-    for form in (_SLASH, _IN, _ENDING):
+    for form in (*_BRACKETS, _SLASH, _IN, _ENDING) if len(text) <= LONGEST_NAME else ():
         if found := form.fullmatch(text):
-            unit = (
-                re.sub("(?<=[a-z])2$", "^2", found["unit"].replace("_per_", "/")) if form is _ENDING else found["unit"]
-            )
-            if spelled(unit) in USUAL_UNITS or (form is not _ENDING and is_unit(unit)) or unit in ("V", "mV"):
+            unit = found["unit"].strip()
+            if form is _ENDING:
+                unit = re.sub("(?<=[a-z])2$", "^2", unit.replace("_per_", "/"))
+            known = spelled(unit) in USUAL_UNITS or unit in ("V", "mV") or (form is not _ENDING and is_unit(unit))
+            if known or form in _BRACKETS:
                 return Head(found["name"].strip(), spelled(unit), text)
     return Head(text, "", text)
-
-
-_SPELLINGS: Final = {"kp": "kgf", "msec": "ms", "usec": "us", "sek": "s", "sek.": "s"}
-_POWERS: Final = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
 
 
 def spelled(unit: str) -> str:
@@ -66,21 +67,19 @@ def spelled(unit: str) -> str:
         return ""
     lower = text.lower() if text[1:].islower() and len(text) > 2 else ""
     powered = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])([23])(?=$|/)", r"^\1", text)
-    ways = (text, _SPELLINGS.get(text.lower(), ""), lower, powered)
-    return next((way for way in ways if _is_known(way)), text)
+    return next((way for way in (text, _SPELLINGS.get(text.lower(), ""), lower, powered) if _is_known(way)), text)
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is a known unit."""
+    """Whether a text is a known unit, in any spelling."""
     return _is_known(spelled(text))
 
 
 def check_unit(unit: str, what: str) -> None:
     """Raise Refused, which names the unit, if it is unknown."""
-    if unit in NONE or unit in OTHERS:
-        return
     try:
-        parse_unit(unit)
+        if unit not in NONE | OTHERS:
+            parse_unit(unit)
     except QuantityError as problem:
         raise Refused(f"{what}: {problem}{f' ({problem.hint})' if problem.hint else ''}") from None
 

@@ -1,12 +1,10 @@
 """NumPy and SciPy: the pulses added one junction at a time, the slider by scipy.signal.lsim."""
 
-from pathlib import Path
-
 import numpy as np
 from scipy.signal import lsim
 
-from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Doubles, Draws, Output
-from bench.peers.tables import write
+from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Doubles
+from bench.peers.tables import maker
 
 
 def superpose(case: Case, birth: Doubles, diameter: Doubles) -> tuple[Doubles, Doubles]:
@@ -30,17 +28,4 @@ def move(case: Case, area: Doubles) -> tuple[Doubles, Doubles]:
     return motion[:, 0], motion[:, 1]
 
 
-def area_alone(case: Case, draws: Draws) -> Output:
-    """Return births and the trace of the area."""
-    birth, diameter = draws.rows()
-    area, _ = superpose(case, birth, diameter)
-    return Output(area=area, birth=birth, death=birth + 2.0 * diameter)
-
-
-def run(case: Case, draws: Draws, path: Path) -> Output:
-    """Make area and motion, and write them."""
-    birth, diameter = draws.rows()
-    area, count = superpose(case, birth, diameter)
-    displacement, velocity = move(case, area)
-    write(path, case, birth, diameter, area, count, displacement, velocity)
-    return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)
+area_alone, run = maker(superpose, move)

@@ -5,6 +5,7 @@ from math import acos, sqrt
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import simpy
 
 from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Draws, Output, doubles
@@ -51,9 +52,10 @@ class Contact:
 
     def births(self) -> Generator[Any, Any, None]:
         """Wait for a gap, start a junction, and so on."""
-        while True:
-            yield self.env.timeout(self.draws.gap())
-            self.env.process(self.junction(len(self.birth), self.draws.diameter()))
+        births, diameters = self.draws.rows()
+        for gap, diameter in zip(np.diff(births, prepend=0.0).tolist(), diameters.tolist(), strict=True):
+            yield self.env.timeout(gap)
+            self.env.process(self.junction(len(self.birth), diameter))
 
     def junction(self, number: int, diameter: float) -> Generator[Any, Any, None]:
         """Be alive for twice the diameter."""

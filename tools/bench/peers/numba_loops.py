@@ -1,13 +1,12 @@
 """Plain loops in numba: junction by junction and tick by tick with the arc cosine, and a Runge-Kutta step a tick."""
 
 from math import acos, sqrt
-from pathlib import Path
 
 import numba
 import numpy as np
 
-from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Doubles, Draws, Output
-from bench.peers.tables import write
+from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Doubles
+from bench.peers.tables import maker
 
 
 @numba.njit(cache=True)
@@ -55,16 +54,4 @@ def slider(case: Case, area: Doubles) -> tuple[Doubles, Doubles]:
     return displacement, velocity
 
 
-def area_alone(case: Case, draws: Draws) -> Output:
-    """Return births and the trace of the area."""
-    birth, diameter = draws.rows()
-    return Output(area=superpose(case, birth, diameter)[0], birth=birth, death=birth + 2.0 * diameter)
-
-
-def run(case: Case, draws: Draws, path: Path) -> Output:
-    """Make area and motion, and write them."""
-    birth, diameter = draws.rows()
-    area, count = superpose(case, birth, diameter)
-    displacement, velocity = slider(case, area)
-    write(path, case, birth, diameter, area, count, displacement, velocity)
-    return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)
+area_alone, run = maker(superpose, slider)

@@ -1,7 +1,6 @@
 """superposed-pulses, the package on the index for shot noise, with the junction's life as its pulse; then lsim."""
 
 import os
-from pathlib import Path
 
 os.environ.setdefault("TQDM_DISABLE", "1")  # its progress bar costs time, and is not the point
 
@@ -10,9 +9,9 @@ from superposedpulses.forcing import Forcing
 from superposedpulses.point_model import PointModel
 from superposedpulses.pulse_shape import ShortPulseGenerator
 
-from bench.case import Case, Doubles, Draws, Output
+from bench.case import Case, Doubles
 from bench.peers.naive_numpy import move
-from bench.peers.tables import write
+from bench.peers.tables import maker
 
 
 class Lens(ShortPulseGenerator):  # type: ignore[misc]
@@ -45,33 +44,14 @@ class Junctions:
         return self.forcing
 
 
-def superpose(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
-    """Return the real contact area (um^2) at the ticks."""
+def superpose(case: Case, birth: Doubles, diameter: Doubles) -> tuple[Doubles, Doubles]:
+    """Return the real contact area (um^2) and the number of junctions at the ticks, which the package does not tell."""
     model = PointModel(case.mean_gap, case.distance, case.tick)
     model.set_pulse_shape(Lens(case.tick))
     model.set_custom_forcing_generator(Junctions(birth, diameter))
-    return model.make_realization()[1]
+    deaths = np.sort(birth + 2.0 * diameter)
+    born, dead = (np.searchsorted(events, case.ticks, side="right") for events in (birth, deaths))
+    return model.make_realization()[1], (born - dead).astype(np.float64)
 
 
-def count_of(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
-    """Return the number of junctions at the ticks, which the package does not tell."""
-    ticks = case.ticks
-    return (
-        np.searchsorted(birth, ticks, side="right")
-        - np.searchsorted(np.sort(birth + 2.0 * diameter), ticks, side="right")
-    ).astype(np.float64)
-
-
-def area_alone(case: Case, draws: Draws) -> Output:
-    """Return births and the trace of the area."""
-    birth, diameter = draws.rows()
-    return Output(area=superpose(case, birth, diameter), birth=birth, death=birth + 2.0 * diameter)
-
-
-def run(case: Case, draws: Draws, path: Path) -> Output:
-    """Make area and motion, and write them."""
-    birth, diameter = draws.rows()
-    area = superpose(case, birth, diameter)
-    displacement, velocity = move(case, area)
-    write(path, case, birth, diameter, area, count_of(case, birth, diameter), displacement, velocity)
-    return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)
+area_alone, run = maker(superpose, move)

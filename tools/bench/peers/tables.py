@@ -1,5 +1,6 @@
-"""How peers keep a run: the tables of rubnoise's result file, written with h5py in the plainest way."""
+"""How peers make and keep a run: the tables of rubnoise's result file, written with h5py in the plainest way."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.case import SPEED, STRENGTH, Case, Doubles
+from bench.case import SPEED, STRENGTH, Case, Doubles, Draws, Output
+
+Superpose = Callable[[Case, Doubles, Doubles], tuple[Doubles, Doubles]]
+"""Area (um^2) and number of junctions at the ticks, from births and diameters."""
+
+Move = Callable[[Case, Doubles], tuple[Doubles, Doubles]]
+"""Displacement (um) and velocity (um/s) at the ticks, from the area."""
 
 
 def write(
@@ -35,3 +42,20 @@ def write(
         for group, columns in tables.items():
             for name, values in columns.items():
                 file[f"{group}/{name}"] = values
+
+
+def maker(superpose: Superpose, move: Move) -> tuple[Callable[..., Output], Callable[..., Output]]:
+    """Return what makes births and the area alone, and what makes area and motion and writes them."""
+
+    def area_alone(case: Case, draws: Draws) -> Output:
+        birth, diameter = draws.rows()
+        return Output(area=superpose(case, birth, diameter)[0], birth=birth, death=birth + 2.0 * diameter)
+
+    def run(case: Case, draws: Draws, path: Path) -> Output:
+        birth, diameter = draws.rows()
+        area, count = superpose(case, birth, diameter)
+        displacement, velocity = move(case, area)
+        write(path, case, birth, diameter, area, count, displacement, velocity)
+        return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)
+
+    return area_alone, run

@@ -103,8 +103,8 @@
     const last = side ? Math.floor(side.reached / beside.spacing) : 0;
     const first = Math.max(0, last - COLUMNS);
     const y = leftAxis(ctx, box, 0, beside.top, [`${label}: area, µm²`, label]);
-    const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, 'sliding distance, µm');
-    if (!side) return hint(label, box);
+    const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, ['sliding distance, µm', 'µm']);
+    if (!side) return hint(box);
     drawBirths(side, x, trace);
     ctx.strokeStyle = ink.ink;
     ctx.lineWidth = 1.5;
@@ -119,11 +119,11 @@
     return drawOften(side, y, trace.right + 4, box.right);
   }
 
-  function hint(label, box) {
+  function hint(box) {
     const { ctx } = beside.pen;
     ctx.fillStyle = ink.quiet;
     ctx.textAlign = 'center';
-    ctx.fillText(`press ▶ ${label}`, 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
+    ctx.fillText('press ▶', 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
   }
 
   /** Mark each birth at the lower edge, where single ones can be seen. */

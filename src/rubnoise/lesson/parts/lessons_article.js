@@ -21,6 +21,12 @@
     return element;
   }
 
+  /** Return a table of a header's texts and rows of elements. */
+  function grid(head, rows, attributes = { class: 'lesson-table' }) {
+    const names = head.map((html) => make('th', { scope: 'col', html }));
+    return make('table', attributes, make('thead', {}, make('tr', {}, ...names)), make('tbody', {}, ...rows));
+  }
+
   /** Return a part with its heading; while locked its body is away and a note says when it opens. */
   function part(name, title, locked, ...body) {
     const id = `lesson-${name}`;
@@ -110,7 +116,7 @@
       begun && reading && lessons.reading.form(lesson, state.lessons[index]),
       make('p', { text: 'What to watch:' }),
       make('ul', {}, ...watch.map((html) => make('li', { html }))),
-      seenTable(lesson, index),
+      begun && seenTable(lesson, index),
     );
   }
 
@@ -122,8 +128,9 @@
 
   /** Return the table of what the runs have shown. */
   function seenTable(lesson, index) {
-    if (lesson.experiment.reading) return lessons.reading.table(lesson, index);
-    return make('div', { class: 'lesson-scroll' }, lessons.kept.table(lesson, state.lessons[index]));
+    const known = state.lessons[index];
+    const table = lesson.experiment.reading ? lessons.reading.table(lesson, known) : lessons.kept.table(lesson, known);
+    return make('div', { class: 'lesson-scroll' }, table);
   }
 
   function law(lesson, index) {
@@ -218,10 +225,12 @@
   function contents() {
     const items = list.map((lesson, i) => {
       const passed = state.lessons[i].step === STEPS.passed;
+      const isOpen = i === state.open ? 'step' : false;
       const button = make(
         'button',
-        { type: 'button', 'data-open': i, 'aria-current': i === state.open ? 'step' : false },
-        `${i + 1}. ${lesson.title}`,
+        { type: 'button', 'data-open': i, 'aria-current': isOpen, title: lesson.title },
+        `${i + 1}.`,
+        make('span', { class: 'lesson-name', text: ` ${lesson.title}` }),
       );
       if (passed)
         button.append(
@@ -254,5 +263,5 @@
     );
   }
 
-  lessons.page = { make, part, radio, comparison, checkForm, contents, article, seenTable };
+  lessons.page = { make, grid, part, radio, comparison, checkForm, contents, article, seenTable };
 })();

@@ -4,7 +4,7 @@
   const rub = globalThis.rub;
   const { lessons } = rub;
   const { state, words, page, STEPS } = lessons;
-  const { make, part, radio, checkForm, comparison } = page;
+  const { make, grid, part, radio, checkForm, comparison } = page;
   const NOT_YET = 'Opens when you have said what you see above.';
   const UNSAID = 'Opens when you have said what you expect.';
   const UNRUN = 'Opens when the slider has pushed back.';
@@ -56,8 +56,8 @@
       make('div', { class: 'lesson-buttons' }, run, step >= STEPS.run && make('button', ahead)),
       make('p', { text: 'What to watch:' }),
       make('ul', {}, ...watch.map((html) => make('li', { html }))),
-      seenTable(table),
-    ];
+      step >= STEPS.run && seenTable(table),
+    ].filter(Boolean);
   }
 
   function seenTable(table) {
@@ -67,9 +67,7 @@
       const name = make('th', { scope: 'row', html: row.label + unit });
       return make('tr', {}, name, make('td', { 'data-further-seen': i }), make('td', { 'data-further-exact': i }));
     });
-    const cells = head.map((text) => make('th', { scope: 'col', text }));
-    const body = [make('thead', {}, make('tr', {}, ...cells)), make('tbody', {}, ...rows)];
-    return make('div', { class: 'lesson-scroll' }, make('table', { class: 'lesson-table' }, ...body));
+    return make('div', { class: 'lesson-scroll' }, grid(head, rows));
   }
 
   function law() {

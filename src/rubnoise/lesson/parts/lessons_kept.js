@@ -4,7 +4,7 @@
   const rub = globalThis.rub;
   const { lessons } = rub;
   const { state, words, page, STEPS } = lessons;
-  const { make } = page;
+  const { make, grid } = page;
   const OTHER = 'other'; // the column of controls that fit no run
   const laws = new Map();
 
@@ -43,7 +43,7 @@
     return isOther ? [...runs, { key: OTHER, label: 'controls as they are' }] : runs;
   }
 
-  const heading = (scope, html, more = {}) => make('th', { scope, html, ...more });
+  const heading = (html) => make('th', { scope: 'row', html });
   const cells = (name, shown, i) => shown.map(({ key }) => make('td', { [`data-${name}`]: `${key}.${i}` }));
 
   /** Return the table of what the runs have shown; the law's figures wait until they give no answer away. */
@@ -55,13 +55,11 @@
     const body = lesson.experiment.table.flatMap((row, i) => {
       const seen = cells('seen', shown, i);
       const law = open ? cells('exact', shown, i) : [];
-      const name = heading('row', row.label + (row.unit ? `, ${words.unitName(row.unit)}` : ''));
+      const name = heading(row.label + (row.unit ? `, ${words.unitName(row.unit)}` : ''));
       if (isSingle || !open) return [make('tr', {}, name, ...seen, ...law)];
-      return [make('tr', {}, name, ...seen), make('tr', { class: 'law' }, heading('row', 'the law'), ...law)];
+      return [make('tr', {}, name, ...seen), make('tr', { class: 'law' }, heading('the law'), ...law)];
     });
-    const head = make('tr', {}, ...['quantity', ...labels].map((text) => heading('col', text)));
-    const attributes = { class: 'lesson-table', 'data-columns': shown.length };
-    return make('table', attributes, make('thead', {}, head), make('tbody', {}, ...body));
+    return grid(['quantity', ...labels], body, { class: 'lesson-table', 'data-columns': shown.length });
   }
 
   /** Write the figures into the table on show. */

@@ -3,8 +3,8 @@
 (() => {
   const rub = globalThis.rub;
   const { lessons, reading } = rub;
-  const { state, words, page, STEPS } = lessons;
-  const { make } = page;
+  const { words, page, STEPS } = lessons;
+  const { make, grid } = page;
   const { LEVELS } = reading;
   const STEP = 0.4; // um of both sliders: a tick
 
@@ -113,8 +113,7 @@
   const interval = ({ interval: [low, high] }) => `${words.say3(low)} to ${words.say3(high)}`;
 
   /** Return the table of all readings so far, a column for each trace. */
-  function table(lesson, index) {
-    const known = state.lessons[index];
+  function table(lesson, known) {
     const cells = (law) => {
       const level = known.step >= STEPS.run ? levelOf(law, known) : LEVELS.trace;
       const { half, found, diameter } = reading.of(law);
@@ -134,9 +133,7 @@
     });
     const named = ({ label, law }) => (lessons.revealed(known) ? `${label}: ${law}` : label);
     const head = ['diameter, µm', ...lesson.experiment.runs.map(named)];
-    const names = head.map((text) => make('th', { scope: 'col', text }));
-    const body = [make('thead', {}, make('tr', {}, ...names)), make('tbody', {}, ...rows)];
-    return make('div', { class: 'lesson-scroll' }, make('table', { class: 'lesson-table' }, ...body));
+    return grid(head, rows);
   }
 
   rub.on('reading', follow);

@@ -91,6 +91,13 @@
 
   rub.fitAll = fitAll;
 
+  /** Turn larger type for a class in front of a projector on or off. */
+  rub.projector = () => {
+    const isOn = document.documentElement.classList.toggle('projector');
+    find('projector').setAttribute('aria-pressed', String(isOn));
+    fitAll();
+  };
+
   function drawLegend() {
     const pen = rub.plot.pen(find('legend'));
     for (let i = 0; i < pen.width; i += 1) {
@@ -137,7 +144,7 @@
     rub.knobs.begin(find('knobs'));
     rub.panels.begin();
     rub.transport.begin();
-    rub.projector.begin();
+    find('projector').addEventListener('click', rub.projector);
     const unfold = () => fold(!find('pictures').classList.contains('folded'));
     find('unfold').addEventListener('click', unfold);
     rub.sound.begin();

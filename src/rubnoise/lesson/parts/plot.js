@@ -131,18 +131,23 @@
     ctx.textAlign = 'left';
     ctx.textBaseline = 'bottom';
     ctx.fillStyle = ink.ink;
-    const fits = (title) => !(ctx.measureText(title).width > box.right - box.left);
-    const title = [titles].flat().find(fits) ?? [titles].flat().at(-1);
-    ctx.fillText(title, box.left, box.top - 4);
+    ctx.fillText(fitting(ctx, titles, box.right - box.left), box.left, box.top - 4);
+  }
+
+  /** Return the first of some titles that fits into a width, or the last. */
+  function fitting(ctx, titles, width) {
+    const all = [titles].flat();
+    return all.find((title) => !(ctx.measureText(title).width > width)) ?? all.at(-1);
   }
 
   /** Draw numbers below a picture, and what they count. */
-  function lowerAxis(ctx, box, low, high, title) {
+  function lowerAxis(ctx, box, low, high, titles) {
     const x = (value) => box.left + ((value - low) / (high - low)) * (box.right - box.left);
     ctx.font = font(0.72);
     ctx.textAlign = 'center';
     ctx.textBaseline = 'top';
     ctx.fillStyle = ink.quiet;
+    const title = fitting(ctx, titles, 0.6 * (box.right - box.left));
     const end = box.right - ctx.measureText(title).width - 16;
     for (const value of roundNumbers(low, high, Math.max(2, (box.right - box.left) / 90))) {
       if (x(value) > box.left - 1 && x(value) < end) ctx.fillText(said(value), x(value), box.bottom + 3);

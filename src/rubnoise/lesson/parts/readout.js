@@ -59,6 +59,7 @@
 
   function refresh() {
     document.getElementById('numbers-hint').hidden = readout.isOpen('all');
+    document.getElementById('numbers-table').hidden = !readout.isOpen('seen');
     readout.exact();
     readout.seen(rub.run.moments());
     rub.emit('veil', readout.level);

@@ -32,6 +32,11 @@
     return reached < wide ? [0, wide] : [reached - wide, reached];
   }
 
+  /** Return the stretch of the force: that of the displacement where a lesson shows both. */
+  function forceStretch() {
+    return document.querySelector('#pictures.folded #panel-slider.shown') ? longStretch() : stretch();
+  }
+
   /** Return the stretch of time on show, in s. */
   function span() {
     const { time } = rub.run;
@@ -219,10 +224,10 @@
       clipped(ctx, box, () => drawMotion(ctx, x, (value) => y(value * 1e-3), 'force'));
       return;
     }
-    const { ctx, box, x, y } = frame('force', 0, top, 'friction force, mN');
+    const { ctx, box, x, y } = frame('force', 0, top, 'friction force, mN', forceStretch());
     const milli = (value) => y(value * 1e-3);
     drawExact(ctx, box, milli, forceMean, forceStd, seen.forceMean);
-    drawColumn(ctx, x, milli, rub.run.trace.force);
+    drawColumn(ctx, x, milli, rub.run.trace.force, forceStretch());
   }
 
   function drawSlider(seen) {

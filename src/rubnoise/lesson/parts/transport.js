@@ -31,7 +31,8 @@
     const lives = rub.run.pace / rub.exact().lifeMean;
     const slower = rub.world.speed / rub.run.pace;
     const beside = slower >= 1 ? `${said(slower, 2)} times slower` : `${said(1 / slower, 2)} times faster`;
-    const text = `${said(rub.run.pace, 2)} µm/s: ${said(lives, 2)} lives a second, ${beside} than true`;
+    const often = said(lives, 2);
+    const text = `${said(rub.run.pace, 2)} µm/s: ${often} ${often === '1' ? 'life' : 'lives'} a second, ${beside} than true`;
     find('pace-said').textContent = text;
     find('pace').setAttribute('aria-valuetext', text);
   };
@@ -54,7 +55,7 @@
     e: () => transport.step(),
     '+': () => transport.pace(rub.run.pace * 1.5),
     '-': () => transport.pace(rub.run.pace / 1.5),
-    b: () => rub.projector.toggle(),
+    b: () => rub.projector(),
     n: () => rub.card.move(1),
     p: () => rub.card.move(-1),
     0: () => rub.run.goTo(0),

@@ -121,55 +121,39 @@
     ctx.fillRect(left, bbox.top, Math.max(right - left, 1), bbox.height);
   };
 
-  const sticks = data.landmarks && { begin: view.unpacked(data.landmarks.begin), end: view.unpacked(data.landmarks.end) };
-  const drawSticks = (chart) => {
-    if (!sticks) return;
+  const unpacked = (columns) => columns && Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, view.unpacked(column)]));
+  const [flights, turns] = [unpacked(data.flights), unpacked(data.landmarks?.reversals)];
+  const sticks = data.landmarks && unpacked({ begin: data.landmarks.begin, end: data.landmarks.end });
+
+  /** Shade what goes from begins to ends: sticks, flights. */
+  const shadeAll = (spans) => (chart) => {
     const { min, max } = chart.scales.x;
-    for (let i = view.firstAtLeast(sticks.end, min); i < sticks.begin.length && sticks.begin[i] <= max; i += 1) {
-      shaded(chart, sticks.begin[i], sticks.end[i], ink("stick"));
-    }
+    const { begin, end } = spans ?? { begin: [], end: [] };
+    for (let i = view.firstAtLeast(end, min); i < begin.length && begin[i] <= max; i += 1) shaded(chart, begin[i], end[i], ink("stick"));
   };
-  const turns = data.landmarks && {
-    time: view.unpacked(data.landmarks.reversals.time), displacement: view.unpacked(data.landmarks.reversals.displacement),
-  };
-  const MOST_TURNS = 2000;
-  const drawTurns = (chart) => {
-    if (!turns) return;
+
+  const MOST_MARKS = 2000;
+  /** Mark places on a curve, of which none has a mark where the curve is not known: turns, impacts. */
+  const markAll = (places, valueOf, outline) => (chart) => {
     const { min, max } = chart.scales.x;
-    const [first, last] = [view.firstAtLeast(turns.time, min), view.firstAtLeast(turns.time, max)];
-    if (last - first > MOST_TURNS) return;
-    const { ctx } = chart;
-    const size = 5 * devicePixelRatio;
-    ctx.strokeStyle = ink("exact");
-    ctx.lineWidth = 1.5 * devicePixelRatio;
-    for (let i = first; i < last; i += 1) {
-      const [x, y] = [chart.valToPos(turns.time[i], "x", true), chart.valToPos(turns.displacement[i], "y", true)];
-      ctx.strokeRect(x - size / 2, y - size / 2, size, size);
-    }
-  };
-  const flights = data.flights && Object.fromEntries(Object.entries(data.flights).map(([name, column]) => [name, view.unpacked(column)]));
-  const drawFlights = (chart) => {
-    if (!flights) return;
-    const { min, max } = chart.scales.x;
-    for (let i = view.firstAtLeast(flights.end, min); i < flights.begin.length && flights.begin[i] <= max; i += 1) {
-      shaded(chart, flights.begin[i], flights.end[i], ink("stick"));
-    }
-  };
-  const drawImpacts = (chart) => {
-    if (!flights) return;
-    const { min, max } = chart.scales.x;
-    const [first, last] = [view.firstAtLeast(flights.place, min), view.firstAtLeast(flights.place, max)];
-    if (last - first > MOST_TURNS) return;
+    const [first, last] = places ? [min, max].map((end) => view.firstAtLeast(places, end)) : [0, 0];
+    if (last - first > MOST_MARKS) return;
     const { ctx } = chart;
     ctx.strokeStyle = ink("exact");
     ctx.lineWidth = 1.5 * devicePixelRatio;
     for (let i = first; i < last; i += 1) {
-      const value = view.value("load", "velocity", flights.place[i]);
+      const value = valueOf(i);
       if (value === null) continue;
       ctx.beginPath();
-      ctx.arc(chart.valToPos(flights.place[i], "x", true), chart.valToPos(value, "y", true), 3 * devicePixelRatio, 0, 2 * Math.PI);
+      outline(ctx, chart.valToPos(places[i], "x", true), chart.valToPos(value, "y", true), 3 * devicePixelRatio);
       ctx.stroke();
     }
+  };
+  const square = (ctx, x, y, size) => ctx.rect(x - size, y - size, 2 * size, 2 * size);
+  const circle = (ctx, x, y, size) => ctx.arc(x, y, size, 0, 2 * Math.PI);
+  const MARKS = {
+    displacement: markAll(turns?.time, (i) => turns.displacement[i], square),
+    normal_velocity: markAll(flights?.place, (i) => view.value("load", "velocity", flights.place[i]), circle),
   };
   const drawLife = (chart) => {
     if (view.chosen === null) return;
@@ -259,10 +243,12 @@
     return chart;
   };
 
-  const around = (fromZero) => (_, low, high) => {
+  /** The ends of an axis about its values; beside another run they are those of both. */
+  const around = (fromZero, name) => (_, low, high) => {
     const [bottom, top] = [fromZero ? Math.min(0, low ?? 0) : (low ?? -1), high ?? 1];
     const margin = 0.06 * (top - bottom || 1);
-    return [fromZero && bottom === 0 ? 0 : bottom - margin, top + margin];
+    const range = [fromZero && bottom === 0 ? 0 : bottom - margin, top + margin];
+    return location.protocol === "about:" ? parent.shared(window, name, range) : range;
   };
 
   /** Make a chart for each curve that the run has. */
@@ -274,11 +260,11 @@
       place.dataset.curve = curveOf(group, name);
       document.getElementById(group === "slider" ? "motion" : "contact").append(place);
       const timed = keyOf(group) === "time";
-      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [drawSticks] : [drawFlights, drawLife, drawMark])];
+      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [shadeAll(sticks)] : [shadeAll(flights), drawLife, drawMark])];
       const chart = view.newChart(place, {
-        label, name: curveOf(group, name).replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
+        label, name: curveOf(group, name).replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero, curveOf(group, name)),
         data: curve(group, name, view.window.from, view.window.to),
-        hooks: { drawClear: before, draw: name === "displacement" ? [drawTurns] : group === "load" && name === "velocity" ? [drawImpacts] : [], setCursor: [(one) => view.pointed(one, timed)] },
+        hooks: { drawClear: before, draw: [MARKS[curveOf(group, name)]].filter(Boolean), setCursor: [(one) => view.pointed(one, timed)] },
       });
       made.push({ chart, redraw: () => chart.setData(curve(group, name, view.window.from, view.window.to)), place });
     }
@@ -286,7 +272,7 @@
     const all = () => curve("trace", "real_contact_area", 0, data.distance);
     const overview = new uPlot({
       width: place.clientWidth, height: 96, legend: { show: false },
-      scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true) } },
+      scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true, "overview") } },
       axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 86 }],
       series: [{}, { stroke: () => ink("curve"), width: 1, points: { show: false } }],
       cursor: { show: false },

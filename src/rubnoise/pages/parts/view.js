@@ -131,6 +131,7 @@
   };
   /* Beside another run a page has no link of its own, and follows the window of the other. */
   let follows = false;
+  window.redraw = () => view.redrawCharts();
   window.follow = (from, to) => {
     follows = true;
     view.show(from, to, true);
