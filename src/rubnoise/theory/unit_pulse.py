@@ -7,7 +7,7 @@ offsets, which are even over a pass's half width.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
-from math import inf
+from math import erfc, inf
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.sizes import SETTLED, Function, Table, panels
 
 _FAR, _END, _TERMS = 200.0, 328.0, 6
-_STEP_BEFORE, _STEP_WIDTH, _NONE = 17.5, 4.0, 1e-11  # of the step from a swing that is followed to none
+_STEP_BEFORE, _STEP_WIDTH, _NONE = 70.0, 12.02, 1e-11  # of the step from a swing that is followed to none
 _CLOSE = 0.5 * 2.0 ** -np.arange(20.0)
 _AGES = np.unique([0.0, 1.0, 2.0, *_CLOSE, *(1.0 - _CLOSE), *(1.0 + _CLOSE), *(2.0 - _CLOSE)])
 _PHASES = np.arange(0.0, 1.001 + 2.0 * _END) / 2.0
@@ -180,14 +180,25 @@ def energy(pulse: Pulse, phase: ArrayLike, settled: float | Doubles = inf) -> Do
 
 
 def _faded(z: Doubles, settled: float | Doubles, followed: Transform, rest: Transform) -> Complexes:
-    """Return one function up to some phases and another from 70 before ``settled`` on, by a logistic step."""
-    kept = np.broadcast_to(1.0 / (1.0 + np.exp(np.minimum((z - settled) / _STEP_WIDTH + _STEP_BEFORE, 700.0))), z.shape)
+    """Return one function up to some phases and another from 70 before ``settled`` on, by an error function.
+
+    Its transform is Gaussian: at the swings e^(iz) and e^(2iz) nothing is left of it.
+    """
+    place = np.clip(z - settled + _STEP_BEFORE, -_STEP_BEFORE, _STEP_BEFORE)
+    kept = np.broadcast_to(_step()(place), z.shape)
     found = np.zeros(z.shape, dtype=np.complex128)
     inside, beyond = kept > _NONE, kept < 1.0 - _NONE
     found[inside] = followed(z[inside])
     share = kept[beyond]
     found[beyond] = share * found[beyond] + (1.0 - share) * rest(np.maximum(z[beyond], 20.0))
     return found
+
+
+@cache
+def _step() -> Table:
+    """Return half the complementary error function about 0; scipy's takes longer to load than a spectrum to make."""
+    edges = np.linspace(-_STEP_BEFORE, _STEP_BEFORE, 57)
+    return Table(edges, lambda z: np.array([0.5 * erfc(each / _STEP_WIDTH) for each in z.tolist()]), 12)
 
 
 def from_birth(pulse: Pulse, phase: Doubles, settled: float | Doubles = inf) -> Complexes:
