@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rubnoise.scenario.sweep import expand
     from rubnoise.simulation.intervention import LiveJunctions
     from rubnoise.simulation.observer import Observer
-    from rubnoise.theory.asperities import greenwood_williamson
+    from rubnoise.theory.ancestors import greenwood_williamson
     from rubnoise.theory.exact import Exact
 
 __version__ = "0.1.0"
@@ -95,7 +95,7 @@ HOMES: Final = {
     "rubnoise.scenario.sweep": ("expand",),
     "rubnoise.simulation.intervention": ("LiveJunctions",),
     "rubnoise.simulation.observer": ("Observer",),
-    "rubnoise.theory.asperities": ("greenwood_williamson",),
+    "rubnoise.theory.ancestors": ("greenwood_williamson",),
     "rubnoise.theory.exact": ("Exact",),
 }
 """The module of each public name."""

@@ -14,7 +14,7 @@ from rubnoise.figures.study import PointRuns, Study, StudyLine, exact_of, study_
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from tests.verification.scores import seed_of
 
 # Pictures of sweeps: what goes along the axis, what theory draws through the points, and what is refused.

@@ -12,8 +12,7 @@ from rubnoise.inference.signal import half_width_of
 from rubnoise.lesson.page import LAWS, readings
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
-from rubnoise.theory.live_count import mean_count_error
-from rubnoise.theory.sampling import mean_area_error
+from rubnoise.theory.second_order import area_noise, count_noise
 from tests.lesson.node import answer, lessons, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 from tests.verification.scores import seed_of
@@ -64,7 +63,10 @@ def test_a_run_of_the_page_is_the_model(browser: Any, lesson_file: str, births: 
         page.evaluate("rub.run.goTo(rub.run.end)")
         assert page.evaluate("rub.run.end") == 20000.0
         seen, exact = page.evaluate("rub.run.moments()"), page.evaluate("rub.exact()")
-    errors = {"areaMean": mean_area_error(model, 20000.0), "countMean": mean_count_error(model, 20000.0)}
+    errors = {
+        "areaMean": area_noise(model).error_of_mean(20000.0),
+        "countMean": count_noise(model).error_of_mean(20000.0),
+    }
     for name, error in errors.items():
         assert abs(seen[name] - exact[name]) < 4.0 * error, name
         assert abs(seen[name] - 1.05 * exact[name]) > 4.0 * error, name

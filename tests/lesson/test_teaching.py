@@ -102,7 +102,7 @@ def sizes():
 def rise():
     held = exact("load/fig5_load")
     load, gap = held.load, 100 * sqrt(2 / held.model.mean_junction_count)
-    force = 100 * sqrt(load.covariances.of("friction_force")) / (250 * 200)
+    force = 100 * sqrt(load.covariances["friction_force", "friction_force"]) / (250 * 200)
     rest = [load.contact_resonance, load.separation_std, 0.5 * sqrt(2 / 50)]
     return [gap, force, held.slider.displacement_std, *rest]
 

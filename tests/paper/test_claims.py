@@ -21,7 +21,7 @@ from paper import pages
 from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.contact.laws.lognormal import Lognormal
 from rubnoise.scenario.shipped import shipped
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.second_order import autocovariance, spectral_density
 from tests.architecture.sources import ROOT
 

@@ -18,7 +18,7 @@ from rubnoise.analysis.spectra import Spectrum
 from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.scenario.sweep import load_sweep
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from tests.figures.papers import PAPER, of_colour, short_papers
 from tests.verification.scores import seed_of
 

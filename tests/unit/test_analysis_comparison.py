@@ -16,7 +16,7 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.theory.cumulants import Cumulants
+from rubnoise.theory.moments import Cumulants
 from tests.models import bare, model, recorded
 from tests.verification.scores import Held, seed_of
 

@@ -17,7 +17,7 @@ from rubnoise.analysis.records import (
     error_of_mean,
     integrated_autocorrelation,
 )
-from rubnoise.theory.sampling import variance_of_time_mean
+from rubnoise.theory.second_order import area_noise
 from rubnoise.theory.second_order import autocovariance as model_covariance
 from tests.models import bare, recorded
 from tests.unit.theory_models import Doubles, memory, white
@@ -56,7 +56,7 @@ def test_a_run_has_the_autocovariance_of_its_model() -> None:
     lags = (4, 10, 20, 30, 40)
     seen, lag = values_at(lags, area_of_shorter()), SHORTER.tick * np.array(lags)
     error = covariance_errors(SHORTER, lag, SHORTER.distance, SHORTER.tick)
-    expected = model_covariance(SHORTER, lag) - variance_of_time_mean(SHORTER)
+    expected = model_covariance(SHORTER, lag) - area_noise(SHORTER).variance_of_mean()
     assert np.max(np.abs(seen - expected) / error) <= 4.0
     other = model_covariance(bare(count=10.0), lag)
     assert np.max(np.abs(seen - other) / error) > 5.0

@@ -13,11 +13,11 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import (
+    height_integral,
     velocity_weakening,
     white_noise,
 )
-from rubnoise.theory.asperities import height_integral
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
 from tests.cli.terminal import call
 from tests.models import model
@@ -30,12 +30,12 @@ def one_size(**slider: object) -> Model:
 
 def test_white_noise_has_its_published_figures() -> None:
     found, own = white_noise(one_size()), response(one_size())
-    assert found.force_density == pytest.approx(1436574.38, rel=1e-8)
-    assert (found.displacement_std, found.velocity_std) == pytest.approx((218.828, 53602.0), rel=1e-5)
-    assert found.life_phase == pytest.approx(4.50, abs=5e-3)
-    assert found.displacement_std / own.displacement_std == pytest.approx(1.129, abs=5e-4)
-    assert found.velocity_std / own.velocity_std == pytest.approx(1.143, abs=5e-4)
-    assert white_noise(replace(model(births="gamma"), pulse=one_size().pulse)).wavenumber is None
+    assert found["force_density"] == pytest.approx(1436574.38, rel=1e-8)
+    assert (found["displacement_std"], found["velocity_std"]) == pytest.approx((218.828, 53602.0), rel=1e-5)
+    assert found["life_phase"] == pytest.approx(4.50, abs=5e-3)
+    assert found["displacement_std"] / own.displacement_std == pytest.approx(1.129, abs=5e-4)
+    assert found["velocity_std"] / own.velocity_std == pytest.approx(1.143, abs=5e-4)
+    assert white_noise(replace(model(births="gamma"), pulse=one_size().pulse))["wavenumber"] is None
 
 
 LISTS: list[dict[str, object]] = [
@@ -98,8 +98,8 @@ BORDER = [(0.0, True), (0.05, True), (0.0500001, False), (0.1, False), (0.5, Fal
 def test_the_border_is_the_damping(slope: float, steady: bool) -> None:  # noqa: FBT001  (a case)
     run = one_size(excitation="velocity-weakening", slope=slope)
     found = velocity_weakening(run)
-    assert (found.steady, found.border) == (steady, 0.05)
-    assert (found.amplitude > 0.0) == (not steady)
+    assert (found["steady"], found["border"]) == (steady, 0.05)
+    assert (found["amplitude"] > 0.0) == (not steady)
 
 
 def test_a_force_that_falls_with_speed_has_no_noise() -> None:
@@ -125,15 +125,15 @@ def test_a_cycle_obeys_its_closed_solution() -> None:
     rate = 0.5 * (slope - slider.damping) / slider.mass
     turn = np.sqrt(slider.stiffness / slider.mass - rate**2)
     start, speed = 2.0 * rate * slider.mass * 1000.0 / slider.stiffness, 1000.0
-    slipped = found.period * (1.0 - found.stick_fraction)
+    slipped = found["period"] * (1.0 - found["stick_fraction"])
     t = np.linspace(0.0, slipped, 20001)
     ahead = (speed - rate * start) / turn
     y = np.exp(rate * t) * (start * np.cos(turn * t) + ahead * np.sin(turn * t))
     velocity = np.gradient(y, t)
     assert velocity[-1] == pytest.approx(speed, rel=2e-3)
-    assert velocity.min() == pytest.approx(found.slowest, rel=1e-4)
-    assert 0.5 * np.ptp(y) == pytest.approx(found.amplitude, rel=1e-4)
-    assert (start - y[-1]) / speed == pytest.approx(found.period * found.stick_fraction, rel=1e-3)
+    assert velocity.min() == pytest.approx(found["slowest"], rel=1e-4)
+    assert 0.5 * np.ptp(y) == pytest.approx(found["amplitude"], rel=1e-4)
+    assert (start - y[-1]) / speed == pytest.approx(found["period"] * found["stick_fraction"], rel=1e-3)
 
 
 @pytest.mark.parametrize(

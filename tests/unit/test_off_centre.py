@@ -20,15 +20,13 @@ from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, ov
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.live_count import count_covariance, mean_count
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import (
     area_noise,
     autocovariance,
     count_noise,
-    density_at_zero,
     half_power_wavenumber,
     spectral_density,
 )
@@ -125,8 +123,11 @@ def test_spectrum_and_autocovariance_are_transforms_of_each_other(sizes: Any) ->
     assert float(autocovariance(model, 0.0)) == pytest.approx(area_cumulants(model).variance, rel=1e-8)
     for k in (0.0, 0.3, 1.0, 2.0):
         back = 2.0 * float(weights @ (covariance * np.cos(k * lags)))
-        assert float(spectral_density(model, k)) == pytest.approx(back, rel=1e-6, abs=1e-9 * density_at_zero(model))
-    assert density_at_zero(model) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-8)
+        assert float(spectral_density(model, k)) == pytest.approx(
+            back, rel=1e-6, abs=1e-9 * float(spectral_density(model, 0.0))
+        )
+    power = model.birth_rate * model.pulse.squared_integral * model.sizes.moment(6)
+    assert float(spectral_density(model, 0.0)) == pytest.approx(power, rel=1e-8)
 
 
 @pytest.mark.parametrize(("damping_ratio", "speed"), [(0.02, 1e3), (1e-3, 1e4), (0.5, 10.0), (3.0, 1e5)])
@@ -150,7 +151,7 @@ def test_power_at_zero_is_more_by_58_per_cent() -> None:
         contact(Fixed(value=sqrt(10.0 / float(pulse.life_mean()))), pulse=pulse) for pulse in (LENS, OFF_CENTRE_LENS)
     )
     assert [area_cumulants(model).mean for model in (through, off)] == pytest.approx([200.0, 200.0], rel=1e-12)
-    assert density_at_zero(off) / density_at_zero(through) == pytest.approx(1.58, abs=0.005)
+    assert float(spectral_density(off, 0.0)) / float(spectral_density(through, 0.0)) == pytest.approx(1.58, abs=0.005)
     assert half_power_wavenumber(off) < half_power_wavenumber(through)
 
 
@@ -238,13 +239,15 @@ def test_gamma_births_of_shape_1_are_at_random_off_the_centre_line(pulse: Pulse)
     spacing = at_random.births.mean
     gamma = replace(at_random, births=GammaBirths(mean_spacing=spacing, shape=1.0))
     lags, k = np.array([0.0, 0.3, 2.0, 5.0, 9.0]), np.array([0.0, 0.1, 0.5, 2.0, 6.0])
-    variance, most = area_cumulants(at_random).variance, density_at_zero(at_random)
+    variance, most = area_cumulants(at_random).variance, float(spectral_density(at_random, 0.0))
     assert autocovariance(gamma, lags) == pytest.approx(autocovariance(at_random, lags), abs=1e-8 * variance)
     assert spectral_density(gamma, k) == pytest.approx(spectral_density(at_random, k), rel=1e-6, abs=1e-8 * most)
-    assert count_covariance(gamma, lags) == pytest.approx(count_covariance(at_random, lags), abs=1e-6 * COUNT)
+    assert count_noise(gamma).covariance(lags) == pytest.approx(
+        count_noise(at_random).covariance(lags), abs=1e-6 * COUNT
+    )
     assert response(gamma).displacement_std == pytest.approx(response(at_random).displacement_std, rel=2e-8)
     even = replace(at_random, births=GammaBirths(mean_spacing=spacing, shape=4.0))
-    assert density_at_zero(even) < 0.7 * most
+    assert float(spectral_density(even, 0.0)) < 0.7 * most
 
 
 @pytest.mark.parametrize("pulse", [OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=["lens", "parabola"])
@@ -264,7 +267,7 @@ def test_regular_births_off_the_centre_line_are_those_drawn(pulse: Pulse) -> Non
             alive[row] += inside
     for seen, mean, covariance in (
         (area, area_cumulants(model).mean, autocovariance(model, [0.0, 1.3])),
-        (alive, mean_count(model), count_covariance(model, [0.0, 1.3])),
+        (alive, model.mean_live_junctions, count_noise(model).covariance([0.0, 1.3])),
     ):
         for row in range(2):
             products = (seen[0] - mean) * (seen[row] - mean)

@@ -14,7 +14,7 @@ from rubnoise.contact.overlap import junction_area, life_integral
 from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
 from rubnoise.model import Slider
 from rubnoise.simulation.linear import propagator, under_force
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.unit_pulse import amplitude
 from tests.frozen import frozen
 from tests.models import model

@@ -20,7 +20,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Slips, Tally
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from tests.models import bare, model
 from tests.verification.scores import seed_of
 

@@ -27,7 +27,8 @@ from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.motion import response
-from rubnoise.theory.sampling import mean_area_error, motion_errors
+from rubnoise.theory.sampling import motion_errors
+from rubnoise.theory.second_order import area_noise
 from tests.models import FIG5_SLIDER, bare, model, recorded
 from tests.unit.theory_models import model_of
 from tests.verification.scores import seed_of
@@ -133,7 +134,7 @@ def test_a_run_too_short_for_its_motion_says_what_it_needs() -> None:
     assert missing is not None
     assert missing.decays == pytest.approx(2.5)
     errors, exact = motion_errors(short, missing.needed), response(short)
-    relative = errors.displacement_std / exact.displacement_std, errors.velocity_std / exact.velocity_std
+    relative = errors["displacement_std"] / exact.displacement_std, errors["velocity_std"] / exact.velocity_std
     assert max(relative) == pytest.approx(0.1)
     assert missing_for_motion(model(distance=missing.needed)) is None
 
@@ -230,7 +231,7 @@ def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     assert found.outside == ()
     assert "real_contact_area_mean" in found.left_out
     mean = float(record["trace"]["real_contact_area"].mean())
-    assert mean - run.stationary_mean_area > 8.0 * mean_area_error(run)
+    assert mean - run.stationary_mean_area > 8.0 * area_noise(run).error_of_mean()
 
 
 def test_a_row_of_an_answer_has_the_score_and_the_unit() -> None:

@@ -22,7 +22,7 @@ from rubnoise.runs.executors import Here, Workers, WorkLost, given, local
 from rubnoise.runs.measuring import Measurement, run_points
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import expand
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
 from tests.unit.scenarios import sweep_of
@@ -215,7 +215,7 @@ def test_replicates_are_independent_runs_of_one_theory(tmp_path: Path) -> None:
                   if point.values["interface.mean_junction_count"] == count]  # fmt: skip
         model = points[0].scenario.model()
         found = np.array([std for _, std in run_points(points, STDS)])
-        error = standard_errors(model).std / sqrt(len(points))
+        error = standard_errors(model)["std"] / sqrt(len(points))
         assert abs(found.mean() - area_cumulants(model).std) <= 4.0 * error
-        assert found.std(ddof=1) == pytest.approx(standard_errors(model).std, rel=1.2)
+        assert found.std(ddof=1) == pytest.approx(standard_errors(model)["std"], rel=1.2)
         assert np.unique(found).size == len(points)

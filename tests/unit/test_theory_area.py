@@ -12,12 +12,8 @@ from numpy.typing import NDArray
 from rubnoise.contact.laws import Fixed, Normal, Weibull
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.live_count import (
-    count_covariance,
-    mean_count_error,
-    zero_share,
-)
+from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share
+from rubnoise.theory.second_order import count_noise
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
 from tests.verification.scores import seed_of
 
@@ -76,8 +72,8 @@ def dense(model: Model, function: Callable[[Doubles], Doubles]) -> float:
 @pytest.mark.parametrize("lag", [0.0, 0.3, 4.0, 11.0, 30.0])
 def test_covariance_is_the_life_that_is_left(lag: float) -> None:
     expected = WIDE.birth_rate * dense(WIDE, lambda d: np.maximum(2.0 * d - lag, 0.0))
-    assert count_covariance(WIDE, lag) == pytest.approx(expected, rel=1e-8, abs=1e-9)
-    assert count_covariance(WIDE, -lag) == count_covariance(WIDE, lag)
+    assert count_noise(WIDE).covariance(lag) == pytest.approx(expected, rel=1e-8, abs=1e-9)
+    assert count_noise(WIDE).covariance(-lag) == count_noise(WIDE).covariance(lag)
 
 
 @pytest.mark.parametrize("distance", [3.0, 11.06, 200.0, 40_000.0])
@@ -85,7 +81,7 @@ def test_error_of_the_mean_count_in_closed_form(distance: float) -> None:
     life, reach = 11.06, min(distance, 11.06)
     integral = distance * life * reach - (distance + life) * reach**2 / 2.0 + reach**3 / 3.0
     variance = 2.0 * one_size().birth_rate * integral / distance**2
-    assert mean_count_error(one_size(), distance) == pytest.approx(np.sqrt(variance), rel=1e-12)
+    assert count_noise(one_size()).error_of_mean(distance) == pytest.approx(np.sqrt(variance), rel=1e-12)
 
 
 def of_one_size(count: float, tick: float, ticks: int) -> Model:
@@ -111,10 +107,10 @@ def empty_ticks(model: Model, runs: int, name: str) -> Doubles:
 @pytest.mark.parametrize(("count", "tick"), [(0.1, 3.0), (0.7, 0.1), (3.0, 0.5)])
 def test_the_share_without_contact_has_the_law_that_is_said(count: float, tick: float) -> None:
     run, runs = of_one_size(count, tick, 401), 2000
-    law, shares = zero_share(run), empty_ticks(of_one_size(count, tick, 401), runs, f"zero/{count}")
-    assert abs(shares.mean() - law.expected) <= 4.0 * law.standard_error / runs**0.5
-    assert abs(excess(shares, law.standard_error)) <= 4.0
-    independent = (law.expected * (1.0 - law.expected) / 401) ** 0.5
+    (mean, error, _), shares = zero_share(run), empty_ticks(of_one_size(count, tick, 401), runs, f"zero/{count}")
+    assert abs(shares.mean() - mean) <= 4.0 * error / runs**0.5
+    assert abs(excess(shares, error)) <= 4.0
+    independent = (mean * (1.0 - mean) / 401) ** 0.5
     assert excess(shares, independent) > 5.0
 
 
@@ -122,9 +118,9 @@ def test_the_share_without_contact_has_the_law_that_is_said(count: float, tick: 
 def test_the_skewness_of_the_share_without_contact_is_that_of_all_triples_of_ticks(count: float) -> None:
     """The third cumulant of the sum grows by as much from tick to tick, once the first ticks are forgotten."""
     tick, ticks = 1.0, 10**6
-    law = zero_share(of_one_size(count, tick, ticks))
+    _, error, skewness = zero_share(of_one_size(count, tick, ticks))
     third = third_cumulant(count, 61) - third_cumulant(count, 60)
-    assert law.skewness * (law.standard_error * ticks) ** 3 / ticks == pytest.approx(third, rel=1e-4)
+    assert skewness * (error * ticks) ** 3 / ticks == pytest.approx(third, rel=1e-4)
 
 
 def third_cumulant(count: float, ticks: int) -> float:

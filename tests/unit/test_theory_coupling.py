@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.model import Model, Slider
 from rubnoise.theory.coupling import coupling, weak_coupling_change
 from rubnoise.theory.motion import response
-from rubnoise.theory.second_order import density_at_zero
+from rubnoise.theory.second_order import spectral_density
 from tests.models import model as scenario_model
 from tests.models import recorded
 from tests.unit.theory_models import FIG5_SLIDER, paper_model, regular
@@ -37,7 +37,7 @@ def test_figure_5_is_strongly_coupled() -> None:
 def test_the_strength_is_that_of_the_sixth_moment() -> None:
     """Pi = psi^2 S(0)/(2 m c V^3), here from lam c_1^2 E[d^6]; not the fourth power of V, nor without the damping."""
     model = paper_model(speed=3e4)
-    expected = 250.0**2 * density_at_zero(model) / (2.0 * 0.005 * 0.05 * 3e4**3)
+    expected = 250.0**2 * float(spectral_density(model, 0.0)) / (2.0 * 0.005 * 0.05 * 3e4**3)
     assert coupling(model).strength == pytest.approx(expected, rel=1e-12)
 
 

@@ -11,14 +11,9 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Lognormal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
-from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.live_count import count_covariance, count_variance, mean_count, mean_count_error
+from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, force_cumulants
 from rubnoise.theory.motion import force_spectral_density, response
-from rubnoise.theory.sampling import (
-    mean_area_error,
-    variance_of_time_mean,
-)
-from rubnoise.theory.second_order import area_noise, autocovariance, density_at_zero, spectral_density
+from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 from rubnoise.theory.sizes import longest_life, panels
 from tests.unit.theory_models import FIG5_SLIDER, drawn, regular
 from tests.verification.scores import seed_of
@@ -137,16 +132,16 @@ def test_covariances_of_area_and_count(count: float, spread: float, pulse: Pulse
     generator = np.random.default_rng(seed_of(f"regular covariance {count} {spread} {pulse.shape}"))
     area, alive = drawn(model, LAGS, 100_000, generator)
     for row, lag in enumerate(LAGS):
-        found = float(autocovariance(model, lag)), float(count_covariance(model, lag))
+        found = float(autocovariance(model, lag)), float(count_noise(model).covariance(lag))
         assert abs(score(area[0], area[row], area_cumulants(model).mean, found[0])) <= 4.0
-        assert abs(score(alive[0], alive[row], mean_count(model), found[1])) <= 4.0
+        assert abs(score(alive[0], alive[row], model.mean_live_junctions, found[1])) <= 4.0
 
 
 def test_a_count_of_equal_lives_takes_two_values() -> None:
     assert count_variance(regular(2.5)) == pytest.approx(0.25, rel=1e-12)
     assert count_variance(regular(0.2)) == pytest.approx(0.16, rel=1e-12)
     assert count_variance(regular(20.0)) == 0.0
-    np.testing.assert_allclose(count_covariance(regular(2.5), [2.212, 4.424]), [-0.25, 0.25], atol=1e-12)
+    np.testing.assert_allclose(count_noise(regular(2.5)).covariance([2.212, 4.424]), [-0.25, 0.25], atol=1e-12)
 
 
 @pytest.mark.slow
@@ -164,7 +159,7 @@ def test_continuous_spectrum_is_the_transform_of_what_the_phase_does_not_tell(
         assert found == pytest.approx(expected, rel=1e-6, abs=1e-8 * np.abs(covariance).sum())
     m = model.sizes.moment
     expected = model.birth_rate * pulse.life_integral(1) ** 2 * (m(6) - m(3) ** 2)
-    assert density_at_zero(model) == pytest.approx(expected, rel=1e-9)
+    assert float(spectral_density(model, 0.0)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines() -> None:
@@ -198,16 +193,19 @@ def test_error_of_a_mean_over_ticks(count: float, spread: float, pulse: Pulse, t
     model = replace(regular(count, spread, pulse), tick=tick, tick_count=ticks - 1, strengths=None)
     generator = np.random.default_rng(seed_of(f"regular ticks {count} {spread} {pulse.shape} {tick}"))
     area, alive = records(model, 20_000, generator)
-    assert abs(score(area, area, area_cumulants(model).mean, variance_of_time_mean(model))) <= 4.0
-    assert abs(score(alive, alive, mean_count(model), mean_count_error(model) ** 2, allowed=1e-4)) <= 4.0
+    assert abs(score(area, area, area_cumulants(model).mean, area_noise(model).variance_of_mean())) <= 4.0
+    assert (
+        abs(score(alive, alive, model.mean_live_junctions, count_noise(model).error_of_mean() ** 2, allowed=1e-4))
+        <= 4.0
+    )
 
 
 def test_a_long_record_averages_lines_out_as_one_over_its_length() -> None:
     model = regular(2.5)
-    errors = [mean_area_error(model, length) for length in (1_000.3, 100_000.3)]
+    errors = [area_noise(model).error_of_mean(length) for length in (1_000.3, 100_000.3)]
     assert errors[0] / errors[1] > 50.0
-    assert mean_area_error(regular(2.5, 0.2), 1e5) == pytest.approx(
-        np.sqrt(density_at_zero(regular(2.5, 0.2)) / 1e5), rel=1e-3
+    assert area_noise(regular(2.5, 0.2)).error_of_mean(1e5) == pytest.approx(
+        np.sqrt(float(spectral_density(regular(2.5, 0.2), 0.0)) / 1e5), rel=1e-3
     )
 
 

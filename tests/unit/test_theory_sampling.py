@@ -10,11 +10,10 @@ from rubnoise.contact.laws import Fixed, Law, Lognormal, Power, Weibull
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.live_count import count_covariance, mean_count_error
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
-from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
-from rubnoise.theory.second_order import autocovariance, spectral_density
+from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 from rubnoise.theory.sizes import longest_life, panels
 from rubnoise.theory.unit_pulse import energy
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model
@@ -60,7 +59,7 @@ def moments(trace: Doubles) -> dict[str, Doubles]:
 @pytest.mark.parametrize(("lives", "ticks_a_life"), [(1, 8), (6, 4), (40, 1)])
 def test_error_of_the_mean_is_exact_for_any_record_and_tick(lives: int, ticks_a_life: int) -> None:
     trace, model = records(one_size(), lives, ticks_a_life, seed=11)
-    assert abs(excess(trace.mean(axis=1), standard_errors(model).mean)) <= 4.0
+    assert abs(excess(trace.mean(axis=1), standard_errors(model)["mean"])) <= 4.0
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +72,7 @@ def test_errors_of_all_four_moments(long_records: Records) -> None:
     trace, model = long_records
     errors = standard_errors(model)
     for name, values in moments(trace).items():
-        assert abs(excess(values, getattr(errors, name))) <= 4.0, name
+        assert abs(excess(values, errors[name])) <= 4.0, name
 
 
 @pytest.mark.slow
@@ -81,11 +80,11 @@ def test_errors_of_the_moments_of_the_force_under_unequal_strengths() -> None:
     psi = Lognormal(mean=2.0, std=1.0)
     few = model_of(Fixed(value=5.53), 5.53, mean_count=5.0)
     trace, model = records(few, 400, 8, seed=13, strengths=psi)
-    errors = force_standard_errors(replace(model, strengths=psi))
+    errors = standard_errors(replace(model, strengths=psi), None, psi)
     found = moments(trace)
     for name, values in found.items():
-        assert abs(excess(values, getattr(errors, name))) <= 4.0, name
-    assert excess(found["excess_kurtosis"], standard_errors(model).excess_kurtosis) > 8.0
+        assert abs(excess(values, errors[name])) <= 4.0, name
+    assert excess(found["excess_kurtosis"], standard_errors(model)["excess_kurtosis"]) > 8.0
 
 
 @pytest.mark.slow
@@ -101,7 +100,7 @@ def test_shot_noise_is_not_gaussian_noise() -> None:
     model = paper_model(mean_count=0.5)
     lags = np.linspace(0.0, 2.0 * model.sizes.support[1], 401)
     gaussian = np.trapezoid(np.square(autocovariance(model, lags)), lags) / area_cumulants(model).variance / 40_000.0
-    assert standard_errors(model, 40_000.0).std > 1.5 * np.sqrt(gaussian)
+    assert standard_errors(model, 40_000.0)["std"] > 1.5 * np.sqrt(gaussian)
 
 
 # The theory where sizes spread over decades, against dense sums and against itself.
@@ -150,8 +149,10 @@ def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, ti
     lags = np.arange(5000.0)
     weights = 2.0 * (1.0 - lags / 5000.0) / 5000.0
     weights[0] *= 0.5
-    assert variance_of_time_mean(model) == pytest.approx(weights @ autocovariance(model, lags * tick), rel=1e-6)
-    assert mean_count_error(model) ** 2 == pytest.approx(weights @ count_covariance(model, lags * tick), rel=1e-4)
+    assert area_noise(model).variance_of_mean() == pytest.approx(weights @ autocovariance(model, lags * tick), rel=1e-6)
+    assert count_noise(model).error_of_mean() ** 2 == pytest.approx(
+        weights @ count_noise(model).covariance(lags * tick), rel=1e-4
+    )
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from rubnoise.contact.laws import Exponential, Normal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import force_slope_std
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 from rubnoise.theory.sizes import SETTLED
 from rubnoise.theory.unit_pulse import amplitude, energy, from_birth, overlaps

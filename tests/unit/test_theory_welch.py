@@ -11,7 +11,7 @@ from rubnoise.contact.pulses import TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.periodogram import cross_spectrum, expected_periodogram, through_window, welch_errors
-from rubnoise.theory.second_order import autocovariance, density_at_zero, spectral_density, visible_lines
+from rubnoise.theory.second_order import autocovariance, spectral_density, visible_lines
 from tests.unit.theory_models import Doubles, drawn_trace, model_of, one_size, periodograms
 from tests.verification.scores import seed_of
 
@@ -91,7 +91,7 @@ def test_long_segments_and_fine_ticks_show_the_spectrum() -> None:
     k, found = expected_periodogram(model, 0.05, window)
     middle = (k > 0.1) & (k < 10.0)
     np.testing.assert_allclose(found[middle], spectral_density(model, k[middle]), rtol=5e-3)
-    assert found[1] < density_at_zero(model)
+    assert found[1] < float(spectral_density(model, 0.0))
 
 
 def test_bins_are_those_of_scipy(trace: Doubles) -> None:

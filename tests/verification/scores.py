@@ -23,9 +23,9 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.cumulants import area_cumulants
-from rubnoise.theory.live_count import mean_count, mean_count_error
-from rubnoise.theory.sampling import StandardErrors, standard_errors
+from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.second_order import count_noise
 from tests.models import bare
 
 # How far a run is from theory, in standard errors; records made by hand; seeds that are not chosen.
@@ -74,7 +74,7 @@ def _lengthening(trial: Model, row: dict[str, Any], precision: float) -> float:
 def relative_errors(model: Model, row: dict[str, Any]) -> tuple[float, float]:
     """Return the standard errors of mean and std over their values."""
     errors = standard_errors(model)
-    return errors.mean / row["area_mean"], errors.std / row["area_std"]
+    return errors["mean"] / row["area_mean"], errors["std"] / row["area_std"]
 
 
 def measured(model: Model, seed: int) -> Figures:
@@ -99,19 +99,19 @@ def expected(model: Model) -> Figures:
         "area_std": area.std,
         "area_skewness": area.skewness,
         "area_excess_kurtosis": area.excess_kurtosis,
-        "junction_count_mean": mean_count(model),
+        "junction_count_mean": model.mean_live_junctions,
     }
 
 
 def errors_of(model: Model) -> Figures:
     """Return the standard errors of the same figures over the model's ticks."""
-    area: StandardErrors = standard_errors(model)
+    area = standard_errors(model)
     return {
-        "area_mean": area.mean,
-        "area_std": area.std,
-        "area_skewness": area.skewness,
-        "area_excess_kurtosis": area.excess_kurtosis,
-        "junction_count_mean": mean_count_error(model),
+        "area_mean": area["mean"],
+        "area_std": area["std"],
+        "area_skewness": area["skewness"],
+        "area_excess_kurtosis": area["excess_kurtosis"],
+        "junction_count_mean": count_noise(model).error_of_mean(),
     }
 
 

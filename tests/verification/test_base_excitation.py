@@ -18,7 +18,7 @@ from rubnoise.model import Model
 from rubnoise.pages.report_words import in_words, motion_in_words
 from rubnoise.scenario import Scenario
 from rubnoise.simulation import draws
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import motion_spectrum, response
 from tests.cli.terminal import call
 from tests.models import contents, recorded

@@ -14,8 +14,8 @@ from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.text import text_of
 from rubnoise.simulation import draws
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import exact
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.periodogram import expected_periodogram, through_window
 from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
 from rubnoise.theory.sizes import panels, sizes_of

@@ -17,9 +17,8 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.live_count import mean_count
+from rubnoise.theory.moments import area_cumulants
 from tests.models import bare, recorded
 from tests.verification.scores import REJECTED, Made, made, seed_of
 from tools import right_runs
@@ -256,7 +255,7 @@ def normal_of(model: Model) -> Law:
 
 def squares_of(model: Model) -> Law:
     """Return the law of pulses that are as long, and have their mean area all the time."""
-    count = mean_count(model)
+    count = model.mean_live_junctions
     height = area_cumulants(model).mean / count
     return lambda area: pdtr(np.floor(area / height), count)
 

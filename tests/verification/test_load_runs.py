@@ -204,7 +204,7 @@ def test_errors_are_what_runs_scatter_by() -> None:
         simulate(model, seed_of(f"scatter {n}"), tally, engine="batch")
         runs.append([tally.moments[name].std for name in ("separation", "normal_velocity", "load")])
     scatter = np.std(np.array(runs), axis=0, ddof=1)
-    known = np.array([errors.separation_std, errors.velocity_std, errors.load_std])
+    known = np.array([errors["separation_std"], errors["velocity_std"], errors["load_std"]])
     # The scatter of 64 runs is itself uncertain by 1/sqrt(2 * 63) = 9 %.
     assert np.all(np.abs(scatter / known - 1.0) < BOUND / sqrt(2.0 * 63.0))
     assert motion.separation_std == pytest.approx(np.mean(runs, axis=0)[0], abs=BOUND * known[0] / 8.0)

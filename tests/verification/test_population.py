@@ -17,7 +17,7 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import birth_distances, draw_blocks, first_birth, start
 from rubnoise.simulation.observer import Observer
-from rubnoise.theory.live_count import length_biased_mean_diameter, mean_count, mean_count_error
+from rubnoise.theory.second_order import count_noise
 from tests.models import bare, model, recorded, run_to_end
 from tests.verification.scores import BOUND, REJECTED, seed_of
 
@@ -148,7 +148,7 @@ def numbers(run: Model) -> Doubles:
 
 @pytest.mark.parametrize("run", [LONG, WIDE, bare(count=0.3)], ids=["figure 5", "wide", "few"])
 def test_the_number_at_the_start_is_poisson(run: Model) -> None:
-    counts, mean = numbers(run), mean_count(run)
+    counts, mean = numbers(run), run.mean_live_junctions
     assert abs(counts.mean() - mean) <= BOUND * np.sqrt(mean / STARTS)
     assert abs(dispersion(counts)) <= BOUND
     empty = np.exp(-mean)
@@ -166,8 +166,8 @@ def test_diameters_at_the_start_are_length_biased() -> None:
     law = law_of(WIDE)
     assert ks(diameters, length_biased(law)) < KS_BOUND
     assert ks(diameters, redrawn_normal(law)) > KS_BOUND
-    error = np.sqrt(law.moment(3) / law.moment(1) - length_biased_mean_diameter(WIDE) ** 2)
-    assert abs(diameters.mean() - length_biased_mean_diameter(WIDE)) <= BOUND * error / np.sqrt(diameters.size)
+    error = np.sqrt((law.moment(3) / law.moment(1) - (law.moment(2) / law.moment(1)) ** 2) / diameters.size)
+    assert abs(diameters.mean() - law.moment(2) / law.moment(1)) <= BOUND * error
 
 
 def test_ages_at_the_start_are_uniform_over_a_life() -> None:
@@ -195,7 +195,7 @@ def test_births_times_life_are_the_number_alive() -> None:
     record, trace = columns["junctions"], columns["trace"]
     lives = np.minimum(record["death_distance"], LONG.distance) - np.maximum(record["birth_distance"], 0.0)
     along = lives.sum() / LONG.distance
-    assert abs(along - mean_count(LONG)) <= BOUND * mean_count_error(LONG, LONG.distance)
+    assert abs(along - LONG.mean_live_junctions) <= BOUND * count_noise(LONG).error_of_mean(LONG.distance)
     # A tick more or less meets each life, at random: variance f (1 - f) <= 1/4 of a tick squared, f what is left over.
     ends = (trace["junction_count"][0] + trace["junction_count"][-1]) / 2.0
     seen = (trace["junction_count"].sum() - ends) / LONG.tick_count
@@ -220,7 +220,7 @@ def test_births_see_what_all_distances_see() -> None:
     part in each point's mean number of partners, less the mean here: lam 2d, and one in the pairs themselves; so
     Var n = (lam 2)^2 m_2 + mean (Last and Penrose 2017, Lectures on the Poisson Process, chapter 12).
     """
-    found, mean = found_by_births(), mean_count(FAR)
+    found, mean = found_by_births(), FAR.mean_live_junctions
     error = np.sqrt(((2.0 * FAR.birth_rate) ** 2 * FAR.sizes.moment(2) + mean) / found.size)
     assert abs(found.mean() - mean) <= BOUND * error
     assert found.mean() + 1.0 - mean > REJECTED * error

@@ -81,7 +81,7 @@ def test_an_odd_number_leaves_a_triangular_wave(count: float) -> None:
 def test_poisson_births_of_triangles_are_far_from_constant() -> None:
     run = bare(count=20.0, pulse=TRIANGLE, spread=ONE_SIZE, tick=0.5, distance=20_000.0)
     area = recorded(run, seed_of("poisson triangles"))["trace"]["real_contact_area"]
-    expected, error = 200.0 * 2.0 / sqrt(60.0), standard_errors(run).std
+    expected, error = 200.0 * 2.0 / sqrt(60.0), standard_errors(run)["std"]
     assert abs(area.std() - expected) <= 4.0 * error
     assert abs(area.std() - 200.0 * ripple(20.0, LENS)) > 5.0 * error
     assert abs(area.std() - 1.1 * expected) > 5.0 * error

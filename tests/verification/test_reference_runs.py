@@ -25,7 +25,7 @@ from rubnoise.scenario import load
 from rubnoise.simulation import draws, junctions
 from rubnoise.simulation.live_set import LiveSet
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import mean_force_error, motion_errors, standard_errors
 from tests.models import bare, model, recorded
@@ -209,12 +209,12 @@ def test_figure_5_over_200_mm() -> None:
     area, motion = standard_errors(model), motion_errors(model, model.distance)
     moments = tally.moments
     found = {
-        "area mean": (moments["real_contact_area"].mean, 204.6736, area.mean),
-        "area std": (moments["real_contact_area"].std, 56.4294, area.std),
+        "area mean": (moments["real_contact_area"].mean, 204.6736, area["mean"]),
+        "area std": (moments["real_contact_area"].std, 56.4294, area["std"]),
         "mean force in mN": (moments["friction_force"].mean / 1e3, 51.168, mean_force_error(model) / 1e3),
-        "mean displacement": (moments["displacement"].mean, 170.561, motion.mean_displacement),
-        "displacement std": (moments["displacement"].std, 195.3059, motion.displacement_std),
-        "velocity std in mm/s": (moments["velocity"].std / 1e3, 47.2411, motion.velocity_std / 1e3),
+        "mean displacement": (moments["displacement"].mean, 170.561, motion["mean_displacement"]),
+        "displacement std": (moments["displacement"].std, 195.3059, motion["displacement_std"]),
+        "velocity std in mm/s": (moments["velocity"].std / 1e3, 47.2411, motion["velocity_std"] / 1e3),
     }
     # A run of 200 mm knows these figures well: a bound that nothing can miss would show nothing.
     assert all(error < 0.03 * value for _, value, error in found.values())
@@ -270,18 +270,18 @@ WIDE = bare(spread=Spread(absolute=4.0), distance=3.0, tick=0.5)
 
 
 def test_short_runs_from_a_stationary_start_have_the_mean_at_once() -> None:
-    z = mean_score(short_means(WIDE, "short"), expected(WIDE)["area_mean"], standard_errors(WIDE).mean)
+    z = mean_score(short_means(WIDE, "short"), expected(WIDE)["area_mean"], standard_errors(WIDE)["mean"])
     assert abs(z) <= BOUND
 
 
 def test_a_start_from_nothing_is_not_stationary() -> None:
     empty = short_means(replace(WIDE, start="empty"), "short from empty")
-    assert mean_score(empty, expected(WIDE)["area_mean"], standard_errors(WIDE).mean) < -REJECTED
+    assert mean_score(empty, expected(WIDE)["area_mean"], standard_errors(WIDE)["mean"]) < -REJECTED
 
 
 def test_a_start_with_sizes_as_they_are_born_is_not_stationary() -> None:
     law = WIDE.sizes
     assert isinstance(law, Normal)
     wrong = replace(WIDE, sizes=PlainStart(centre=law.centre, std=law.std))
-    z = mean_score(short_means(wrong, "unbiased"), expected(WIDE)["area_mean"], standard_errors(WIDE).mean)
+    z = mean_score(short_means(wrong, "unbiased"), expected(WIDE)["area_mean"], standard_errors(WIDE)["mean"])
     assert z < -REJECTED

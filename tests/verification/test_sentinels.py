@@ -12,8 +12,8 @@ from scipy.special import ndtri
 import rubnoise
 from rubnoise.api.record import Record
 from rubnoise.scenario import Scenario
-from rubnoise.theory.live_count import mean_count_error
 from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.second_order import count_noise
 from tests.oracle.sliders import Oscillator, theta_motion
 from tests.oracle.slow_contact import Rows, lens_area, traces, triangle_area
 from tests.verification.scores import (
@@ -62,9 +62,9 @@ def one_size_scores(rate: float = 1.0) -> Figures:
         "birth count": (births.size - expected) / sqrt(expected),
         "gap mean": (gaps.mean() / spacing - 1.0) * sqrt(gaps.size),
         "gap std": (gaps.std() / spacing - 1.0) * sqrt(gaps.size / 2.0),
-        "junction count mean": (trace["junction_count"].mean() - COUNT) / mean_count_error(model),
-        "real contact area mean": (area.mean() - AREA) / errors.mean,
-        "real contact area std": (area.std() - std) / errors.std,
+        "junction count mean": (trace["junction_count"].mean() - COUNT) / count_noise(model).error_of_mean(),
+        "real contact area mean": (area.mean() - AREA) / errors["mean"],
+        "real contact area std": (area.std() - std) / errors["std"],
     }
 
 

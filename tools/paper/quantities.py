@@ -15,10 +15,10 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import ContactKind
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.exact import exact
+from rubnoise.theory.moments import area_cumulants, force_cumulants
 from rubnoise.theory.motion import response
-from rubnoise.theory.second_order import autocovariance, density_at_zero, spectral_density
+from rubnoise.theory.second_order import autocovariance, spectral_density
 
 LATE: Final = 0.2
 """The share of a run in which its start is forgotten, for columns that are named late."""
@@ -175,7 +175,7 @@ def _exact_half_width(model: Model) -> float:
 
 def _over_zero(model: Model, phase: float) -> float:
     """Return S over S(0) at the k for which k L_jm is ``phase``."""
-    return float(spectral_density(model, phase / model.mean_life_distance)) / density_at_zero(model)
+    return float(spectral_density(model, phase / model.mean_life_distance)) / float(spectral_density(model, 0.0))
 
 
 def _half_phase(model: Model) -> float:
@@ -251,8 +251,10 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "diameter": Quantity(None, lambda model: model.calibrated_diameter),
     "variance_and_life": Quantity(None, lambda model: area_cumulants(model).variance * model.mean_life_distance),
     "area_std_of_one_size": Quantity(None, _of_one_size),
-    "density_at_zero": Quantity(None, density_at_zero),
-    "relative_density_at_zero": Quantity(None, lambda model: density_at_zero(model) / area_cumulants(model).mean ** 2),
+    "density_at_zero": Quantity(None, lambda model: float(spectral_density(model, 0.0))),
+    "relative_density_at_zero": Quantity(
+        None, lambda model: float(spectral_density(model, 0.0)) / area_cumulants(model).mean ** 2
+    ),
     "density_at_one": Quantity(None, lambda model: _over_zero(model, 1.0)),
     "half_phase": Quantity(None, _half_phase),
 }

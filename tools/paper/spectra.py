@@ -17,7 +17,7 @@ from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, log
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.runs.measuring import Measurement
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import spectral_density
@@ -41,7 +41,7 @@ def spreads_of(sources: Sources) -> list[list[Spot]]:
         place = model.mean_real_contact_area, model.mean_junction_count
         runs.setdefault(place, (model, []))[1].append(found)
     spots = {
-        place: (model, sqrt(sum(found) / len(found)), standard_errors(model).std / sqrt(len(found)))
+        place: (model, sqrt(sum(found) / len(found)), standard_errors(model)["std"] / sqrt(len(found)))
         for place, (model, found) in sorted(runs.items(), key=lambda each: each[0])
     }
     return [[spot for place, spot in spots.items() if place[0] == area] for area in sorted({area for area, _ in spots})]

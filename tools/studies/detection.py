@@ -38,11 +38,9 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import load
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import Response, response
 from rubnoise.theory.sampling import (
-    MotionErrors,
-    StandardErrors,
     mean_displacement_error,
     motion_errors,
     standard_errors,
@@ -143,7 +141,7 @@ def figure_5(length: float, tick: float = _TICK) -> Model:
 
 
 @lru_cache(maxsize=64)
-def _errors(model: Model) -> tuple[StandardErrors, MotionErrors, Response]:
+def _errors(model: Model) -> tuple[dict[str, float], dict[str, float], Response]:
     return standard_errors(model, _REFERENCE), motion_errors(model, _REFERENCE), response(model)
 
 
@@ -167,11 +165,11 @@ def scores(right: Model, wrong: Model, length: float) -> dict[str, float]:
         poisson_figure("birth_count", round(_nearer(births, wrong.birth_rate * length, sqrt(births))), births),
         mean("diameter_mean", right.sizes.moment(1), wrong.sizes.moment(1), spread / sqrt(births)),
         square("diameter_std", spread, wider, sqrt((fourth - second**2) / births) / (2.0 * spread)),
-        mean("real_contact_area_mean", expected.mean, seen.mean, area.mean * root),
-        square("real_contact_area_std", expected.std, seen.std, area.std * root),
+        mean("real_contact_area_mean", expected.mean, seen.mean, area["mean"] * root),
+        square("real_contact_area_std", expected.std, seen.std, area["std"] * root),
         mean("displacement_mean", exact.mean_displacement, other.mean_displacement, still),
-        square("displacement_std", exact.displacement_std, other.displacement_std, motion.displacement_std * root),
-        square("velocity_std", exact.velocity_std, other.velocity_std, motion.velocity_std * root),
+        square("displacement_std", exact.displacement_std, other.displacement_std, motion["displacement_std"] * root),
+        square("velocity_std", exact.velocity_std, other.velocity_std, motion["velocity_std"] * root),
     ]
     return {each.name: each.z or 0.0 for each in found if isinstance(each, Agreement)}
 

@@ -29,7 +29,6 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.contact.laws.discrete import has_single_values
 from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
-from rubnoise.theory.live_count import mean_count
 from rubnoise.theory.second_order import (
     need_random_births,
 )
@@ -144,7 +143,7 @@ def start(seen: MeasuredRun) -> Iterator[Finding]:
         return
     need_random_births(model, "who is alive at the start")
     ages, diameters, offsets = seen.births.start
-    yield poisson_figure("start_count", ages.size, mean_count(model))
+    yield poisson_figure("start_count", ages.size, model.mean_live_junctions)
     if ages.size < FEWEST:
         return  # as few as the contact has: no length would bring more
     yield kolmogorov_figure("start_age_kolmogorov", sample_distance(ages, ages), ages.size)

@@ -39,20 +39,13 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.live_count import zero_share
 from rubnoise.theory.load import load_motion
+from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share
 from rubnoise.theory.motion import contact_drive_of, drive_of
 from rubnoise.theory.periodogram import expected_periodogram
-from rubnoise.theory.sampling import (
-    mean_force_error,
-    variance_of_time_mean,
-)
-from rubnoise.theory.second_order import (
-    autocovariance,
-    need_random_births,
-)
+from rubnoise.theory.sampling import mean_force_error
+from rubnoise.theory.second_order import area_noise, autocovariance, need_random_births
 
 BANDS, FEWEST_SEGMENTS = 8, 8
 SMALLEST_ATOM: Final = 1e-3
@@ -93,7 +86,7 @@ def memory(seen: MeasuredRun) -> Iterator[Finding]:
     _need_fine_ticks(model)
     step = seen.layout.stride * model.tick
     lags = step * np.array(seen.layout.lags, dtype=np.float64)
-    exact = autocovariance(model, lags) - variance_of_time_mean(stretch)
+    exact = autocovariance(model, lags) - area_noise(stretch).variance_of_mean()
     errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
     scale, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
@@ -159,12 +152,12 @@ def law_of_area(seen: MeasuredRun) -> Iterator[Finding]:
 def _zero_share(seen: MeasuredRun) -> Finding:
     """Return the share of ticks at which no junction is alive, all ticks of the stationary part."""
     _, stretch, length = _stretch(seen)
-    law, name = zero_share(stretch), "junction_count_zero_share"
-    relative = law.standard_error / min(law.expected, 1.0 - law.expected) if law.standard_error else inf
-    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(law.skewness), LARGEST_TAIL_SKEWNESS))
-    tail = Tail(skewness=law.skewness, needed=needed if needed > length else 0.0)
+    (exact, error, skewness), name = zero_share(stretch), "junction_count_zero_share"
+    relative = error / min(exact, 1.0 - exact) if error else inf
+    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(skewness), LARGEST_TAIL_SKEWNESS))
+    tail = Tail(skewness=skewness, needed=needed if needed > length else 0.0)
     value = seen.zero_ticks / seen.ticks()
-    return judged_mean(name, value, law.expected, law.standard_error, length=length, tail=tail)
+    return judged_mean(name, value, exact, error, length=length, tail=tail)
 
 
 def _distance(seen: MeasuredRun, *, in_contact: bool) -> Finding:

@@ -28,14 +28,12 @@ from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import RENAMED, Tally
 from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
-from rubnoise.theory.live_count import count_covariance, count_variance, mean_count, mean_count_error
 from rubnoise.theory.load import free_motion, load_motion
+from rubnoise.theory.moments import area_cumulants, count_variance, force_cumulants
 from rubnoise.theory.motion import Response, contact_drive_of, response, strengths_of
 from rubnoise.theory.sampling import (
     expected_mean_displacement,
     load_errors,
-    mean_area_error,
     mean_displacement_error,
     mean_force_error,
     motion_errors,
@@ -43,7 +41,9 @@ from rubnoise.theory.sampling import (
 )
 from rubnoise.theory.second_order import (
     are_at_random,
+    area_noise,
     autocovariance,
+    count_noise,
     joint_cumulant,
     lag_rule,
 )
@@ -75,24 +75,23 @@ def _area_errors(span: Span) -> dict[str, float]:
     """
     record = span.model
     if are_at_random(record):
-        found = standard_errors(record)
-        return {name: getattr(found, name) for name in ("mean", "std", "skewness", "excess_kurtosis")}
+        return standard_errors(record)
     if isinstance(record.births, RegularBirths):
-        return {"mean": mean_area_error(record)}
+        return {"mean": area_noise(record).error_of_mean()}
     lags, weights = lag_rule(record)
     fourth = max(record.births.dispersion, 1.0) ** 3 * joint_cumulant(record, lags, 2, 2)
     square = float(weights @ (fourth + 2.0 * np.square(autocovariance(record, lags))))
-    return {"mean": mean_area_error(record), "std": sqrt(square) / (2.0 * area_cumulants(record).std)}
+    return {"mean": area_noise(record).error_of_mean(), "std": sqrt(square) / (2.0 * area_cumulants(record).std)}
 
 
 def _count_errors(span: Span) -> dict[str, float]:
     """Return the errors of mean and, for Poisson births, variance: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2."""
     record = span.model
     if not are_at_random(record):
-        return {"mean": mean_count_error(record)}
+        return {"mean": count_noise(record).error_of_mean()}
     lags, weights = lag_rule(record)
-    shared = count_covariance(record, lags)
-    return {"mean": mean_count_error(record), "variance": sqrt(float(weights @ (shared + 2.0 * shared**2)))}
+    shared = count_noise(record).covariance(lags)
+    return {"mean": count_noise(record).error_of_mean(), "variance": sqrt(float(weights @ (shared + 2.0 * shared**2)))}
 
 
 def _force_errors(span: Span) -> dict[str, float]:
@@ -112,14 +111,12 @@ def _force_errors(span: Span) -> dict[str, float]:
 def _motion_errors(span: Span) -> dict[str, float]:
     record = span.model
     if not are_at_random(record) and not record.is_two_way:
-        return {"mean": mean_displacement_error(record, span.length)}
-    errors = (weak_motion_errors if record.is_two_way else motion_errors)(record, span.length)
-    return {"mean": errors.mean_displacement, "std": errors.displacement_std, "speed": errors.velocity_std}
+        return {"mean_displacement": mean_displacement_error(record, span.length)}
+    return (weak_motion_errors if record.is_two_way else motion_errors)(record, span.length)
 
 
 def _load_errors(span: Span) -> dict[str, float]:
-    errors = load_errors(span.model, span.length, from_start=span.holds_start)
-    return {name: getattr(errors, name) for name in errors.__slots__}
+    return load_errors(span.model, span.length, from_start=span.holds_start)
 
 
 def motion_of(model: Model) -> Response:
@@ -194,6 +191,10 @@ def _of_load(name: str) -> Callable[[Model], float]:
     return lambda model: float(getattr(load_motion(model), name))
 
 
+def _mean_count(model: Model) -> float:
+    return model.mean_live_junctions
+
+
 def _load(model: Model) -> float:
     return nan if model.load is None else model.load
 
@@ -204,7 +205,9 @@ FIGURES: Final[tuple[Figure, ...]] = (
     _area("std", 5),
     _area("skewness", 7, scale=1.0),
     _area("excess_kurtosis", 9, scale=1.0),
-    Figure("junction_count_mean", COUNT, "mean", mean_count, _count_errors, "mean", (1, 0)),
+    Figure(
+        "junction_count_mean", COUNT, "mean", lambda model: model.mean_live_junctions, _count_errors, "mean", (1, 0)
+    ),
     Figure("junction_count_std", COUNT, "std", lambda model: sqrt(count_variance(model)), _count_errors),
     Figure("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0), kept=False),
     Figure("friction_force_mean", FORCE, "mean", _of_force("mean"), _force_errors, "mean", (3, 1)),
@@ -217,12 +220,14 @@ FIGURES: Final[tuple[Figure, ...]] = (
         "mean",
         _of_motion("mean_displacement"),
         _motion_errors,
-        "mean",
+        "mean_displacement",
         (3, 1),
         whole=_moved_so_far,
     ),
-    Figure("displacement_std", PLACE, "std", _of_motion("displacement_std"), _motion_errors, "std", (6, 2)),
-    Figure("velocity_std", SPEED, "std", _of_motion("velocity_std"), _motion_errors, "speed", (6, 2)),
+    Figure(
+        "displacement_std", PLACE, "std", _of_motion("displacement_std"), _motion_errors, "displacement_std", (6, 2)
+    ),
+    Figure("velocity_std", SPEED, "std", _of_motion("velocity_std"), _motion_errors, "velocity_std", (6, 2)),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
     Figure(
         "one_way_validity",
@@ -230,7 +235,7 @@ FIGURES: Final[tuple[Figure, ...]] = (
         "std",
         _of_motion("velocity_std"),
         _motion_errors,
-        "speed",
+        "velocity_std",
         over=lambda model: response(model).sliding_speed,
     ),
     Figure("separation_mean", GAP, "mean", lambda _: 0.0, _load_errors, "separation_mean", (3, 0), kept=False),

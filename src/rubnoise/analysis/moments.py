@@ -73,7 +73,7 @@ def missing_for_motion(model: Model) -> MissingMotion | None:
     if not are_at_random(model):
         return MissingMotion(decays=decays, needed=shortest)
     errors, exact = motion_errors(model, shortest), response(model)
-    relative = max(errors.displacement_std / exact.displacement_std, errors.velocity_std / exact.velocity_std)
+    relative = max(errors["displacement_std"] / exact.displacement_std, errors["velocity_std"] / exact.velocity_std)
     return MissingMotion(decays=decays, needed=max(shortest, longer(shortest, relative, LARGEST_ERRORS["std"])))
 
 

@@ -24,11 +24,10 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.record.tally import Tally
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.periodogram import expected_periodogram, segment_wavenumbers
-from rubnoise.theory.sampling import variance_of_time_mean
-from rubnoise.theory.second_order import are_at_random, autocovariance, spectral_density
+from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.second_order import are_at_random, area_noise, autocovariance, spectral_density
 
 BINS: Final = 64
 BANDS: Final = 128
@@ -215,7 +214,7 @@ def curve_theory(model: Model) -> dict[str, CurveTheory]:
     empty.
     """
     layout = RunLayout.of(model)
-    wavenumbers = segment_wavenumbers(layout.step, layout.segment)
+    wavenumbers = np.asarray(2.0 * np.pi * np.fft.rfftfreq(layout.segment, layout.step), dtype=np.float64)
     return {
         "histogram": _made(layout.middles, BINS, model, lambda: (_shares(model, layout), np.empty(0))),
         "spectrum": _made(layout.banded(wavenumbers), BANDS, model, lambda: _spectrum(model, layout)),
@@ -269,6 +268,6 @@ def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
 def _covariance(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the expected autocovariance about the record's own mean, and its standard error."""
     lags = layout.distances
-    expected = autocovariance(model, lags) - variance_of_time_mean(model)
+    expected = autocovariance(model, lags) - area_noise(model).variance_of_mean()
     errors = covariance_errors(model, lags, model.distance, layout.step) if _has_errors(model) else np.empty(0)
     return expected, errors

@@ -88,7 +88,5 @@ def _exact(model: Model) -> dict[int, float] | None:
         bands = third_octaves(model)
     except Refused:
         return None
-    return {
-        round(10.0 * log10(middle)): each
-        for middle, each in zip(bands.frequency.tolist(), bands.level.tolist(), strict=True)
-    }
+    numbers = (round(10.0 * log10(middle)) for middle in bands["frequency"].tolist())
+    return dict(zip(numbers, bands["level"].tolist(), strict=True))

@@ -109,8 +109,7 @@ def sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
 
 
 def _point(scenario: "Scenario") -> dict[str, Any]:
-    from rubnoise.theory.cumulants import area_cumulants
-    from rubnoise.theory.live_count import expected_junction_rows
+    from rubnoise.theory.moments import area_cumulants, expected_junction_rows
 
     model = scenario.model()
     area = area_cumulants(model)

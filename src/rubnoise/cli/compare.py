@@ -63,4 +63,4 @@ def _white_noise(model: "Model") -> Iterator[Row]:
     except Refused:
         return
     for name, unit in (("displacement_std", "um"), ("velocity_std", "um/s")):
-        yield Row(part="white_noise", name=name, value=getattr(white, name), unit=unit)
+        yield Row(part="white_noise", name=name, value=white[name], unit=unit)

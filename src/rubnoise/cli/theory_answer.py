@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 from math import isfinite
 from typing import Any, Final, Self
@@ -17,10 +17,10 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import velocity_weakening, white_noise
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.load import third_octaves
+from rubnoise.theory.moments import area_cumulants, force_cumulants
 from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, visible_lines
 from rubnoise.theory.sizes import longest_life
@@ -218,15 +218,14 @@ def _covariances(theory: Exact) -> Iterator[Row]:
     """Yield the covariances at one time of what moves under a load that weighs."""
     if theory.free is None and theory.load is not None:
         found = theory.load.covariances
-        for one, other in combinations_with_replacement(found.names, 2):
+        for one, other in combinations_with_replacement(dict.fromkeys(one for one, _ in found), 2):
             unit = f"{COVARYING[one]}*{COVARYING[other]}"
-            yield Row(part="load_covariances", name=f"{one}*{other}", value=found.of(one, other), unit=unit)
+            yield Row(part="load_covariances", name=f"{one}*{other}", value=found[one, other], unit=unit)
 
 
 def _third_octaves(theory: Exact) -> Iterator[Table]:
     if theory.free is None and theory.load is not None:
-        bands = third_octaves(theory.model)
-        columns = {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level}
+        columns = third_octaves(theory.model)
         yield Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "velocity": "um/s", "level": "dB"})
 
 
@@ -241,7 +240,7 @@ def _weakening(model: Model) -> Iterator[Row]:
         "fastest": "um/s",
         "period": "s",
     }
-    known = {"mean_force": force_cumulants(model).mean} | asdict(velocity_weakening(model))
+    known = {"mean_force": force_cumulants(model).mean} | velocity_weakening(model)
     yield from _rows("velocity_weakening", known, units)
 
 
@@ -260,8 +259,7 @@ def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
         }
         yield from _rows("base_excitation", known, units)
     if white:  # of the same level at low frequency (Kilburn)
-        known = asdict(white_noise(model))
-        yield from _rows("white_noise", known, units | {"force_density": "uN^2*s", "wavenumber": "rad/um"})
+        yield from _rows("white_noise", white_noise(model), units | {"force_density": "uN^2*s", "wavenumber": "rad/um"})
 
 
 Curve = tuple[Sequence[Row], Table]

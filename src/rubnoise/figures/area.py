@@ -26,8 +26,8 @@ from rubnoise.figures.style import (
     legend_above,
     new_figure,
 )
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import Exact, exact
+from rubnoise.theory.moments import area_cumulants
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

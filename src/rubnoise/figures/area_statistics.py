@@ -29,10 +29,10 @@ from rubnoise.figures.style import (
     logarithmic,
     new_figure,
 )
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.periodogram import expected_periodogram
-from rubnoise.theory.second_order import autocovariance, density_at_zero, spectral_density, visible_lines
+from rubnoise.theory.second_order import autocovariance, spectral_density, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -186,7 +186,7 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
     """Return the bounds in um^4 of the estimate at each lag in um in 95 % of such runs."""
     length = stretch.stop - stretch.start
     error = CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
-    expected = exact - density_at_zero(stretch.model) / length
+    expected = exact - float(spectral_density(stretch.model, 0.0)) / length
     return expected - error, expected + error
 
 

@@ -10,8 +10,8 @@ from rubnoise.figures.area import COUNT
 from rubnoise.figures.motion import Motion
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import AREA, BLUE, DISTANCE, FAINT, INK, exact_band, file_label, legend_above, new_figure
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.exact import exact
+from rubnoise.theory.moments import area_cumulants
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import BLUE, INK, NEAREST, VERMILION, add_title, legend_above, new_figure
-from rubnoise.theory.live_count import share_of_gaps, share_of_lives, share_of_sizes
+from rubnoise.theory.moments import share_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +24,7 @@ def sizes_figure(stretch: Stretch) -> "Figure":
     """Draw the histogram of diameters with the law that they are drawn from."""
     values = born(stretch, "diameter")
     edges = _edges(values)
-    law = share_of_sizes(stretch.model, edges) if stretch.has_theory else None
+    law = share_of("sizes", stretch.model, edges) if stretch.has_theory else None
     return _figure(stretch, "How large junctions are", "diameter (µm)", values, edges, law)
 
 
@@ -32,7 +32,7 @@ def life_distances_figure(stretch: Stretch) -> "Figure":
     """Draw the histogram of lives, from birth to death in sliding distance, with their law."""
     values = born(stretch, "death_distance") - born(stretch, "birth_distance")
     edges = _edges(values)
-    law = share_of_lives(stretch.model, edges) if stretch.has_theory else None
+    law = share_of("lives", stretch.model, edges) if stretch.has_theory else None
     return _figure(stretch, "How far junctions slide in their lives", "life distance (µm)", values, edges, law)
 
 
@@ -41,7 +41,7 @@ def gaps_figure(stretch: Stretch) -> "Figure":
     values = np.diff(born(stretch, "birth_distance"))
     mean = stretch.model.births.mean
     edges = _edges(values) if np.ptp(values) < 1e-6 * mean else np.linspace(0.0, LONGEST_GAPS * mean, BINS + 1)
-    law = share_of_gaps(stretch.model.births, edges) if stretch.has_theory else None
+    law = share_of("gaps", stretch.model, edges) if stretch.has_theory else None
     return _figure(stretch, "How far births lie apart", "from a birth to the next (µm)", values, edges, law)
 
 

@@ -23,8 +23,8 @@ from rubnoise.figures.style import (
     new_figure,
     widen_if_constant,
 )
-from rubnoise.theory.cumulants import area_cumulants, force_cumulants
 from rubnoise.theory.load import load_motion
+from rubnoise.theory.moments import area_cumulants, force_cumulants
 from rubnoise.theory.motion import response
 
 if TYPE_CHECKING:

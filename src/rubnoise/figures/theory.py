@@ -22,8 +22,8 @@ from rubnoise.figures.style import (
     shortened,
 )
 from rubnoise.model import Model, Slider
-from rubnoise.theory.cumulants import Cumulants, area_cumulants
 from rubnoise.theory.distribution import distribution
+from rubnoise.theory.moments import Cumulants, area_cumulants
 from rubnoise.theory.motion import motion_spectrum, response
 from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, tail, visible_lines
 

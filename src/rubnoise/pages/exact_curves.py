@@ -13,8 +13,8 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows
-from rubnoise.theory.cumulants import area_cumulants
 from rubnoise.theory.distribution import distribution
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import motion_spectrum
 from rubnoise.theory.periodogram import expected_periodogram, through_window
 

@@ -23,7 +23,7 @@ from rubnoise.pages.whole_run import whole_run
 from rubnoise.record.reader import Reader, chunks, column_chunks
 from rubnoise.record.rows import ContactKind, LandmarkKind
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Dataset
-from rubnoise.theory.cumulants import area_cumulants
+from rubnoise.theory.moments import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
 
 CELLS: Final = 4096

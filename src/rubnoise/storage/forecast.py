@@ -19,8 +19,7 @@ from rubnoise.simulation.cost import PROGRAM_BYTES, working_bytes
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.output import part_of
-from rubnoise.theory.cumulants import force_cumulants
-from rubnoise.theory.live_count import expected_junction_rows
+from rubnoise.theory.moments import expected_junction_rows, force_cumulants
 from rubnoise.theory.motion import response
 
 FAR: Final = 10.0

@@ -10,7 +10,7 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.motion import Response, drive_of, need_friction, response, strengths_of
-from rubnoise.theory.sampling import MotionErrors, motion_errors
+from rubnoise.theory.sampling import motion_errors
 from rubnoise.theory.second_order import are_at_random, area_noise, is_one_life
 from rubnoise.theory.sizes import panels
 
@@ -121,18 +121,17 @@ def weak_motion(model: Model) -> Response:
     )
 
 
-def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
+def weak_motion_errors(model: Model, distance: float) -> dict[str, float]:
     """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um; Refused as both.
 
     Those of one-way coupling grow with the spread. The law itself errs by its next term, 105 u^3 in <V^2/w^2>, and by
     the share 1 - r^2/Pi of the feedback that a force loses which is not quite white.
     """
-    motion, errors, found = weak_motion(model), motion_errors(model, distance), coupling(model)
+    motion, found = weak_motion(model), coupling(model)
     change, u = found.expected_change, found.strength * found.expected_change**2
     coloured = max(1.0 - response(model).one_way_validity ** 2 / found.strength, 0.0)
     unknown = hypot(52.5 * u**3, coloured * (change - 1.0))
-    return MotionErrors(
-        change * errors.mean_displacement,
-        hypot(change * errors.displacement_std, unknown * motion.displacement_std),
-        hypot(change * errors.velocity_std, unknown * motion.velocity_std),
-    )
+    errors = {name: change * error for name, error in motion_errors(model, distance).items()}
+    for name, spread in (("displacement_std", motion.displacement_std), ("velocity_std", motion.velocity_std)):
+        errors[name] = hypot(errors[name], unknown * spread)
+    return errors

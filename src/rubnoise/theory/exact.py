@@ -1,23 +1,22 @@
 """All exact results for one model, in one frozen object."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from math import isfinite, sqrt
+from math import sqrt
 
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.real_numbers import at_each, real_number, real_numbers
+from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.tables import as_html, fields_as_text, in_short
 from rubnoise.theory.coupling import Coupling, coupling
-from rubnoise.theory.cumulants import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.live_count import count_variance, expected_junction_rows, length_biased_mean_diameter
 from rubnoise.theory.load import FreeMotion, LoadMotion, free_motion, load_motion
+from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, expected_junction_rows, force_cumulants
 from rubnoise.theory.motion import Response, response
 from rubnoise.theory.periodogram import EstimatedSpectrum, estimated_spectrum
 from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density, visible_lines
@@ -51,8 +50,7 @@ class Exact:
     load: LoadMotion | None = None
     free: FreeMotion | None = None
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
     def _repr_html_(self) -> str:
         known = ((name, getattr(self, name)) for name in self.__slots__ if name != "model")
@@ -66,8 +64,7 @@ class Exact:
 
     def spectral_density(self, wavenumber: ArrayLike) -> Doubles:
         """Return the two-sided S(k) of the area in um^4 per rad/um at wavenumbers in rad/um, of any shape."""
-        k = real_numbers(wavenumber, "wavenumber", "rad/um")
-        return at_each(partial(spectral_density, self.model), k, "wavenumber", (0.0, 0.0))
+        return _at(partial(spectral_density, self.model), wavenumber, "wavenumber", "rad/um", (0.0, 0.0))
 
     psd = spectral_density
     """The same under the word of other programs."""
@@ -78,8 +75,7 @@ class Exact:
         Raises Refused for an infinite lag if births have lines in their spectrum: R then swings for ever.
         """
         swings = visible_lines(self.model)[1].size > 0
-        tau = real_numbers(lag, "lag", "um")
-        return at_each(partial(autocovariance, self.model), tau, "lag", None if swings else (0.0, 0.0))
+        return _at(partial(autocovariance, self.model), lag, "lag", "um", None if swings else (0.0, 0.0))
 
     def distribution(self) -> Distribution:
         """Return the distribution of the area; raises Refused for births that are not Poisson."""
@@ -91,31 +87,29 @@ class Exact:
 
     def area_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean area in um^2 at distances in um after an empty start, of any shape."""
-        s = real_numbers(distance, "distance", "um")
-        return at_each(area_noise(self.model).from_empty, s, "distance", (0.0, self.area.mean))
+        return _at(area_noise(self.model).from_empty, distance, "distance", "um", (0.0, self.area.mean))
 
     def count_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean number of live junctions at distances in um after an empty start, of any shape."""
-        s = real_numbers(distance, "distance", "um")
-        return at_each(count_noise(self.model).from_empty, s, "distance", (0.0, self.count_mean))
+        return _at(count_noise(self.model).from_empty, distance, "distance", "um", (0.0, self.count_mean))
 
     def expected_mean_area(self, distance: float | None = None) -> float:
         """Return the expected mean of the area in um^2 over a run from its own start, or its first ``distance`` um."""
-        return area_noise(self.model).expected_mean(self._slid(distance))
+        return area_noise(self.model).expected_mean(distance)
 
     def expected_mean_count(self, distance: float | None = None) -> float:
         """Return the expected mean of the live count over a run from its own start, or its first ``distance`` um."""
-        return count_noise(self.model).expected_mean(self._slid(distance))
-
-    def _slid(self, distance: float | None) -> float:
-        slid = self.model.distance if distance is None else real_number(distance, "distance", "um")
-        if not (isfinite(slid) and slid > 0.0):
-            raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
-        return slid
+        return count_noise(self.model).expected_mean(distance)
 
     def coupling(self) -> Coupling:
         """Return how strongly the slider acts back on the contact; raises Refused without slider, strength or speed."""
         return coupling(self.model)
+
+
+def _at(
+    function: Callable[[Doubles], Doubles], places: ArrayLike, what: str, unit: str, limits: tuple[float, float] | None
+) -> Doubles:
+    return at_each(function, real_numbers(places, what, unit), what, limits)
 
 
 def exact(model: Model) -> Exact:
@@ -132,7 +126,7 @@ def exact(model: Model) -> Exact:
         count_mean=model.mean_live_junctions,
         count_variance=count_variance(model),
         mean_diameter=model.sizes.moment(1),
-        length_biased_mean_diameter=length_biased_mean_diameter(model),
+        length_biased_mean_diameter=model.sizes.moment(2) / model.sizes.moment(1),
         expected_births=model.birth_rate * model.distance,
         expected_junction_rows=expected_junction_rows(model),
         force=None if model.strengths is None else force_cumulants(model),

@@ -1,6 +1,6 @@
 """A load that weighs, of first order: the motion of the separation, the friction force under it, and their validity."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import erfc, inf, log10, nan, pi, sqrt
 from typing import Final, Literal
 
@@ -12,13 +12,13 @@ from rubnoise.model import Model
 from rubnoise.tables import fields_as_text
 from rubnoise.theory.motion import (
     FORCE,
-    Covariances,
     contact_drive_of,
     covariances,
     density_of,
+    is_moved,
     response,
     response_edges,
-    separation_of,
+    std_of,
 )
 from rubnoise.theory.second_order import autocovariance, need_random_births
 from rubnoise.theory.sizes import panels
@@ -67,10 +67,9 @@ class LoadMotion:
     suppression: float
     negative_share: float
     error: float
-    covariances: Covariances
+    covariances: dict[tuple[str, str], float] = field(repr=False)
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
     @property
     def velocity_level(self) -> float:
@@ -85,9 +84,9 @@ def load_motion(model: Model) -> LoadMotion:
     less E[psi] A_rm z/s_0. Raises Refused as `contact_drive_of`, and unless births are a Poisson process.
     """
     need_random_births(model, "the motion under a load")
-    slider, found, speed = contact_drive_of(model).slider, covariances(model), relative_speed(model)
-    place, velocity, load = (sqrt(found.of(name)) for name in ("separation", "normal_velocity", "load"))
-    held = separation_of(model).hardness * sqrt(float(autocovariance(model, 0.0)))
+    drive, speed = contact_drive_of(model), relative_speed(model)
+    place, velocity, load = (std_of(model, name) for name in ("separation", "normal_velocity", "load"))
+    slider, held = drive.slider, drive.gain * sqrt(float(autocovariance(model, 0.0)))
     return LoadMotion(
         separation_std=place,
         velocity_std=velocity,
@@ -96,10 +95,10 @@ def load_motion(model: Model) -> LoadMotion:
         damping_ratio=slider.damping_ratio,
         relative_speed=speed,
         regime=_regime(model.mean_junction_count, speed, load / held),
-        suppression=_suppression(model, found, held),
-        negative_share=0.5 * erfc(separation_of(model).load / (load * sqrt(2.0))),
+        suppression=_suppression(model, held),
+        negative_share=0.5 * erfc(drive.gain * model.mean_real_contact_area / (load * sqrt(2.0))),
         error=_error(model.mean_junction_count, speed, slider.damping_ratio),
-        covariances=found,
+        covariances=covariances(model),
     )
 
 
@@ -107,8 +106,8 @@ def _regime(live: float, speed: float, kept: float) -> Regime:
     """Return the regime for a live count, a relative speed and the share of the load's spread that is kept."""
     if live < FEWEST_LIVE:
         return "bouncing"
-    if speed < 1.0 and kept <= STILL:
-        return "constant load"
+    if speed < 1.0:
+        return "constant load" if kept <= STILL else "resonance"
     return "constant gap" if speed > 1.0 and abs(kept - 1.0) <= SAME else "resonance"
 
 
@@ -119,27 +118,14 @@ def _error(live: float, speed: float, ratio: float) -> float:
     return max(20.0 / live, 1.0) * (0.01 if speed <= 0.1 else 0.02 if ratio >= 0.3 else 0.1)
 
 
-def _suppression(model: Model, found: Covariances, held: float) -> float:
+def _suppression(model: Model, held: float) -> float:
     """Return a spread at constant separation over that under the load, ``held`` being that of H A."""
     if model.slider is not None:
-        spread = response(replace(model, separation=None)).displacement_std
-        return spread / sqrt(found.of("displacement")) if "displacement" in found.names else nan
+        free = response(replace(model, separation=None)).displacement_std
+        return free / std_of(model, "displacement") if is_moved(model) else nan
     if model.strengths is not None:
-        return held / separation_of(model).hardness * sqrt(model.strengths.moment(2) / found.of(FORCE))
-    return held / sqrt(found.of("load"))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ThirdOctaves:
-    """Root mean square velocities (um/s) in third-octave bands about frequencies in Hz, and their levels in dB."""
-
-    frequency: Doubles
-    velocity: Doubles
-
-    @property
-    def level(self) -> Doubles:
-        """Levels in dB re 50 nm/s."""
-        return np.array([level(each) for each in self.velocity.tolist()])
+        return held / contact_drive_of(model).gain * sqrt(model.strengths.moment(2)) / std_of(model, FORCE)
+    return held / std_of(model, "load")
 
 
 def band_numbers(lowest: float, highest: float) -> range:
@@ -147,8 +133,11 @@ def band_numbers(lowest: float, highest: float) -> range:
     return range(int(np.ceil(10.0 * log10(lowest))), int(np.floor(10.0 * log10(highest))) + 1)
 
 
-def third_octaves(model: Model) -> ThirdOctaves:
-    """Return the normal velocity in third octaves, if a band holds more than 1e-6 of its power (60 dB)."""
+def third_octaves(model: Model) -> dict[str, Doubles]:
+    """Return the velocity (um/s) in third octaves about each frequency (Hz) and its level (dB re 50 nm/s).
+
+    It is that along the normal; bands hold more than 1e-6 of its power (60 dB).
+    """
     drive = contact_drive_of(model)
     natural = drive.slider.natural_frequency
     middles = 10.0 ** (0.1 * np.array(band_numbers(1e-4 * natural, 1e4 * natural)))
@@ -157,8 +146,9 @@ def third_octaves(model: Model) -> ThirdOctaves:
     k, weight = panels(np.unique(np.concatenate([ends, edges[(edges > ends[0]) & (edges < ends[-1])]])), 16)
     density = density_of(model, "normal_velocity", k, exact=False)
     power = np.histogram(k, ends, weights=weight * density / pi)[0]
-    kept = power > _PART_LEFT_OUT * covariances(model).of("normal_velocity")
-    return ThirdOctaves(middles[kept], np.sqrt(power[kept]))
+    kept = power > _PART_LEFT_OUT * covariances(model)["normal_velocity", "normal_velocity"]
+    velocity = np.sqrt(power[kept])
+    return {"frequency": middles[kept], "velocity": velocity, "level": 20.0 * np.log10(velocity / REFERENCE)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

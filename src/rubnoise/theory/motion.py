@@ -12,6 +12,7 @@ Source: Crandall and Mark, Random Vibration in Mechanical Systems (1963).
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from math import inf, pi, sqrt
 from typing import Final
 
@@ -22,7 +23,7 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
-from rubnoise.model import Model, Separation, Slider
+from rubnoise.model import Model, Slider
 from rubnoise.theory.second_order import AREA_ITSELF, area_noise
 from rubnoise.theory.sizes import COARSE, panels, size_range, sizes_of
 from rubnoise.theory.unit_pulse import pass_energies
@@ -33,10 +34,11 @@ MOTION: Final = ("displacement", "velocity")
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """An oscillator, and the speed (um/s) that turns distance into its time."""
+    """An oscillator, the speed (um/s) that turns distance into its time, and the force (uN) per um^2 of area."""
 
     slider: Slider
     speed: float
+    gain: float = 1.0
 
     @property
     def resonance(self) -> float:
@@ -49,11 +51,6 @@ class Drive:
         frequency = self.speed * wavenumber
         spring = slider.mass * (natural - frequency) * (natural + frequency)
         return np.asarray(1.0 / (spring + 1.0j * slider.damping * frequency), dtype=np.complex128)
-
-    def borne(self, wavenumber: Doubles) -> Complexes:
-        """Return (-m w^2 + i c w) / (k - m w^2 + i c w), the part of the force that mass and damping bear."""
-        frequency, slider = self.speed * wavenumber, self.slider
-        return (1.0j * slider.damping - slider.mass * frequency) * frequency * self.compliance(wavenumber)
 
 
 def need_friction(model: Model) -> None:
@@ -78,16 +75,15 @@ def drive_of(model: Model) -> Drive:
     return Drive(model.slider, model.sliding_speed)
 
 
-def separation_of(model: Model) -> Separation:
-    """Return the separation that a load holds; raises Refused without one, or without a sliding speed."""
-    if model.separation is None or model.sliding_speed is None:
-        raise Refused("the separation moves under a load that weighs alone ([load])")
-    return model.separation
-
-
 def contact_drive_of(model: Model) -> Drive:
-    """Return the separation as an oscillator: s_0 + z is driven by H A, A at constant separation; Refused as above."""
-    return Drive(separation_of(model).oscillator, model.sliding_speed or inf)
+    """Return the separation as an oscillator: s_0 + z is driven by H A, A at constant separation.
+
+    Raises Refused without a load that weighs, or without a sliding speed.
+    """
+    held = model.separation
+    if held is None or model.sliding_speed is None:
+        raise Refused("the separation moves under a load that weighs alone ([load])")
+    return Drive(held.oscillator, model.sliding_speed, held.hardness)
 
 
 def strengths_of(model: Model) -> Law:
@@ -102,27 +98,33 @@ def spread_of(strengths: Law | None) -> float:
     return 0.0 if strengths is None else max(strengths.moment(2) - strengths.mean**2, 0.0)
 
 
-def answers(model: Model, wavenumber: Doubles, *, moved: bool = True) -> dict[str, tuple[Complexes, Complexes]]:
-    """Return o and m of each quantity by name, per um^2 of area at wavenumbers in rad/um; not ``moved``, of forces."""
+def is_moved(model: Model) -> bool:
+    """Return whether a slider has a stationary motion that is known."""
+    try:
+        return drive_of(model).slider.damping > 0.0
+    except Refused:
+        return False
+
+
+def answers(model: Model, wavenumber: Doubles) -> dict[str, tuple[Complexes, Complexes]]:
+    """Return o and m of each quantity that moves by its name, per um^2 of area at wavenumbers in rad/um."""
     none = np.zeros(wavenumber.shape, dtype=np.complex128)
-    borne: Complexes = none + 1.0
-    found: dict[str, tuple[Complexes, Complexes]] = {}
+    borne, found = none + 1.0, dict[str, tuple[Complexes, Complexes]]()
     if model.separation is not None:
-        drive, hardness = contact_drive_of(model), model.separation.hardness
-        borne, separation = drive.borne(wavenumber), hardness * drive.compliance(wavenumber)
-        found["separation"] = none, separation
-        found["normal_velocity"] = none, 1.0j * drive.speed * wavenumber * separation
-        found["load"] = none, hardness * borne
+        drive = contact_drive_of(model)
+        turned, separation = 1.0j * drive.speed * wavenumber, drive.gain * drive.compliance(wavenumber)
+        # What mass and damping bear of the force, (-m w^2 + i c w) / (k - m w^2 + i c w).
+        borne = turned * (drive.slider.mass * turned + drive.slider.damping) * drive.compliance(wavenumber)
+        found |= {"separation": (none, separation), "normal_velocity": (none, turned * separation)}
+        found["load"] = none, drive.gain * borne
     if model.strengths is not None:
         found[FORCE] = none + 1.0, model.strengths.mean * borne
-    if moved:
+    if is_moved(model):
         drive = drive_of(model)
-        turned = 1.0j * drive.speed * wavenumber
+        turned, compliance = 1.0j * drive.speed * wavenumber, drive.compliance(wavenumber)
         own, mean = found.get(FORCE, (none, none))
         if drive.slider.excitation == "base":
-            raised = drive.slider.stiffness + drive.slider.damping * turned
-            own, mean = none, np.asarray(model.base_per_area * raised, dtype=np.complex128)
-        compliance = drive.compliance(wavenumber)
+            own, mean = none, none + model.base_per_area * (drive.slider.stiffness + drive.slider.damping * turned)
         found["displacement"] = own * compliance, mean * compliance
         found["velocity"] = turned * compliance * own, turned * compliance * mean
     return found
@@ -135,27 +137,9 @@ _SETTLED, _ABOVE = 256.0, 100.0  # the same for a slower slider, and for a faste
 _AROUND, _SHARP = 2000.0, 30.0  # phases about a far resonance to which it is followed, if narrower than the second
 
 
-@dataclass(frozen=True, slots=True)
-class Frequencies:
-    """Wavenumbers k in rad/um with weights over k/pi, and both parts of the spectrum of the area in um^4 per rad/um."""
-
-    wavenumber: Doubles
-    weight: Doubles
-    alone: Doubles
-    together: Doubles
-
-
-def is_moved(model: Model) -> bool:
-    """Return whether a slider has a stationary motion that is known."""
-    try:
-        return drive_of(model).slider.damping > 0.0
-    except Refused:
-        return False
-
-
 @lru_cache(maxsize=8)
-def frequencies(model: Model) -> Frequencies:
-    """Return the rule for all motions of a model: its slider's and its separation's."""
+def frequencies(model: Model) -> tuple[Doubles, Doubles, Doubles, Doubles]:
+    """Return the rule for all motions of a model: wavenumbers, weights over k/pi, S_1 and S - S_1."""
     drives = [drive_of(model)] if is_moved(model) else []
     if model.separation is not None:
         drives.append(contact_drive_of(model))
@@ -163,7 +147,7 @@ def frequencies(model: Model) -> Frequencies:
     k, weight = panels(edges, _NODES)
     follows = np.repeat(np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING, _NODES)
     noise = area_noise(model)
-    return Frequencies(k, weight / pi, noise.alone(k, exact=follows), noise.together(k, exact=follows))
+    return k, weight / pi, noise.alone(k, exact=follows), noise.together(k, exact=follows)
 
 
 def response_edges(model: Model, drive: Drive) -> Doubles:
@@ -191,28 +175,21 @@ def _octaves(lowest: float, highest: float) -> Doubles:
     return np.asarray(lowest * 2.0 ** np.arange(0.0, np.ceil(np.log2(highest / lowest)) + 1.0), dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Covariances:
-    """Covariances of quantities with one another at one time, in the products of their units: um, um/s, uN."""
-
-    names: tuple[str, ...]
-    values: Doubles
-
-    def of(self, one: str, other: str | None = None) -> float:
-        """Return the covariance of two quantities, or the variance of one."""
-        return float(self.values[self.names.index(one), self.names.index(other or one)])
-
-
 @lru_cache(maxsize=8)
-def covariances(model: Model) -> Covariances:
-    """Return the stationary covariances of all quantities that `answers` names, to 1e-8."""
-    rule, (lines, power) = frequencies(model), area_noise(model).lines
-    found = answers(model, np.concatenate([rule.wavenumber, lines]), moved=is_moved(model))
+def covariances(model: Model) -> dict[tuple[str, str], float]:
+    """Return the covariances of all pairs of what `answers` names at one time, in their units, to 1e-8."""
+    (k, weight, alone, together), (lines, power) = frequencies(model), area_noise(model).lines
+    found = answers(model, np.concatenate([k, lines]))
     own, mean = np.moveaxis(np.array(list(found.values())), 1, 0)
-    single = spread_of(model.strengths) * np.append(rule.weight * rule.alone, np.zeros(lines.size))
-    whole = np.append(rule.weight * (rule.alone + rule.together), 2.0 * power)
-    values = (own * single) @ own.conj().T + (mean * whole) @ mean.conj().T
-    return Covariances(tuple(found), np.asarray(values.real, dtype=np.float64))
+    single = spread_of(model.strengths) * np.append(weight * alone, np.zeros(lines.size))
+    whole = np.append(weight * (alone + together), 2.0 * power)
+    values = ((own * single) @ own.conj().T + (mean * whole) @ mean.conj().T).real
+    return dict(zip(product(found, found), values.ravel().tolist(), strict=True))
+
+
+def std_of(model: Model, name: str) -> float:
+    """Return the stationary standard deviation of a quantity by its name."""
+    return sqrt(covariances(model)[name, name])
 
 
 def force_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
@@ -236,7 +213,7 @@ def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Do
 
 def density_of(model: Model, name: str, k: Doubles, *, exact: bool = True) -> Doubles:
     """Return the two-sided density of a quantity per rad/um at wavenumbers k >= 0 in rad/um, between lines."""
-    own, mean = np.square(np.abs(answers(model, k, moved=name in MOTION)[name]))
+    own, mean = np.square(np.abs(answers(model, k)[name]))
     alone, together = area_noise(model).alone(k, exact=exact), area_noise(model).together(k, exact=exact)
     return np.asarray(spread_of(model.strengths) * own * alone + mean * (alone + together), dtype=np.float64)
 
@@ -269,12 +246,16 @@ def response(model: Model) -> Response:
     """
     drive = drive_of(model)
     if drive.slider.excitation == "base":
-        mean = model.base_per_area * model.stationary_mean_area
+        lift = model.base_per_area
     else:
-        mean = strengths_of(model).mean * model.stationary_mean_area / drive.slider.stiffness
-    moved = is_moved(model)
-    place, speed = (sqrt(covariances(model).of(name)) if moved else inf for name in MOTION)
-    return Response(mean_displacement=mean, displacement_std=place, velocity_std=speed, sliding_speed=drive.speed)
+        lift = strengths_of(model).mean / drive.slider.stiffness
+    place, speed = (std_of(model, name) if is_moved(model) else inf for name in MOTION)
+    return Response(
+        mean_displacement=lift * model.stationary_mean_area,
+        displacement_std=place,
+        velocity_std=speed,
+        sliding_speed=drive.speed,
+    )
 
 
 def spread_errors(model: Model, names: Sequence[str], distance: float) -> list[float]:
@@ -283,17 +264,17 @@ def spread_errors(model: Model, names: Sequence[str], distance: float) -> list[f
     The variance of the mean of u^2 is (2/T)(1/2 pi) int S_u^2 dw + (lam V/T) E[(int y^2 dt)^2], y the response to one
     junction; the error is the root of that over 2 std u. Source: cumulants of filtered shot noise (Rice 1944).
     """
-    rule, sizes = frequencies(model), sizes_of(model.sizes, COARSE)
-    psi = sizes_of(model.strengths or AREA_ITSELF, COARSE)
-    found = answers(model, rule.wavenumber, moved=is_moved(model))
+    k, weight, alone, _ = frequencies(model)
+    sizes, psi = sizes_of(model.sizes, COARSE), sizes_of(model.strengths or AREA_ITSELF, COARSE)
+    found = answers(model, k)
     own, mean = np.moveaxis(np.array([found[name] for name in names]), 1, 0)
     deviation = psi.diameter - float(psi.probability @ psi.diameter)
-    brought = rule.weight * np.square(np.abs(deviation[:, None] * own[:, None] + mean[:, None]))
-    gaussian = 2.0 * np.square(rule.alone * (psi.probability @ brought)) @ (1.0 / rule.weight)
+    brought = weight * np.square(np.abs(deviation[:, None] * own[:, None] + mean[:, None]))
+    gaussian = 2.0 * np.square(alone * (psi.probability @ brought)) @ (1.0 / weight)
     fourth = np.zeros(len(names))
     for diameter, probability in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
-        lives, shares = pass_energies(model.pulse, rule.wavenumber * diameter)
+        lives, shares = pass_energies(model.pulse, k * diameter)
         energies = diameter**6 * np.einsum("vpk,lk->vpl", brought, lives)
         fourth += probability * psi.probability @ np.square(energies) @ shares
     errors = 0.5 * np.sqrt((gaussian + model.birth_rate * fourth) / distance)
-    return [error / sqrt(covariances(model).of(name)) for name, error in zip(names, errors.tolist(), strict=True)]
+    return [error / std_of(model, name) for name, error in zip(names, errors.tolist(), strict=True)]

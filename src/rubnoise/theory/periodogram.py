@@ -1,7 +1,7 @@
 """The spectrum estimated from ticks: its exact mean, with aliases and leakage, and its scatter."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import pi
 from numbers import Integral
 
@@ -42,11 +42,6 @@ def cross_spectrum(covariance: Doubles, window: Doubles, shift: int) -> Complexe
     return plain - u * transform.conj() - transform * v.conj() + later.mean() * np.square(np.abs(transform))
 
 
-def segment_wavenumbers(tick: float, count: int) -> Doubles:
-    """Return k = 2 pi p / (n h) in rad/um for p = 0 ... n // 2: where a segment of n ticks of h um is transformed."""
-    return np.asarray(2.0 * np.pi / (count * tick) * np.arange(count // 2 + 1), dtype=np.float64)
-
-
 def expected_periodogram(model: Model, tick: float, window: NDArray[np.float64]) -> tuple[Doubles, Doubles]:
     """Return wavenumbers k in rad/um and the exact mean of a windowed periodogram of A_r there, in um^4 per rad/um.
 
@@ -58,7 +53,8 @@ def expected_periodogram(model: Model, tick: float, window: NDArray[np.float64])
     weights = _checked(window)
     covariance = _tick_covariance(model, tick, weights.size)
     power = cross_spectrum(covariance, weights, 0).real
-    return segment_wavenumbers(tick, weights.size), np.maximum(tick / float(weights @ weights) * power, 0.0)
+    wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(weights.size, tick), dtype=np.float64)
+    return wavenumber, np.maximum(tick / float(weights @ weights) * power, 0.0)
 
 
 def _tick_covariance(model: Model, tick: float, count: int) -> Doubles:
@@ -110,15 +106,13 @@ class EstimatedSpectrum:
     ``segments``.
     """
 
-    model: Model = field(repr=False)
     ticks: int
     segments: int
     wavenumber: Doubles
     density: Doubles
     standard_error: Doubles
 
-    def __repr__(self) -> str:
-        return fields_as_text(self)
+    __repr__ = fields_as_text
 
 
 def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpectrum:
@@ -141,7 +135,7 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
     errors = np.full(density.size, np.nan)
     if are_at_random(model) and model.pulse.offset == "none":
         errors = np.where(density > 0.0, density, 1.0) * welch_errors(model, window, count, step)
-    return EstimatedSpectrum(model, int(length), count, wavenumber, density, errors)
+    return EstimatedSpectrum(int(length), count, wavenumber, density, errors)
 
 
 def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Doubles:
@@ -170,9 +164,8 @@ def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Double
         turned = np.fft.fft(product)[2 * np.arange(mean.size) % n][held] / energy_of_window
         variance[held] += weight * (np.square(np.abs(ordinary)) + np.square(np.abs(turned)))
         shared += weight * float(product @ product) / energy_of_window**2
-    variance[held] += (
-        shared / (model.birth_rate * model.tick) * _scatter(model, segment_wavenumbers(model.tick, n)[held])
-    )
+    scatter = _scatter(model, 2.0 * pi * np.fft.rfftfreq(n, model.tick)[held])
+    variance[held] += shared / (model.birth_rate * model.tick) * scatter
     return np.sqrt(variance)
 
 

@@ -1,24 +1,24 @@
 """Standard errors of the figures of a finite record of area, friction force or motion, from theory alone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
-from math import factorial, hypot, inf, nan, sqrt
+from math import factorial, hypot, inf, sqrt
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
-from rubnoise.model import Model, Slider
-from rubnoise.theory.cumulants import area_cumulants, shot_cumulants
-from rubnoise.theory.load import load_motion
+from rubnoise.model import Model
+from rubnoise.theory.moments import area_cumulants, shot_cumulants
 from rubnoise.theory.motion import (
     FORCE,
     MOTION,
+    Drive,
     contact_drive_of,
     drive_of,
     response,
-    separation_of,
     spread_errors,
+    std_of,
     strengths_of,
 )
 from rubnoise.theory.second_order import (
@@ -32,26 +32,6 @@ from rubnoise.theory.second_order import (
 _ORDERS = 5  # 0 to 4
 
 
-@dataclass(frozen=True, slots=True)
-class StandardErrors:
-    """Standard errors of the moments of one record: mean and std in the quantity's unit, the others plain numbers."""
-
-    mean: float
-    std: float
-    skewness: float
-    excess_kurtosis: float
-
-
-def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
-    """Return the variance in um^4 of the mean of A_r over T um or the ticks, (2/T^2) int_0^T (T - tau) R dtau."""
-    return area_noise(model).variance_of_mean(distance)
-
-
-def mean_area_error(model: Model, distance: float | None = None) -> float:
-    """Return the standard error in um^2 of the mean of A_r: the root of `variance_of_time_mean`."""
-    return area_noise(model).error_of_mean(distance)
-
-
 def mean_force_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
 
@@ -62,23 +42,13 @@ def mean_force_error(model: Model, distance: float | None = None) -> float:
     if model.separation is None:
         return noise.error_of_mean(distance)
     deviations = replace(noise, square=max(noise.square - noise.squared_mean, 0.0), squared_mean=0.0)
-    carried = _mean_load_error(model, distance or (model.tick_count + 1) * model.tick)
-    return deviations.error_of_mean(distance) + psi.mean / model.separation.hardness * carried
+    drive, slid = contact_drive_of(model), distance or (model.tick_count + 1) * model.tick
+    carried = _carried_momentum(drive, std_of(model, "separation"), std_of(model, "normal_velocity"), slid)
+    return deviations.error_of_mean(distance) + psi.mean / drive.gain * carried
 
 
-def _mean_load_error(model: Model, distance: float) -> float:
-    """Return a bound in uN of the standard error of the mean of P, whose mean less W is (m dz' + c dz)/T."""
-    drive, motion = contact_drive_of(model), load_motion(model)
-    return _carried_momentum(drive.slider, motion.separation_std, motion.velocity_std) * drive.speed / distance
-
-
-def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
-    """Return `standard_errors` of friction force at constant separation: joint cumulants gain E[psi^(i + j)]."""
-    return standard_errors(model, distance, strengths_of(model))
-
-
-def standard_errors(model: Model, distance: float | None = None, strengths: Law = AREA_ITSELF) -> StandardErrors:
-    """Return the standard errors of mean, std, skewness and excess kurtosis of A_r over a stationary record.
+def standard_errors(model: Model, distance: float | None = None, strengths: Law = AREA_ITSELF) -> dict[str, float]:
+    """Return the standard errors of mean, std, skewness and excess_kurtosis of psi A_r over a stationary record.
 
     The record is as in `lag_rule`; the errors are of first order in life/distance (from some 100 lives on). Each
     estimate moves with the mean of its influence function of z = (A_r - mean)/std: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2)
@@ -104,8 +74,8 @@ def standard_errors(model: Model, distance: float | None = None, strengths: Law 
     influence = np.array(
         [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0]]
     )
-    mean, std, skewness, kurtosis = np.sqrt(np.diag(influence @ covariances @ influence.T)).tolist()
-    return StandardErrors(mean * cumulants.std, std * cumulants.std, skewness, kurtosis)
+    errors = np.sqrt(np.diag(influence @ covariances @ influence.T)) * [cumulants.std, cumulants.std, 1.0, 1.0]
+    return dict(zip(("mean", "std", "skewness", "excess_kurtosis"), errors.tolist(), strict=True))
 
 
 def _exponential(series: Doubles) -> Doubles:
@@ -120,15 +90,6 @@ def _exponential(series: Doubles) -> Doubles:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class MotionErrors:
-    """Standard errors over one run: mean and std of displacement in um, std of velocity in um/s."""
-
-    mean_displacement: float
-    displacement_std: float
-    velocity_std: float
-
-
 def expected_mean_displacement(model: Model, distance: float) -> float:
     """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
 
@@ -136,10 +97,10 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     """
     from scipy.linalg import expm
 
-    slider, still = drive_of(model).slider, response(model).mean_displacement
+    drive, still = drive_of(model), response(model).mean_displacement
+    slider, duration = drive.slider, distance / drive.speed
     if slider.start == "equilibrium":
         return still
-    duration = distance / drive_of(model).speed
     decay = np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
     y, velocity = expm(decay * duration)[:, 0].tolist()
     return still * (1.0 - (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration))
@@ -152,79 +113,60 @@ def mean_displacement_error(model: Model, distance: float) -> float:
     dx)/T. inf without damping.
     """
     drive, motion = drive_of(model), response(model)
-    slider, rate = drive.slider, drive.speed / distance
-    change = _carried_momentum(slider, motion.displacement_std, motion.velocity_std) * rate
-    if slider.excitation != "base":
-        return (mean_force_error(model, distance) + change) / slider.stiffness
-    change += 2.0 * slider.damping * model.base_per_area * area_cumulants(model).std * rate
-    return model.base_per_area * mean_area_error(model, distance) + change / slider.stiffness
+    change = _carried_momentum(drive, motion.displacement_std, motion.velocity_std, distance)
+    if drive.slider.excitation != "base":
+        return (mean_force_error(model, distance) + change) / drive.slider.stiffness
+    change += 2.0 * drive.slider.damping * model.base_per_area * area_cumulants(model).std * drive.speed / distance
+    return model.base_per_area * area_noise(model).error_of_mean(distance) + change / drive.slider.stiffness
 
 
-def _carried_momentum(slider: Slider, std: float, velocity_std: float) -> float:
-    """Return a bound in uN s of the spread of m dv + c dx over a run: of stationary motion plus a decaying start."""
-    natural = slider.natural_angular_frequency
+def _carried_momentum(drive: Drive, std: float, velocity_std: float, distance: float) -> float:
+    """Return a bound in uN of the spread of (m dv + c dx)/T: of stationary motion plus a decaying start."""
+    slider, natural = drive.slider, drive.slider.natural_angular_frequency
     start = hypot(std, velocity_std / natural)
-    return slider.damping * (std + start) + slider.mass * (velocity_std + natural * start)
+    carried = slider.damping * (std + start) + slider.mass * (velocity_std + natural * start)
+    return carried * drive.speed / distance
 
 
-def motion_errors(model: Model, distance: float) -> MotionErrors:
-    """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
+def motion_errors(model: Model, distance: float) -> dict[str, float]:
+    """Return standard errors of mean_displacement and displacement_std (um) and velocity_std (um/s) over a run.
 
-    Of the stds as `spread_errors`; inf without damping. Raises Refused as `drive_of`, and unless births are a Poisson
-    process.
+    ``distance`` is in um, the contact stationary; of the stds as `spread_errors`, inf without damping. Raises Refused
+    as `drive_of`, and unless births are a Poisson process.
     """
     drive = drive_of(model)
     need_random_births(model, "the standard error of the slider's motion")
-    if drive.slider.damping == 0.0:
-        return MotionErrors(inf, inf, inf)
-    return MotionErrors(mean_displacement_error(model, distance), *spread_errors(model, MOTION, distance))
+    names, errors = ("mean_displacement", "displacement_std", "velocity_std"), [inf] * 3
+    if drive.slider.damping > 0.0:
+        errors = [mean_displacement_error(model, distance), *spread_errors(model, MOTION, distance)]
+    return dict(zip(names, errors, strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoadErrors:
-    """Standard errors over one run: um, um/s and uN; those of the friction force are nan without a strength."""
+def load_errors(model: Model, distance: float, *, from_start: bool = True) -> dict[str, float]:
+    """Return standard errors of the motion under a load over a run of ``distance`` um, in um, um/s and uN.
 
-    separation_mean: float
-    separation_std: float
-    velocity_std: float
-    load_mean: float
-    load_std: float
-    force_mean: float = nan
-    force_std: float = nan
-
-
-def load_errors(model: Model, distance: float, *, from_start: bool = True) -> LoadErrors:
-    """Return standard errors of the motion under a load over a run of ``distance`` um.
-
-    Of stds as `spread_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` has `_start_excess` in the
-    squares of z' and P - W, as uncertain as it is large: for Gaussian z and z' at most sqrt(3) times as much.
+    Of stds as `spread_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` z = z' = 0 has the squares of a
+    decay less in z' and P - W, as uncertain as they are large: for Gaussian z and z' at most sqrt(3) times as much.
     """
-    contact, psi, motion = separation_of(model), model.strengths, load_motion(model)
-    fast, excess = (sqrt(3.0) * each * from_start for each in _start_excess(model, distance))
-    names = ("separation", "normal_velocity", "load", *((FORCE,) if psi else ()))
+    names = ("separation", "normal_velocity", "load", *((FORCE,) if model.strengths else ()))
     place, velocity, load, *force = spread_errors(model, names, distance)
-    mean_load, known = _mean_load_error(model, distance), {}
+    std, fast, varying = (std_of(model, name) for name in names[:3])
+    drive, psi = contact_drive_of(model), model.strengths
+    slider, slid = drive.slider, drive.speed / distance
+    mean_load = _carried_momentum(drive, std, fast, distance)
+    # Of the free decay of a stationary separation int z'^2 dt = e/c, e = (m z'_0^2 + K z_0^2)/2, and
+    # K int z^2 dt = c z_0^2/2 + m z_0 z'_0 + m e/c.
+    energy = 0.5 * (slider.mass * fast**2 + slider.stiffness * std**2)
+    decay = (0.5 * slider.damping * std**2 + slider.mass / slider.damping * energy) * slider.stiffness
+    faster, more = (sqrt(3.0) * each * slid * from_start for each in (energy / slider.damping, decay))
+    errors = {
+        "separation_mean": (drive.gain * area_noise(model).error_of_mean(distance) + mean_load) / slider.stiffness,
+        "separation_std": place,
+        "velocity_std": hypot(velocity, faster / (2.0 * fast)),
+        "load_mean": mean_load,
+        "load_std": hypot(load, more / (2.0 * varying)),
+    }
     if psi is not None:
-        part = (psi.mean / contact.hardness) ** 2 * excess / (2.0 * sqrt(motion.covariances.of(FORCE)))
-        known = {"force_mean": mean_force_error(model, distance), "force_std": hypot(force[0], part)}
-    return LoadErrors(
-        separation_mean=(contact.hardness * mean_area_error(model, distance) + mean_load) / contact.stiffness,
-        separation_std=place,
-        velocity_std=hypot(velocity, fast / (2.0 * motion.velocity_std)),
-        load_mean=mean_load,
-        load_std=hypot(load, excess / (2.0 * motion.load_std)),
-        **known,
-    )
-
-
-def _start_excess(model: Model, distance: float) -> tuple[float, float]:
-    """Return the part of the start at z = z' = 0 in the mean squares of z' (um^2/s^2) and P - W (uN^2) over a run.
-
-    Of the free decay of a stationary separation: int y'^2 dt = e/c, e = (m y'_0^2 + K y_0^2)/2, and int y^2 dt = (c
-    y_0^2/2 + m y_0 y'_0 + m e/c)/K.
-    """
-    drive, motion = contact_drive_of(model), load_motion(model)
-    slider, square, rate = drive.slider, motion.separation_std**2, drive.speed / distance
-    energy = 0.5 * (slider.mass * motion.velocity_std**2 + slider.stiffness * square)
-    decay = (0.5 * slider.damping * square + slider.mass / slider.damping * energy) * slider.stiffness
-    return energy / slider.damping * rate, decay * rate
+        part = (psi.mean / drive.gain) ** 2 * more / (2.0 * std_of(model, FORCE))
+        errors |= {"force_mean": mean_force_error(model, distance), "force_std": hypot(force[0], part)}
+    return errors

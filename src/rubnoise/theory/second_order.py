@@ -12,10 +12,9 @@ Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); 
 (Daley and Vere-Jones 2003, section 8.2); Cox and Lewis, The Statistical Analysis of Series of Events (1966).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from math import ceil, isfinite, pi, sqrt
+from math import ceil, inf, isfinite, pi, sqrt
 from typing import Final
 
 import numpy as np
@@ -26,21 +25,21 @@ from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.real_numbers import real_number
 from rubnoise.theory.sizes import (
-    Spline,
-    is_one_size,
     longest_life,
     over_phases,
     over_sizes,
     panels,
+    size_range,
     sizes_of,
     table_over_sizes,
 )
 from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps
 
-_ROUNDING, _VISIBLE, _NO_POWER = 1e-12, 1e-26, 1e-32
+_ROUNDING, _VISIBLE = 1e-12, 1e-26
 _MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
-_AGES, _PHASES, _MOST_LINES = 1 << 19, 4096, 1 << 18
+_AGES, _PHASES, _MOST_LINES = 1 << 19, 1 << 16, 1 << 18
 _RARE = 1e-12
 AREA_ITSELF: Final = Fixed(value=1.0)
 """The strengths with which force is area."""
@@ -72,10 +71,8 @@ class BirthPart:
         # A whole number of spacings, so that lines lie at wavenumbers of the transform.
         spacings = ceil(2.0 * self._reach / self._spacing)
         self._step = spacings * self._spacing / _AGES
-        mean_life, ages = np.zeros(_AGES), min(int(longest / self._step) + 2, _AGES)
-        mean_life[:ages] = table_over_sizes(model, life.mean, life.power)(
-            self._step * np.arange(ages, dtype=np.float64)
-        )
+        mean_life, ages = np.zeros(_AGES), np.arange(min(int(longest / self._step) + 2, _AGES), dtype=np.float64)
+        mean_life[: ages.size] = table_over_sizes(model, life.mean, life.power)(self._step * ages)
         mean_life[0] *= 0.5  # by the trapezoidal rule, for a count that jumps at birth
         self._wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(_AGES, self._step), dtype=np.float64)
         self._squares = np.square(np.abs(np.fft.rfft(mean_life)) * self._step)
@@ -85,41 +82,42 @@ class BirthPart:
             d = float(sizes.diameter[0])
             power = np.square(model.birth_rate * d ** (life.power + 1) * life.amplitude(self.wavenumber * d))
             if life.power:
-                power[power < _NO_POWER * model.stationary_mean_area**2] = 0.0
+                power[power < _VISIBLE * model.stationary_mean_area**2] = 0.0
         self.power = power * model.births.line_share(self.wavenumber)
 
+    def covariance(self, lag: Doubles) -> Doubles:
+        """Return the part of births at lags >= 0 in um, lines apart; 0 beyond its reach."""
+        piece = np.minimum((lag / self._step).astype(np.intp), self._values.size - 3)
+        past = np.minimum(lag / self._step - piece, 2.0)
+        here, there, then = (self._values[piece + n] for n in range(3))
+        bend = then - 2.0 * there + here
+        return np.asarray(here + past * (there - here + 0.5 * (past - 1.0) * bend), dtype=np.float64)
+
     @cached_property
-    def covariance(self) -> Spline:
-        """The part of births at lags >= 0 in um, lines apart; 0 beyond its reach."""
+    def _values(self) -> Doubles:
         births, rate = self._model.births, self._model.birth_rate
         values = np.fft.irfft(births.excess(self._wavenumber) * self._squares) / (self._step * rate)
         values[0] -= 0.25 * self._step * rate * self._jumps  # of births that jump, whose square has half the weight
-        kept = int(self._reach / self._step) + 3
-        return Spline(self._step * np.arange(kept + 1), np.append(values[:kept], 0.0))
+        return np.append(values[: int(self._reach / self._step) + 3], 0.0)
+
+    def lines(self, lag: Doubles) -> Doubles:
+        """Return 2 sum of power cos(k_n tau) at lags tau >= 0 in um; of births that jump lam^2/k^2 has a known sum."""
+        part = (lag / self._spacing) % 1.0
+        if self._jumps and is_one_life(self._model):
+            # A whole number of equal lives, and one more with probability f.
+            lives = longest_life(self._model) / self._spacing
+            f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives % 1.0
+            return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
+        known = 0.5 * self._jumps * (part * part - part + 1.0 / 6.0)
+        return np.interp(part, np.linspace(0.0, 1.0, self._swing.size), self._swing) + known
 
     @cached_property
-    def lines(self) -> Callable[[Doubles], Doubles]:
-        """2 sum of power cos(k_n tau) at lags tau >= 0 in um; of births that jump lam^2/k^2 has a known sum."""
-        if self._jumps and is_one_life(self._model):
-            return self._whole_lives
+    def _swing(self) -> Doubles:
         turn = 0.5 * self._step
         births = np.square(self._model.birth_rate * turn / np.tan(turn * self.wavenumber)) if self._jumps else 0.0
         points = 2 * max(self.power.size, _PHASES)
         values = np.fft.irfft(np.append(0.0, self.power - births), points) * points
-        spline = Spline(np.arange(points + 1) / points, np.append(values, values[0]))
-
-        def summed(lag: Doubles) -> Doubles:
-            part = (lag / self._spacing) % 1.0
-            return np.asarray(spline(part) + 0.5 * self._jumps * (part * part - part + 1.0 / 6.0), dtype=np.float64)
-
-        return summed
-
-    def _whole_lives(self, lag: Doubles) -> Doubles:
-        """Return the covariance of a whole number of equal lives and one more with probability f."""
-        lives = longest_life(self._model) / self._spacing
-        f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives % 1.0
-        part = (lag / self._spacing) % 1.0
-        return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
+        return np.append(values, values[0])
 
 
 _birth_part = lru_cache(maxsize=16)(BirthPart)
@@ -147,15 +145,19 @@ class ShotNoise:
     def from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean at distances in um of any shape after an empty start, E[psi] lam E[int_0^s A ds']."""
         grown = table_over_sizes(self.model, self.life.so_far, self.life.power + 1)
-        return sqrt(self.squared_mean) * grown(np.maximum(np.asarray(distance, dtype=np.float64), 0.0))
+        slid = np.maximum(np.asarray(distance, dtype=np.float64), 0.0)
+        return sqrt(self.squared_mean) * grown(slid) * (slid > 0.0)
 
-    def expected_mean(self, distance: float) -> float:
-        """Return the expected mean over the first ``distance`` um, from the model's start."""
+    def expected_mean(self, distance: float | None = None) -> float:
+        """Return the expected mean over a run, or its first ``distance`` um, from the model's start."""
+        slid = self.model.distance if distance is None else real_number(distance, "distance", "um")
+        if not 0.0 < slid < inf:
+            raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
         if self.model.start == "stationary":
             return self.mean
-        reach = min(distance, longest_life(self.model))
+        reach = min(slid, longest_life(self.model))
         place, weight = _graded(reach)
-        return float(weight @ self.from_empty(place) + (distance - reach) * self.mean) / distance
+        return float(weight @ self.from_empty(place) + (slid - reach) * self.mean) / slid
 
     def single(self, lag: Doubles) -> Doubles:
         """Return the covariance of each junction with itself, lam E[int A(s) A(s + tau) ds], at lags >= 0 in um."""
@@ -189,7 +191,7 @@ class ShotNoise:
     def covariance(self, lag: ArrayLike) -> Doubles:
         """Return the covariance at lags in um of any shape; at 0 the variance."""
         lags = np.abs(np.asarray(lag, dtype=np.float64))
-        return self.unphased(lags) + (self.squared_mean * self.births.lines(lags) if self.has_lines else 0.0)
+        return self.unphased(lags) + (self.squared_mean * self.births.lines(lags) if self.lines[1].size else 0.0)
 
     def unphased(self, lag: Doubles) -> Doubles:
         """Return the covariance without the lines, at lags >= 0 in um: given the phase of regular births."""
@@ -199,7 +201,7 @@ class ShotNoise:
             return (self.square - self.squared_mean) * self.single(lag)
         return self.square * self.single(lag) + self.squared_mean * self.births.covariance(lag)
 
-    def variance_of_mean(self, distance: float | None) -> float:
+    def variance_of_mean(self, distance: float | None = None) -> float:
         """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`.
 
         A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2.
@@ -214,25 +216,23 @@ class ShotNoise:
             kept = np.sinc(turns * distance)
         return float(weights @ self.unphased(lags)) + 2.0 * self.squared_mean * float(power @ np.square(kept))
 
-    def error_of_mean(self, distance: float | None) -> float:
+    def error_of_mean(self, distance: float | None = None) -> float:
         """Return the root of `variance_of_mean`, or 0 if it is below 1e-12 of the mean, where it is rounding."""
         error = sqrt(max(self.variance_of_mean(distance), 0.0))
         return error if error > _ROUNDING * self.mean else 0.0
 
     @property
-    def has_lines(self) -> bool:
-        """Whether births keep a part of their lines."""
-        return bool(np.any(self.model.births.line_share(np.zeros(1))))
-
-    @property
     def lines(self) -> tuple[Doubles, Doubles]:
         """Wavenumbers k_n = 2 pi n lam in rad/um and powers of the lines; as much power lies at -k_n."""
-        return (self.births.wavenumber, self.births.power) if self.has_lines else (np.empty(0), np.empty(0))
+        if not self.model.births.line_share(np.zeros(1))[0]:
+            return np.empty(0), np.empty(0)
+        return self.births.wavenumber, self.births.power
 
 
 def is_one_life(model: Model) -> bool:
     """Return whether all lives are equal."""
-    return is_one_size(model.sizes) and model.pulse.offset == "none"
+    low, high = size_range(model.sizes)
+    return low == high and model.pulse.offset == "none"
 
 
 def area_noise(model: Model, strengths: Law = AREA_ITSELF) -> ShotNoise:
@@ -261,11 +261,6 @@ def spectral_density(model: Model, wavenumber: ArrayLike, *, exact: bool = True)
     return area_noise(model).density(wavenumber, exact=exact)
 
 
-def density_at_zero(model: Model) -> float:
-    """Return S(0) in um^4 per rad/um: lam c m_6 S_N(0)/lam for equal lives, c the mean square of int A ds."""
-    return float(spectral_density(model, 0.0))
-
-
 def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
     """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area."""
     k, power = area_noise(model).lines
@@ -288,7 +283,7 @@ def half_power_wavenumber(model: Model) -> float:
     from scipy.optimize import brentq
 
     need_random_births(model, "the corner of the spectrum")
-    half = 0.5 * density_at_zero(model)
+    half = 0.5 * float(spectral_density(model, 0.0))
     low, high = 0.0, 0.25 / model.sizes.support[1]
     while float(spectral_density(model, high)) > half:
         low, high = high, 1.25 * high

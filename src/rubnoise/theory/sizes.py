@@ -1,6 +1,6 @@
 """A law of sizes as diameters with probabilities, by Gauss's rule over log d; averages of g(x/d) and g(k d).
 
-Beside them cubic splines: those of scipy are the same, but a command that loads them takes half as long again.
+Beside them tables: scipy has splines, but a command that loads them takes half as long again.
 """
 
 from collections.abc import Callable
@@ -34,54 +34,33 @@ _CUT_PANELS, _FEWEST = 3.0, 8
 _NARROW = 0.8  # logarithm of the factor that a narrow law counts as
 _AT_ONCE = 1 << 17
 _rule = cache(np.polynomial.legendre.leggauss)
-_TABLE, _TURNS = 2400, 400
-_HALVINGS = 64
+_TABLE, _TURNS = 300, 50
 
 
-class Spline:
-    """The cubic spline through values at ascending places, no knot at the second and last but one; then it stays."""
+class Table:
+    """A function as a polynomial of some powers on panels between ascending edges; from the last edge on it stays."""
 
-    def __init__(self, places: ArrayLike, values: ArrayLike, *, powers: Any = None) -> None:
-        self.x = np.asarray(places, dtype=np.float64)
-        self._powers = _powers(self.x, np.asarray(values)) if powers is None else powers
-        step = np.diff(self.x)
-        self._even = float(step[0]) if np.ptp(step) < 1e-9 * step[0] else 0.0
+    def __init__(self, edges: ArrayLike, function: Callable[[Doubles], Any], count: int = 8) -> None:
+        self._edges = np.asarray(edges, dtype=np.float64)
+        values = np.asarray(function(panels(self._edges, count)[0])).reshape(-1, count)
+        self._even = bool(np.ptp(np.diff(self._edges)) < 1e-9 * np.diff(self._edges)[0])
+        self._powers = np.linalg.solve(np.vander(_rule(count)[0], increasing=True), values.T)
 
     def __call__(self, place: ArrayLike) -> Any:
-        """Return the values at places of any shape: before the first by its first piece, from the last on its value."""
-        x = np.minimum(np.asarray(place, dtype=np.float64), self.x[-1])
-        if self._even:
-            piece = ((x - self.x[0]) * (1.0 / self._even)).astype(np.intp)
+        """Return the values at places of any shape, before the first edge by the first polynomial."""
+        x, edges = np.minimum(np.asarray(place, dtype=np.float64), self._edges[-1]), self._edges
+        if self._even:  # a search takes as long as the polynomial
+            turned = (x - edges[0]) * ((edges.size - 1) / (edges[-1] - edges[0]))
+            piece = np.clip(turned.astype(np.intp), 0, edges.size - 2)
+            turned = 2.0 * (turned - piece) - 1.0
         else:
-            piece = np.searchsorted(self.x, x, side="right") - 1
-        piece = np.clip(piece, 0, self.x.size - 1)
-        past, found = x - self.x[piece], self._powers[-1][piece]
+            piece = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, edges.size - 2)
+            low, high = edges[piece], edges[piece + 1]
+            turned = (2.0 * x - low - high) / (high - low)
+        found = self._powers[-1][piece]
         for power in self._powers[-2::-1]:
-            found = found * past + power[piece]
+            found = found * turned + power[piece]
         return found
-
-    def antiderivative(self) -> "Spline":
-        """Return the integral from the first place on."""
-        step, whole = np.diff(self.x), np.zeros(self.x.size - 1)
-        powers = [power / (n + 1) for n, power in enumerate(self._powers)]
-        for power in powers[::-1]:
-            whole = (whole + power[:-1]) * step
-        return Spline(self.x, self.x, powers=[np.append(0.0, np.cumsum(whole)), *powers])
-
-
-def _powers(x: Doubles, y: Any) -> list[Any]:
-    """Return the coefficients of each piece by its power; slopes follow from equal second derivatives at the knots."""
-    step, rise = np.diff(x), np.diff(y) / np.diff(x)
-    first, last, both = x[2] - x[0], x[-1] - x[-3], 2.0 * (step[:-1] + step[1:])
-    inner = 3.0 * (step[1:] * rise[:-1] + step[:-1] * rise[1:])
-    begin = ((step[0] + 2.0 * first) * step[1] * rise[0] + step[0] ** 2 * rise[1]) / first
-    end = (step[-1] ** 2 * rise[-2] + (2.0 * last + step[-1]) * step[-2] * rise[-1]) / last
-    s = np.append(rise, rise[-1])
-    for _ in range(_HALVINGS):  # each turn halves what is missing
-        s[1:-1] = (inner - step[1:] * s[:-2] - step[:-1] * s[2:]) / both
-        s[0], s[-1] = (begin - first * s[1]) / step[1], (end - last * s[-2]) / step[-2]
-    bend = (s[:-1] + s[1:] - 2.0 * rise) / step
-    return [y, *(np.append(power, 0.0) for power in (s[:-1], (rise - s[:-1]) / step - bend, bend / step))]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,21 +103,13 @@ def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
     rules = []
     for weight, leaf in _leaves(law):
         low, high = size_range(leaf)
-        finer = _HARD if any(_hard_ends(leaf)) else 1.0
+        inside, outside = leaf.density(np.array(leaf.support)), leaf.density(np.nextafter(leaf.support, (-inf, inf)))
+        jumps = (outside == 0.0) & (inside > 0.0) & (np.array(leaf.support) > 0.0)
+        finer = _HARD if low < high and jumps.any() else 1.0
         diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
         followed = inf if low == high else _PHASE * finer / (high - low)
         rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
     return Sizes(*(np.concatenate(each) for each in zip(*rules, strict=True)))
-
-
-def cut_sizes(law: Law, cuts: Doubles) -> tuple[Doubles, Doubles]:
-    """Return diameters in um and probabilities for averages of what is smooth between cuts, or ends there as a root.
-
-    Cuts (um) lie along the last axis; leading axes have a rule each.
-    """
-    rules = [(weight, *_gauss(leaf, _CUT_PANELS, _FEWEST, cuts)) for weight, leaf in _leaves(law)]
-    diameters = np.concatenate([diameter for _, diameter, _ in rules], axis=-1)
-    return diameters, np.concatenate([weight * share for weight, _, share in rules], axis=-1)
 
 
 def _gauss(leaf: Law, panels_of_factor: float, fewest: int, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
@@ -169,29 +140,13 @@ def size_range(law: Law) -> tuple[float, float]:
     def weight(diameter: float, power: int) -> float:
         return float(law.density(np.array([diameter]))[0]) * (diameter / law.mean) ** power * diameter
 
-    step = (high - low) / 16.0
-    while not _hard_ends(law)[1] and (weight(high, 8) > _LEFT_OUT or weight(2.0 * high, 8) > weight(high, 8)):
-        high, step = high + step, 1.25 * step
+    step, beyond = (high - low) / 16.0, np.nextafter(high, inf)  # where a law that ends hard is 0
+    while weight(beyond, 8) > _LEFT_OUT or weight(2.0 * beyond, 8) > weight(beyond, 8):
+        beyond, high, step = high + step, high + step, 1.25 * step
     low = max(low, 2.0**-200 * high)
     while weight(2.0 * low, 1) <= _LEFT_OUT and 4.0 * low < high:
         low *= 2.0
     return low, high
-
-
-def _hard_ends(leaf: Law) -> tuple[bool, bool]:
-    """Return whether the density of a law without parts jumps to 0 at its smallest and at its largest diameter."""
-    low, high = leaf.support
-    if low == high:
-        return False, False
-    places = np.array([np.nextafter(low, -np.inf), low, high, np.nextafter(high, np.inf)])
-    below, first, last, above = leaf.density(places).tolist()
-    return low > 0.0 and below == 0.0 < first, above == 0.0 < last
-
-
-def is_one_size(law: Law) -> bool:
-    """Return whether a law counts as a single size."""
-    low, high = size_range(law)
-    return low == high
 
 
 def longest_life(model: Model) -> float:
@@ -201,11 +156,12 @@ def longest_life(model: Model) -> float:
 
 def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
     """Return lam E[d^power unit(x/d)] at x >= 0 in um, sizes cut where x is the end or the middle of a life."""
-    found = np.empty(x.size)
-    for rows in np.array_split(np.arange(x.size), 1 + x.size // 4096):
-        some = x.ravel()[rows, None]
-        diameter, probability = cut_sizes(model.sizes, some * (0.5, 1.0))
-        found[rows] = np.sum(unit(some / diameter) * probability * diameter**power, axis=-1)
+    found = np.zeros(x.size)
+    for share, leaf in _leaves(model.sizes):
+        for rows in np.array_split(np.arange(x.size), 1 + x.size // 4096):
+            some = x.ravel()[rows, None]
+            diameter, probability = _gauss(leaf, _CUT_PANELS, _FEWEST, some * (0.5, 1.0))
+            found[rows] += np.sum(unit(some / diameter) * (share * probability) * diameter**power, axis=-1)
     return model.birth_rate * found.reshape(x.shape)
 
 
@@ -213,23 +169,17 @@ def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
 def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
     """Return `over_sizes` as a function of x, for many sizes by a table; beyond the longest life it is constant.
 
-    It is even in u, x = c (exp(b u^2) - 1): closer at 0, where lives begin, and far apart in the rare longest lives.
+    Its edges are closer at 0, where lives begin, and far apart in the rare longest lives.
     """
     if sizes_of(model.sizes).diameter.size < _FEWEST:
         return lambda x: over_sizes(model, unit, power, x)
     low, high = size_range(model.sizes)
     scale = 0.5 * model.sizes.moment(2) / model.sizes.moment(1)
-    octaves = log1p(2.0 * high / scale)
-
-    def place(x: Doubles) -> Doubles:
-        return np.sqrt(np.log1p(x / scale) / octaves)
-
-    knots = np.linspace(0.0, 1.0, _TABLE + 1)
+    edges = scale * np.expm1(log1p(2.0 * high / scale) * np.square(np.linspace(0.0, 1.0, _TABLE + 1)))
     if high < 2.0 * low:  # lives of nearly equal sizes turn within a narrow stretch, and end in another
         turns = np.linspace(low, high, _TURNS)
-        knots = np.unique(np.concatenate([knots, place(turns), place(2.0 * turns)]))
-    spline = Spline(knots, over_sizes(model, unit, power, scale * np.expm1(octaves * np.square(knots))))
-    return lambda x: spline(place(x))
+        edges = np.unique(np.concatenate([edges, turns, 2.0 * turns]))
+    return Table(edges, lambda x: over_sizes(model, unit, power, x))
 
 
 def over_phases(

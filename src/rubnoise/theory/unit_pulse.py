@@ -7,7 +7,7 @@ offsets, which are even over a pass's half width.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
-from math import inf
+from math import erfc, inf
 from typing import Any
 
 import numpy as np
@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import Pulse
-from rubnoise.theory.sizes import SETTLED, Function, Spline, panels
+from rubnoise.theory.sizes import SETTLED, Function, Table, panels
 
-_LEVEL_FROM, _PARTED, _END = 20.0, 256.0, 328.0
-_TABLE = np.arange(328 * 64 + 1) / 64.0
-_STEP_BEFORE, _STEP_WIDTH = 70.0, 12.02  # phases within which a swing that is followed no longer fades
-_HANKEL_TERMS = 16
+_FAR, _END, _TERMS = 200.0, 328.0, 6
+_STEP_BEFORE, _STEP_WIDTH, _NONE = 70.0, 12.02, 1e-11  # of the step from a swing that is followed to none
+_CLOSE = 0.5 * 2.0 ** -np.arange(20.0)
+_AGES = np.unique([0.0, 1.0, 2.0, *_CLOSE, *(1.0 - _CLOSE), *(1.0 + _CLOSE), *(2.0 - _CLOSE)])
+_PHASES = np.arange(0.0, 1.001 + 2.0 * _END) / 2.0
 Transform = Callable[[Doubles], Any]
 
 
@@ -43,16 +44,17 @@ class UnitLife:
 @cache
 def area_life(pulse: Pulse) -> UnitLife:
     """Return the area of a pulse; relative error of each function about 1e-9 of its largest value."""
-    age = _lags(1024)
-    centred = pulse.offset == "none"
-    mean = Spline(age, pulse.area(age, 1.0) if centred else _off_centre_mean(pulse, age))
-    return UnitLife(
-        power=2,
-        overlap=overlaps(pulse, 1, 1),
-        mean=(lambda t: pulse.area(t, 1.0)) if centred else mean,
-        so_far=mean.antiderivative(),
-        amplitude=partial(amplitude, pulse),
-    )
+
+    def mean(age: Doubles) -> Doubles:
+        return pulse.area(age, 1.0) if pulse.offset == "none" else _off_centre_mean(pulse, age)
+
+    def so_far(age: Doubles) -> Doubles:
+        place, weight = panels(np.minimum(np.array([0.0, 1.0, 2.0]), age[:, None]), 24, rooted=True)
+        return np.asarray(np.sum(weight * known(place), axis=-1), dtype=np.float64)
+
+    known = mean if pulse.offset == "none" else Table(_AGES, mean)
+    shape = partial(amplitude, pulse)
+    return UnitLife(power=2, overlap=overlaps(pulse, 1, 1), mean=known, so_far=Table(_AGES, so_far), amplitude=shape)
 
 
 @cache
@@ -69,23 +71,13 @@ def count_life(pulse: Pulse) -> UnitLife:
     )
 
 
-def _lags(count: int) -> Doubles:
-    """Return places from 0 to 2 that lie closer at 0, 1 and 2, where lives and overlaps are least smooth."""
-    turned = 0.5 * (1.0 - np.cos(np.pi * np.arange(count + 1) / count))
-    return np.concatenate([turned, 1.0 + turned[1:]])
-
-
 @lru_cache(maxsize=64)
 def overlaps(pulse: Pulse, i: int, j: int) -> Function:
-    """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter as a spline.
-
-    Error some 1e-9 of the largest value of q_11, and 1e-6 of higher powers, which errors of errors need.
-    """
-    lags = _lags((1024 if pulse.offset == "none" else 256) if i == j == 1 else 128)
-    return Spline(lags, _overlaps_at(pulse, lags, i, j))
+    """Return q_ij(t) = E[int a(s)^i a(s + t)^j ds] of unit diameter, to some 1e-9 of its largest value."""
+    return Table(_AGES, partial(_overlaps_at, pulse, i=i, j=j), 14)
 
 
-def _overlaps_at(pulse: Pulse, lags: Doubles, i: int, j: int, nodes: tuple[int, int] = (12, 24)) -> Doubles:
+def _overlaps_at(pulse: Pulse, lags: Doubles, i: int = 1, j: int = 1, nodes: tuple[int, int] = (12, 24)) -> Doubles:
     """Return q_ij at some lags by quadrature over offsets and places, with some nodes on each panel."""
     lag, offset, share = lags[:, None], np.zeros((lags.size, 1)), np.ones((lags.size, 1))
     if pulse.offset != "none":
@@ -112,57 +104,51 @@ def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
 
 
 def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return the transform a^(z) about mid-life, z = k d > 0, of a pass through both centres, to all digits.
+    """Return the transform a^(z) about mid-life, z = k d >= 0, of a pass through both centres, to 1e-11 of its largest.
 
     Lens: pi H_1(z)/z^2 (Struve); triangle: (pi/4) (sin(z/2)/(z/2))^2; parabola: pi (sin z - z cos z)/z^3.
     """
-    from scipy.special import spherical_jn, struve
-
-    z = np.maximum(phase, 1e-6)
-    if pulse.shape == "lens":
-        return np.asarray(np.pi * struve(1.0, z) / z**2, dtype=np.float64)
-    if pulse.shape == "triangle":
-        return 0.25 * np.pi * np.sinc(0.5 * z / np.pi) ** 2
-    return np.asarray(np.pi * spherical_jn(1, z) / z, dtype=np.float64)
-
-
-def _amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return `amplitude` to 1e-10 of its largest value and 2e-6 of its own: Struve's function takes long."""
-    if pulse.shape == "triangle":
-        return amplitude(pulse, phase)
-    found, far = np.asarray(_near(pulse)(phase), dtype=np.float64), phase > _PARTED
-    if far.any():
-        middle, ends = _parts(pulse, phase[far])
-        found[far] = middle + 2.0 * (ends * np.exp(1j * phase[far])).real
+    z = np.asarray(phase, dtype=np.float64)
+    found, far = np.asarray(_near(pulse)(z), dtype=np.float64), z > _FAR
+    middle, ends = _parts(pulse, z[far])
+    found[far] = middle + 2.0 * (ends.real * np.cos(z[far]) - ends.imag * np.sin(z[far]))
     return found
+
+
+@cache
+def _near(pulse: Pulse) -> Table:
+    """Return `amplitude` up to z = 200, twice the integral of a(1 - x) cos(z x) over half a life."""
+    place, weight = panels(np.linspace(0.0, 1.0, 5), 48, rooted=True)
+    mass = 2.0 * weight * pulse.area(1.0 - place, 1.0)
+    return Table(_PHASES[_PHASES <= _FAR], lambda z: _transform(z, place, mass).real)
 
 
 def _parts(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Complexes]:
     """Return m and b of a^(z) = m + b e^(i z) + b* e^(-i z), z >= 20: of mid-life, and of birth and death.
 
-    Of lenses b is that of Y_1, and m of H_1 - Y_1 = (2/pi)(1 + 1/z^2 - 3/z^4 + ...).
+    Of lenses b is that of Y_1, and m that of H_1 - Y_1 = (2/pi)(1 + 1/z^2 - 3/z^4 + ...).
     """
-    inverse = 1.0 / np.square(phase)
+    inverse, middle = 1.0 / np.square(phase), np.zeros_like(phase)
     if pulse.shape == "lens":
-        middle = 2.0 * inverse * (1.0 + inverse * (1.0 - 3.0 * inverse))
-        orders = np.arange(1.0, _HANKEL_TERMS)
+        series, orders = np.ones_like(phase), np.arange(1.0, _TERMS)
+        for n in range(_TERMS - 1, 0, -1):
+            series = 1.0 - (2 * n - 1) * (2 * n - 3) * inverse * series
+        middle = 2.0 * inverse * series
         terms = np.cumprod(np.append(1.0, 1j * (4.0 - (2.0 * orders - 1.0) ** 2) / (8.0 * orders)))
         ends = np.exp(-1.25j * np.pi) / np.sqrt(2.0 * np.pi * phase) * np.polynomial.Polynomial(terms)(1.0 / phase)
     elif pulse.shape == "triangle":
         middle, ends = 0.5 * np.pi * inverse, np.full_like(phase, -0.25)
     else:
-        middle, ends = np.zeros_like(phase), -0.5 - 0.5j / phase
+        ends = -0.5 - 0.5j / phase
     return middle, np.asarray(np.pi * inverse * ends, dtype=np.complex128)
 
 
 @cache
-def _near(pulse: Pulse) -> Spline:
-    """Return a^(z) up to z = 328, or off the centre line (9 + z^2)^2.5 times the energy, 2 int q_11 cos(z t) dt."""
-    if pulse.offset == "none":
-        return Spline(_TABLE, amplitude(pulse, _TABLE))
+def _off_centre_energy(pulse: Pulse) -> Table:
+    """Return (9 + z^2)^2.5 times the energy off the centre line up to z = 328, 2 int q_11 cos(z t) dt."""
     lag, weight = panels(np.linspace(0.0, 2.0, 21), 32, rooted=True)
-    mass = 2.0 * weight * _overlaps_at(pulse, lag, 1, 1, nodes=(24, 32))
-    return Spline(_TABLE, _transform(_TABLE, lag, mass).real * (9.0 + _TABLE**2) ** 2.5)
+    mass = 2.0 * weight * _overlaps_at(pulse, lag, nodes=(24, 32))
+    return Table(_PHASES, lambda z: _transform(z, lag, mass).real * (9.0 + z**2) ** 2.5)
 
 
 def _transform(phase: Doubles, place: Doubles, mass: Doubles) -> Complexes:
@@ -180,33 +166,39 @@ def energy(pulse: Pulse, phase: ArrayLike, settled: float | Doubles = inf) -> Do
 
     def followed(z: Doubles) -> Doubles:
         if pulse.offset == "none":
-            return np.square(_amplitude(pulse, z))
-        return np.asarray(_near(pulse)(z) / (9.0 + z * z) ** 2.5, dtype=np.float64)
+            return np.square(amplitude(pulse, z))
+        return np.asarray(_off_centre_energy(pulse)(z) / (9.0 + z * z) ** 2.5, dtype=np.float64)
+
+    def level(z: Doubles) -> Doubles:
+        if pulse.offset != "none":
+            return np.asarray(pulse.tail[0] / z ** pulse.tail[1], dtype=np.float64)
+        middle, birth = _parts(pulse, z)
+        return np.asarray(np.square(middle) + 2.0 * np.square(np.abs(birth)), dtype=np.float64)
 
     last = settled if pulse.offset == "none" else np.minimum(settled, _END)
-    return _faded(np.asarray(phase, dtype=np.float64), last, followed, partial(_level, pulse)).real
-
-
-def _level(pulse: Pulse, phase: Doubles) -> Doubles:
-    """Return the energy about which the swing of the tail turns, for z from 20 on; error some z^-6 of it."""
-    if pulse.offset != "none":
-        factor, power = pulse.tail
-        return np.asarray(factor / phase**power, dtype=np.float64)
-    middle, birth = _parts(pulse, phase)
-    return np.asarray(np.square(middle) + 2.0 * np.square(np.abs(birth)), dtype=np.float64)
+    return _faded(np.asarray(phase, dtype=np.float64), last, followed, level).real
 
 
 def _faded(z: Doubles, settled: float | Doubles, followed: Transform, rest: Transform) -> Complexes:
-    """Return one function up to some phases and another from 70 before ``settled`` on, by an error function."""
-    from scipy.special import erfc
+    """Return one function up to some phases and another from 70 before ``settled`` on, by an error function.
 
-    kept = np.broadcast_to(0.5 * erfc((z - settled + _STEP_BEFORE) / _STEP_WIDTH), z.shape)
+    Its transform is Gaussian: at the swings e^(iz) and e^(2iz) nothing is left of it.
+    """
+    place = np.clip(z - settled + _STEP_BEFORE, -_STEP_BEFORE, _STEP_BEFORE)
+    kept = np.broadcast_to(_step()(place), z.shape)
     found = np.zeros(z.shape, dtype=np.complex128)
-    inside, beyond = kept > 0.0, kept < 1.0
+    inside, beyond = kept > _NONE, kept < 1.0 - _NONE
     found[inside] = followed(z[inside])
     share = kept[beyond]
-    found[beyond] = share * found[beyond] + (1.0 - share) * rest(np.maximum(z[beyond], _LEVEL_FROM))
+    found[beyond] = share * found[beyond] + (1.0 - share) * rest(np.maximum(z[beyond], 20.0))
     return found
+
+
+@cache
+def _step() -> Table:
+    """Return half the complementary error function about 0; scipy's takes longer to load than a spectrum to make."""
+    edges = np.linspace(-_STEP_BEFORE, _STEP_BEFORE, 57)
+    return Table(edges, lambda z: np.array([0.5 * erfc(each / _STEP_WIDTH) for each in z.tolist()]), 12)
 
 
 def from_birth(pulse: Pulse, phase: Doubles, settled: float | Doubles = inf) -> Complexes:
@@ -215,16 +207,16 @@ def from_birth(pulse: Pulse, phase: Doubles, settled: float | Doubles = inf) -> 
     From ``settled`` on only what begins at birth is left of it; off the centre line that is negligible from z = 160 on.
     """
     if pulse.offset != "none":
-        return _faded(phase, SETTLED, _mean_from_birth(pulse), np.zeros_like)
-    return _faded(phase, settled, lambda z: np.exp(-1j * z) * _amplitude(pulse, z), lambda z: _parts(pulse, z)[1])
+        return np.where(phase < SETTLED, _mean_from_birth(pulse)(phase), 0.0)
+    return _faded(phase, settled, lambda z: np.exp(-1j * z) * amplitude(pulse, z), lambda z: _parts(pulse, z)[1])
 
 
 @cache
-def _mean_from_birth(pulse: Pulse) -> Spline:
+def _mean_from_birth(pulse: Pulse) -> Table:
     """Return the transform of the mean life off the centre line up to z = 161, by quadrature over ages."""
     age, weight = panels(np.linspace(0.0, 2.0, 9), 48, rooted=True)
-    mass, z = weight * area_life(pulse).mean(age), _TABLE[_TABLE < SETTLED + 1.0]
-    return Spline(z, _transform(z, age, mass))
+    mass = weight * area_life(pulse).mean(age)
+    return Table(_PHASES[_PHASES <= SETTLED + 1.0], lambda z: _transform(z, age, mass))
 
 
 def pass_energies(pulse: Pulse, phase: Doubles) -> tuple[Doubles, Doubles]:
