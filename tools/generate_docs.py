@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import package_map
-from parts import filled, parts_of, table
+from parts import filled, parts_of
 from scipy.stats import t as student
 
 from rubnoise.scenario.document import SECTIONS, TOP, presence
@@ -92,7 +92,8 @@ def _group(group: Group) -> Iterator[str]:
     yield " ".join(_sentence(each) for each in about if each)
     yield from (f"{_sentence(f'{NEEDS[feature]}: {name}')}" for feature, name, _ in group.instead)
     yield ""
-    yield table(("column", "symbol, unit", "meaning"), map(_column, group.columns))
+    yield from map(_column, group.columns)
+    yield ""
 
 
 def _present(group: Group) -> str:
@@ -100,11 +101,11 @@ def _present(group: Group) -> str:
     return lacking or " or ".join(NEEDS[each] for each in group.needs) or NEEDS[None]
 
 
-def _column(column: Dataset) -> tuple[str, ...]:
+def _column(column: Dataset) -> str:
     _, codes = column.coded
     present = [NEEDS[column.needs]] if column.needs else []
     meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes), *present])
-    return f"`{column.name}`{TYPES[column.dtype]}", f"`{column.symbol}`, {column.units}", meaning
+    return f"- `{column.name}`{TYPES[column.dtype]} (`{column.symbol}`, {column.units}): {meaning}"
 
 
 def keys() -> Iterator[str]:
@@ -127,8 +128,10 @@ _NEEDS = {"needed": "Required.", "optional": "Optional.", "defaults": "Optional,
 
 
 def _keys(fields: Mapping[str, Key], explained: set[str]) -> Iterator[str]:
-    rows = ((f"`{key}`", _default(about, _values(about)), _meaning(about, explained)) for key, about in fields.items())
-    yield table(("key", "value", "meaning"), rows)
+    for key, about in fields.items():
+        value = _default(about, _values(about))
+        yield f"- `{key}`{f' ({value})' if value else ''}: {_meaning(about, explained)}"
+    yield ""
 
 
 def _meaning(about: Key, explained: set[str]) -> str:

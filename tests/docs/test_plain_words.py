@@ -144,7 +144,7 @@ def test_every_column_is_listed_under_its_group() -> None:
     text = generate_docs.read("data-format.md")
     for group in GROUPS:
         section = text.partition(f"### /{group.name}\n")[2].partition("\n##")[0]
-        assert re.findall(r"^\| `(\w+)`", section, re.MULTILINE) == [column.name for column in group.columns]
+        assert re.findall(r"^- `(\w+)`", section, re.MULTILINE) == [column.name for column in group.columns]
 
 
 def test_the_smallest_scenario_is_one() -> None:
