@@ -149,7 +149,7 @@ def test_triangles_of_one_size_in_closed_form(count: float) -> None:
         error = spread * abs(float(law.density(x * PEAK)) * PEAK - density)
         steps = min(x, abs(x - 1.0)) * PEAK / (law.grid[1] - law.grid[0])
         if steps > 8.0:  # from 0 and from the jump of the density
-            assert error < 1e-3
+            assert error < (1e-4 if x in singular else 3e-5)
 
 
 @pytest.mark.slow
@@ -201,7 +201,7 @@ def test_a_million_junctions_are_all_but_normal(count: float) -> None:
     second = kurtosis / 24.0 * (z**3 - 3.0 * z) + skewness**2 / 72.0 * (z**5 - 10.0 * z**3 + 15.0 * z)
     expected = ndtr(z) - np.exp(-0.5 * z**2) / sqrt(2.0 * pi) * (first + second)
     found = distribution(model).cdf(exact.mean + z * exact.std)
-    assert np.max(np.abs(found - expected)) < max(count**-1.5, 1e-7)
+    assert np.max(np.abs(found - expected)) < max(count**-1.5, 2e-8)
     assert np.max(np.abs(found - ndtr(z))) > 0.01 / sqrt(count)
 
 
