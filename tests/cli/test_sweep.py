@@ -66,7 +66,7 @@ def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
     kept = place.read_bytes()
     answer = call("sweep", file, "-o", "d", "--jobs", "1")
     assert (answer.code, answer.out) == (1, "d: 2 points, 6 runs: 5 done, 1 failed\n")
-    heading, _, _, _, why = answer.err.splitlines()
+    heading, *_, why = answer.err.splitlines()
     assert heading == "1 run failed; the same command tries again"
     assert why.split()[:3] == [spoilt.run_id, "10", "0"]
     assert why.endswith(f"{place}: is not the result of this run; move it away, and the same command makes it")

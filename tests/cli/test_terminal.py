@@ -30,6 +30,7 @@ from tests.format.runs import attempt
 
 # What is printed ends where the terminal does, and is the same as ever where there is no terminal.
 SLIDER = Path("../given/slider.toml")
+COLUMNS = "junction,diameter,birth_distance,death_distance,life_distance,max_area,state"
 READING = ["info", "junction", "junctions", "compare", "theory", "verify", "check"]
 
 
@@ -43,7 +44,8 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a scenario of a long title, and its result."""
     folder = tmp_path_factory.mktemp("wide")
     (folder / "t.toml").write_text(f'title = "{"words to fill a line " * 8}"\n{WITH_SLIDER}', encoding="utf-8")
-    rubnoise.run(rubnoise.load(folder / "t.toml", ["sliding.distance=4mm"]), folder / "t.h5").close()
+    scenario = rubnoise.load(folder / "t.toml", ["sliding.distance=4mm"])
+    rubnoise.run(scenario, folder / "t.h5", command=["rubnoise"]).close()
     return folder
 
 
@@ -62,7 +64,7 @@ def test_a_narrow_terminal_gets_no_line_that_runs_over(
     results: Path, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(results)
-    more = {"junction": ["17"], "junctions": ["--columns", "junction,diameter,birth_distance,death_distance,state"]}
+    more = {"junction": ["17"], "junctions": ["--columns", COLUMNS]}
     arguments = (name, "t.toml" if name == "check" else "t.h5", *more.get(name, []))
     piped = call(*arguments).out
     monkeypatch.setenv("COLUMNS", "60")

@@ -8,7 +8,7 @@ from rubnoise.simulation.draws import births_drawn_at_once
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick
 
-PROGRAM_BYTES: Final = 210_000_000
+PROGRAM_BYTES: Final = 225_000_000
 """Memory of a process before the run, with everything loaded that a run needs."""
 
 DRAWN_BYTES: Final = 50

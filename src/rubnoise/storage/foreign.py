@@ -132,8 +132,8 @@ def _of_hdf5(path: Path, name: str) -> Columns:
         if not isinstance(dataset, h5py.Dataset):
             there: list[str] = []
             file.visititems(lambda each, item: there.append(each) if isinstance(item, h5py.Dataset) else None)
-            wrong = f"{name} is no dataset in it;" if name else "which dataset?"
-            raise NoColumn(f"{wrong} FILE:PATH takes one of: {listed(there) or 'none'}")
+            wrong = f"{name} is no dataset in it; it has" if name else "which dataset? FILE:PATH takes one of:"
+            raise NoColumn(f"{wrong} {listed(there) or 'none'}")
         axis = dataset.dims[int(np.argmax(dataset.shape))] if dataset.shape else ()
         scales = [axis[number] for number in range(len(axis)) if axis[number].size == dataset.size]
         parts = [(name, dataset), *((each.name or "scale", each) for each in scales[:1])]
