@@ -359,6 +359,8 @@ class TestCommand:
         assert ours > exact + 1.0
         told = call(*asked, *moving, "--force").out
         assert f"warning: the scenario is {ours - exact:.1f} dB too loud" in told
+        assert call(*asked, *moving, "--force", "--report", "heard.html").code == 0
+        assert "at a sliding speed of 30 mm/s" in (folder / "heard.html").read_text(encoding="utf-8")
         theory = call("theory", "s.toml", "--json").values()
         assert theory["load"]["velocity_level"] == pytest.approx(ours, abs=1e-6)
 

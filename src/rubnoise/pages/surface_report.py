@@ -1,7 +1,6 @@
 """A report of two surfaces: one page with the answers, the maps and curves, the scenario, and its sound."""
 
 from html import escape
-from math import sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -19,6 +18,7 @@ SECONDS: Final = 3.0
 SAMPLES_A_LIFE: Final = 100
 """Samples for a mean life of junctions: the noise then falls off above about 300 Hz."""
 
+FEWEST_SAMPLES: Final = 4
 _PEAK: Final = 0.7
 
 
@@ -30,7 +30,7 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     title = f"{contact.slider.name} on {contact.track.name}"
     image = coded(contact_picture(contact))
     alt = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
-    sound, words = _sound(contact)
+    sound, words = _sound(contact, scenario.get("speed"))
     body = (
         f"<main><h1>{escape(title)}</h1><pre>{escape(text)}</pre>"
         f'<figure><img alt="{alt} autocovariance" src="data:image/png;base64,{image}"></figure>'
@@ -41,9 +41,13 @@ def surface_report(contact: SlidingContact, text: str, **scenario: Any) -> str:
     return web_page(body, title=title, styles=[part("rubnoise.figures", "report.css")])
 
 
-def _sound(contact: SlidingContact) -> tuple[str, str]:
-    """Return a WAV file in base 64 of the scenario's area less its mean, and words with its speed."""
-    tick = 2.0 * sqrt(contact.gaussian.real_contact_area / contact.gaussian.junction_count) / SAMPLES_A_LIFE
+def _sound(contact: SlidingContact, speed: float | None) -> tuple[str, str]:
+    """Return a WAV file in base 64 of the scenario's area less its mean at a speed in um/s, and words with the speed.
+
+    Without a speed it is one that is well heard; one at which lives are shorter than a few samples is slowed down.
+    """
+    life = contact.scenario.model().mean_life_distance
+    tick = life / SAMPLES_A_LIFE if speed is None else min(speed / RATE, life / FEWEST_SAMPLES)
     samples = int(SECONDS * RATE)
     text = contact.scenario_text(distance=samples * tick)
     record = simulate(loads(f'{text}\n[output]\ntick = "{tick:.9g} um"\n\n[run]\nengine = "batch"\n', "surface"))
@@ -51,5 +55,5 @@ def _sound(contact: SlidingContact) -> tuple[str, str]:
     values = area - area.mean()
     values *= _PEAK / np.abs(values).max()
     content = coded(written(lambda path: write_wave(path, [values], samples=values.size, rate=RATE, texts={})))
-    speed = tick * RATE * 1e-3
-    return content, f"The real contact area of the scenario as it changes at a sliding speed of {speed:.3g} mm/s."
+    heard = f"at a sliding speed of {tick * RATE * 1e-3:.3g} mm/s"
+    return content, f"The real contact area of the scenario as it changes {heard}."
