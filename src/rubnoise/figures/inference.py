@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rubnoise.analysis.covariance import autocovariance
+from rubnoise.api.inferred import NAMES
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.inference.inference import InferenceResult
 from rubnoise.tables import as_html
@@ -25,7 +26,7 @@ def page(found: InferenceResult, name: str, text: str) -> str:
     picture = picture[picture.index("<svg") :]
     estimates = [
         (key.replace("_", " "), f"{each.value:.4g}", "{:.4g} to {:.4g}".format(*each.interval), each.unit.strip("1"))
-        for key, each in found.estimates.items()
+        for key, each in ((key, found.estimates[key]) for key in NAMES if key in found.estimates)
     ]
     tests = [("flagged" if test.flagged else "", test.words) for test in found.tests]
     sections = {

@@ -16,6 +16,7 @@ NARROW: Final = 120.0 / 25.4
 
 _ROUNDS: Final = 4
 _APART: Final = 0.08  # inches
+_BESIDE: Final = 1.3  # widths of a tick's label that it needs
 _WORDS: Final = 0.75  # of the width of a legend, the rest is for its handles
 _FREE: Final = 0.94  # of the way from a title to the next pane
 _SMALLER: Final = 0.3  # of its size, to which a single word may shrink
@@ -40,10 +41,18 @@ def fit_labels(figure: "Figure") -> None:
 
 
 def _thin_ticks(axes: "Axes") -> None:
-    """Leave as many upright ticks as there is room for their labels."""
+    """Leave as many ticks as there is room for their labels: upright by their height, the others by their width."""
+    from matplotlib.ticker import MaxNLocator
+
+    box = axes.get_window_extent()
     if axes.get_yscale() == "linear" and (labels := axes.yaxis.get_ticklabels()):
         letter = float(labels[0].get_fontsize()) * axes.figure.figure.dpi / 72.0
-        axes.locator_params(axis="y", nbins=max(1, min(6, int(axes.get_window_extent().height / (2.0 * letter)))))
+        axes.locator_params(axis="y", nbins=max(1, min(6, int(box.height / (2.0 * letter)))))
+    if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and (labels := axes.xaxis.get_ticklabels()):
+        low, high = sorted(axes.get_xlim())
+        room = int(box.width / (_BESIDE * max(label.get_window_extent().width for label in labels)))
+        if sum(low <= tick <= high for tick in axes.get_xticks()) > room + 1:
+            axes.locator_params(axis="x", nbins=max(1, room))
 
 
 def _labels(figure: "Figure") -> Iterator[tuple[Any, float, bool]]:
