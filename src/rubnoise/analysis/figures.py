@@ -191,10 +191,6 @@ def _of_load(name: str) -> Callable[[Model], float]:
     return lambda model: float(getattr(load_motion(model), name))
 
 
-def _mean_count(model: Model) -> float:
-    return model.mean_live_junctions
-
-
 def _load(model: Model) -> float:
     return nan if model.load is None else model.load
 

@@ -11,7 +11,6 @@ StretchStart = Annotated[
     str | None, typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S")
 ]
 StretchEnd = Annotated[str | None, typer.Option("--to", help="End of the stretch.", metavar="S")]
-PageFile = Annotated[Path, typer.Option("-o", "--output", help="The page to write.", metavar="OUT.html")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
 ReplaceFile = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]

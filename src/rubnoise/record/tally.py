@@ -21,9 +21,6 @@ WATCHED = {
 RENAMED = {("load", "velocity"): "normal_velocity"}
 """Names of tallied columns beside those of other groups."""
 
-TALLIED = frozenset((*WATCHED, "landmarks", "balance"))
-"""All groups from which a tally is made."""
-
 
 @dataclass(slots=True)
 class Moments:

@@ -141,18 +141,6 @@ def clock_at(q: float, clock: int) -> float:
     return q
 
 
-@compiled_bare
-def rate_at(q: float, clock: int) -> float:
-    """Return dy/dq of a clock."""
-    if clock == LEFT:
-        return 2.0 * q
-    if clock == RIGHT:
-        return 2.0 * (1.0 - q)
-    if clock == BOTH:
-        return 6.0 * q * (1.0 - q)
-    return 1.0
-
-
 @inlined
 def _weighed(weights: tuple[float, ...], a: float, b: float, c: float) -> float:
     return weights[0] * a + weights[1] * b + weights[2] * c
