@@ -18,16 +18,16 @@ VERIFY = ("verify", "fig5.h5")
 
 def places(folder: Path) -> Iterator[tuple[str, Path, dict[str, str], str]]:
     """Yield the name of each place, the folder of the run, what is set there, and a word that the run has to say."""
-    blank, sealed = folder / "a folder", folder / "sealed"
-    for each in (blank, sealed):
+    blank, read_only = folder / "a folder", folder / "read_only"
+    for each in (blank, read_only):
         each.mkdir()
-    (sealed / "home").write_text("no folder, so that nobody can write into it, root neither", encoding="utf-8")
+    (read_only / "home").write_text("a file, so that nobody can make a folder below it", encoding="utf-8")
     yield "empty cache", folder, {"NUMBA_CACHE_DIR": str(folder / "cache")}, ""
     yield "the same again", folder, {"NUMBA_CACHE_DIR": str(folder / "cache")}, ""
-    home = str(sealed / "home")
+    home = str(read_only / "home")
     yield (
         "no home to write to",
-        sealed,
+        read_only,
         {"HOME": home, "XDG_CACHE_HOME": home, "NUMBA_CACHE_DIR": home},
         "cannot be kept",
     )

@@ -37,8 +37,7 @@ def show_life(
 
 def life_answer(life: "Life", file: Path) -> Answer:
     """Return everything about a life: its row, the contact where its area is largest, and its curve."""
-    state = state_names(life.state)
-    of = ", ".join(STATES[name] for name in state)
+    of = ", ".join(STATES[name] for name in state_names(life.state))
     return Answer(
         title=f"{file}: junction {life.number} of 0 to {life.rows - 1}, {of}",
         rows=(*_row_of(life), *_peak(life)),
@@ -50,13 +49,14 @@ def _row_of(life: "Life") -> Iterator[Row]:
     """Yield the columns of its row that the run has, and where it reached its largest overlap."""
     yield Row(part="junction", name="state", value=state_names(life.state))
     middle = life.mid_life_distance
-    for name, distance in (("birth", life.birth_distance), ("mid_life", middle), ("death", life.death_distance)):
+    where = life.birth_distance, middle, life.death_distance
+    when = life.birth_time, None if middle is None else life.time(middle), life.death_time
+    for name, distance, time in zip(("birth", "mid_life", "death"), where, when, strict=True):
         if distance is None:
             yield Row(part="junction", name=f"{name}_distance", note="not reached")
             continue
         after = "before the start" if distance < 0.0 else "after the end" if distance > life.record_end else ""
         yield Row(part="junction", name=f"{name}_distance", value=distance, unit="um", note=after)
-        time = getattr(life, f"{name}_time", None) if name != "mid_life" else life.time(distance)
         if time is not None:
             yield Row(part="junction", name=f"{name}_time", value=float(time), unit="s")
     for name, unit in (

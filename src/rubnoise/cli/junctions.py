@@ -78,7 +78,7 @@ def command(
     if head is None and show is print_text:
         head = ROWS_SHOWN
     with finished_run(file) as run:
-        found = ChosenRows.of(
+        found = JunctionList.of(
             run, file, where=where, sort=sort, reverse=reverse, head=head, columns=columns, brief=show is print_text
         )
         show(found)
@@ -95,7 +95,7 @@ BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ChosenRows:
+class JunctionList:
     """Rows in the requested order, the number of all that fit, and the columns to print."""
 
     run: "Rows"
@@ -143,7 +143,7 @@ class ChosenRows:
             yield from zip(*(chunk[name].tolist() for name in names), strict=True)
 
 
-def print_csv(found: ChosenRows) -> None:
+def print_csv(found: JunctionList) -> None:
     """Print a heading of names with units, then a line for each row, every number to its last bit."""
     from rubnoise.storage.export import heading
 
@@ -152,7 +152,7 @@ def print_csv(found: ChosenRows) -> None:
         print(",".join(map(repr, row)))
 
 
-def print_json(found: ChosenRows) -> None:
+def print_json(found: JunctionList) -> None:
     """Print one JSON object, column by column while the rows are read, so that memory does not grow with them."""
     from rubnoise.analysis.selection import gather
 
@@ -168,7 +168,7 @@ def print_json(found: ChosenRows) -> None:
     print("}}")
 
 
-def about(found: ChosenRows) -> Answer:
+def about(found: JunctionList) -> Answer:
     """Return which rows were chosen, without these."""
     all_rows = found.run.rows("junctions")
     rows = {"where": found.where, "sort": found.sort, "rows": all_rows, "matched": found.total}
@@ -178,7 +178,7 @@ def about(found: ChosenRows) -> Answer:
     )
 
 
-def print_text(found: ChosenRows) -> None:
+def print_text(found: JunctionList) -> None:
     """Print the rows in columns below their names and units, and the number of further ones."""
     units = {column.name: column.units for column in found.columns if column.units != "1"}
     names = [column.name for column in found.columns]

@@ -64,7 +64,7 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sizes:
+class SizeRule:
     """Diameters in um with their probabilities.
 
     ``followed`` is the wavenumber in rad/um to which each follows the swing of a spectrum, inf for single sizes.
@@ -98,7 +98,7 @@ def _leaves(law: Law) -> list[tuple[float, Law]]:
 
 
 @lru_cache(maxsize=64)
-def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
+def sizes_of(law: Law, per_factor: float = FINE) -> SizeRule:
     """Return diameters and probabilities with which averages of d^n g(d) are sums, n from 1 to 12, g smooth."""
     rules = []
     for weight, leaf in _leaves(law):
@@ -109,7 +109,7 @@ def sizes_of(law: Law, per_factor: float = FINE) -> Sizes:
         diameter, probability = _gauss(leaf, finer * per_factor / _PANEL, ceil(_NARROW * per_factor / _PANEL))
         followed = inf if low == high else _PHASE * finer / (high - low)
         rules.append((diameter, weight * probability, np.full(diameter.size, followed)))
-    return Sizes(*(np.concatenate(each) for each in zip(*rules, strict=True)))
+    return SizeRule(*(np.concatenate(each) for each in zip(*rules, strict=True)))
 
 
 def _gauss(leaf: Law, panels_of_factor: float, fewest: int, cuts: Doubles | None = None) -> tuple[Doubles, Doubles]:
