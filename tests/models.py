@@ -23,14 +23,12 @@ from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation.coupled import layout
-from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
-from rubnoise.simulation.coupled.state import CoupledState
+from rubnoise.record.sink import Extent
 from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks, start
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.simulation.two_way import lived
+from rubnoise.simulation.two_way import TwoWayMotion, past
 from tests.oracle.sliders import Oscillator
 from tests.oracle.slow_contact import Rows
 
@@ -162,119 +160,112 @@ Doubles = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoupledRun:
-    """All that a two-way run tells, its last state, its constants, and the displacement at the start in um."""
+    """All that a two-way run tells: its groups, the one row of /balance, and the displacement at the start in um."""
 
     slider: dict[str, NDArray[Any]]
     landmarks: dict[str, NDArray[Any]]
-    births: tuple[NDArray[np.int64], Doubles]
-    deaths: tuple[NDArray[np.int64], Doubles]
-    state: CoupledState
-    constants: Doubles
+    junctions: dict[str, NDArray[Any]]
+    balance: dict[str, float]
     start: float
 
     @property
     def duration(self) -> float:
         """Return the time of the end in s."""
-        return self.state.time(self.constants)
+        return self.balance["time"]
 
-    @property
-    def velocity(self) -> float:
-        """Return x' at the end in um/s."""
-        return float(self.constants[layout.DRIVE] - self.state.numbers[layout.RELATIVE])
+    def passed(self, event: str) -> tuple[NDArray[np.int64], Doubles]:
+        """Return which junctions' "birth" or "death" was passed, and when first (s)."""
+        times = self.junctions[f"{event}_time"]
+        known = np.flatnonzero(~np.isnan(times))
+        return self.junctions["junction"][known], times[known]
 
     def contents(self) -> list[bytes]:
-        """Return everything as bytes; first passages in order of junctions."""
-        passed = [(j[np.argsort(j)], t[np.argsort(j)]) for j, t in (self.births, self.deaths)]
-        sums = np.array(list(self.state.integrals.values()))
-        columns = [*self.slider.values(), *self.landmarks.values(), *passed[0], *passed[1], sums]
-        return [np.ascontiguousarray(column).tobytes() for column in columns]
+        """Return everything as bytes."""
+        columns = [*self.slider.values(), *self.landmarks.values(), *self.junctions.values()]
+        return [column.tobytes() for column in columns] + [np.array(list(self.balance.values())).tobytes()]
 
 
 def coupled(
     model: Model,
     seed: int = 1,
     *,
-    tolerance: float = 1e-9,
+    cells: int = 50,
     displacement: float | None = None,
     blocks: int | None = None,
     pieces: int = 1,
-    resumed: bool = False,
-    cells: int = 131_072,
-    earlier: Any = None,
-    changed: dict[int, float] | None = None,
 ) -> CoupledRun:
     """Run a model two-way coupled from end to end.
 
     displacement: the start's, in um, in place of the model's; blocks: played together; pieces: in which a block is made
-    known; resumed: whether the state is written down and read between blocks; cells: of a range; changed: constants.
+    known.
     """
-    numbers = constants(model, tolerance)
-    for index, value in (changed or {}).items():
-        numbers[index] = value
-    before = start(model, seed)
-    state = CoupledState.start(model, numbers, before.live)
-    if displacement is not None:
-        state.numbers[layout.DISPLACEMENT] = displacement
-    begin = float(state.numbers[layout.DISPLACEMENT])
-    told: list[MotionRows] = []
-    block, place, junctions = before.block, before.next_birth, before.junctions
-    earlier = earlier or partial(lived, model, seed)
-    motion = CoupledMotion(model, numbers, state, earlier, cells)
-    while not motion.finished:
-        born, known, reached = LiveRows.none(), np.inf, 0.0 if block == 0 else place
-        if place <= model.distance:
-            births = draw_blocks(model, seed, block, place, blocks or blocks_drawn_at_once(model, block))
-            born = births.rows(junctions)
-            block, place, junctions = block + births.blocks, births.next_birth, junctions + len(births)
-            known = place if place <= model.distance else np.inf
-        shares = np.arange(1, pieces) / pieces
-        borders = (reached + shares * (min(known, model.distance) - reached)).tolist()
-        for border in [*borders, known]:
-            told.extend(motion.through(born, border))
-        if resumed:
-            motion = CoupledMotion(model, numbers, motion.state, earlier, cells)
-            motion.finished = known == np.inf
-    return _told(told, motion.state, numbers, begin)
+    run = _two_way(model, cells)
+    state, record = start(run, seed), MemoryRecord(extent(run, seed))
+    motion = _motion(run, seed, record, state.live, displacement)
+    begin = float(motion.state["displacement"][0])
+    block, place, junctions = state.block, state.next_birth, state.junctions
+    reached = 0.0
+    while reached < run.distance:
+        births = draw_blocks(run, seed, block, place, blocks or blocks_drawn_at_once(run, block))
+        born = births.rows(junctions)
+        block, place, junctions = block + births.blocks, births.next_birth, junctions + len(births)
+        known = min(place, run.distance)
+        for share in np.arange(1, pieces + 1) / pieces:
+            motion.through(born, reached + share * (known - reached) if share < 1.0 else known)
+        reached = known
+    return _told(record, begin)
 
 
-def among(
-    model: Model, junctions: LiveRows, *, displacement: float, tolerance: float = 1e-9, most: int = 0
-) -> CoupledRun:
-    """Run a slider among given junctions, born before s = 0 and the only ones there ever are.
+def among(model: Model, junctions: LiveRows, *, displacement: float, cells: int = 50, most: int = 0) -> CoupledRun:
+    """Run a slider among given junctions, born before s = 0 or later, and the only ones there ever are.
 
     most: landmarks after which the run may stop, if there are so many.
     """
-    numbers = constants(model, tolerance)
-    state = CoupledState.start(model, numbers, junctions)
-    state.numbers[layout.DISPLACEMENT] = displacement
-    motion = CoupledMotion(model, numbers, replace(state, covered=-np.inf), lambda _begin, _end: LiveRows.none())
-    told: list[MotionRows] = []
-    places = np.linspace(0.0, model.distance, 51)[1:-1].tolist()
-    for known in [*places, np.inf]:
-        told.extend(motion.through(LiveRows.none(), known))
-        if most and sum(some.landmarks["time"].size for some in told) >= most:
+    run = replace(_two_way(model, cells), start="empty")
+    record = MemoryRecord(Extent(junctions=len(junctions), ticks=0, slider=None, landmarks=None))
+    motion = _motion(run, 1, record, junctions, displacement)
+    for known in [*np.linspace(0.0, model.distance, 51)[1:-1].tolist(), model.distance]:
+        motion.through(LiveRows.none(), known)
+        if most and record.groups["landmarks"]["time"].size >= most:
             break
-    return _told(told, motion.state, numbers, displacement)
+    return _told(record, displacement)
 
 
-def _told(told: list[MotionRows], state: CoupledState, numbers: Doubles, begin: float) -> CoupledRun:
-    assert [some.first_row for some in told] == np.cumsum([0] + [some.slider["time"].size for some in told])[
-        :-1
-    ].tolist()
+def _two_way(model: Model, cells: int) -> Model:
+    assert model.slider is not None
+    return replace(model, slider=replace(model.slider, coupling="two-way", cells=cells))
+
+
+def _motion(run: Model, seed: int, record: MemoryRecord, live: LiveRows, displacement: float | None) -> TwoWayMotion:
+    motion = TwoWayMotion(run, seed, record, live)
+    if displacement is not None:
+        motion.state["displacement"] = displacement
+    return motion
+
+
+def _told(record: MemoryRecord, begin: float) -> CoupledRun:
+    groups = {name: dict(record.groups.get(name, {})) for name in ("slider", "landmarks", "junctions", "balance")}
     return CoupledRun(
-        slider={name: np.concatenate([some.slider[name] for some in told]) for name in told[0].slider},
-        landmarks={name: np.concatenate([some.landmarks[name] for some in told]) for name in told[0].landmarks},
-        births=_together([some.births for some in told]),
-        deaths=_together([some.deaths for some in told]),
-        state=state,
-        constants=numbers,
+        slider=groups["slider"],
+        landmarks=groups["landmarks"],
+        junctions=groups["junctions"],
+        balance={name: float(values[0]) for name, values in groups["balance"].items()},
         start=begin,
     )
 
 
-def _together(passed: list[tuple[NDArray[np.int64], Doubles]]) -> tuple[NDArray[np.int64], Doubles]:
-    junctions, times = zip(*passed, strict=True)
-    return np.concatenate(junctions), np.concatenate(times)
+def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
+    """Return all junctions that live between two distances (um), in order of birth; those of the past have -1, ..."""
+    first = start(model, seed)
+    found, block, place, number = first.live, first.block, first.next_birth, first.junctions
+    if begin < 0.0 and model.start == "stationary":
+        found = past(model, seed, begin).then(found)
+    while place < end and place <= model.distance:
+        births = draw_blocks(model, seed, block, place, blocks_drawn_at_once(model, block))
+        found = found.then(births.rows(number))
+        block, place, number = block + births.blocks, births.next_birth, number + len(births)
+    lives = np.flatnonzero((found.birth < end) & (found.birth + 2.0 * found.diameter > begin))
+    return found.at(lives[np.argsort(found.birth[lives], kind="stable")])
 
 
 def field_of(model: Model, seed: int, begin: float = 0.0) -> Rows:

@@ -16,10 +16,11 @@ from numba.core import event
 SOURCES = (
     "compiling.py",
     "contact/plain_deviates.py",
-    "simulation/coupled/*.py",
+    "simulation/force_cells.py",
     "simulation/free/*.py",
     "simulation/kernel.py",
     "simulation/linear.py",
+    "simulation/pushing.py",
     "surface/*.py",
 )
 """Files that are compiled into functions of other files."""
@@ -58,15 +59,7 @@ def compiled_within(function: Any) -> Any:
 
     What Python would need to call it, and keeping it apart from its callers, takes a fifth of the time to compile them.
     """
-    return njit(error_model=_DIVISION, **_BARE, **_WITHIN)(function)
-
-
-def compiled_into(function: Any) -> Any:
-    """Compile a function that makes no arrays as lines of its only caller, whose locals it shares.
-
-    A function is optimized once more with each that calls it; if long ones call each other, that adds up.
-    """
-    return njit(inline="always", error_model=_DIVISION, **_BARE)(function)
+    return njit(error_model=_DIVISION, fastmath={"contract"}, **_BARE, **_WITHIN)(function)
 
 
 def compiled_for_speed(function: Any) -> Any:

@@ -15,8 +15,8 @@ Start = Literal["stationary", "empty"]
 class Slider:
     """The oscillator that holds the slider: m x'' + c x' + k x = F (kg, N s/m, N/m; force in uN, x in um).
 
-    coupling: whether the motion changes the sliding distance ("two-way") or not; tolerance: of the displacement in a
-    two-way motion, relative to its equilibrium. excitation: what drives it; of a base, asperity_height is the height of
+    coupling: whether the motion changes the sliding distance ("two-way") or not; cells: at least so many per diameter,
+    in which a two-way motion knows the force. excitation: what drives it; of a base, asperity_height is the height of
     an asperity over its diameter, of velocity-weakening friction, slope (N s/m) is how fast the force falls with speed.
     """
 
@@ -25,7 +25,7 @@ class Slider:
     damping: float
     start: Literal["equilibrium", "rest"] = "equilibrium"
     coupling: Literal["one-way", "two-way"] = "one-way"
-    tolerance: float = field(default=1e-9, repr=False)
+    cells: int = field(default=50, repr=False)
     excitation: Literal["friction", "base", "velocity-weakening"] = "friction"
     asperity_height: float = 0.0
     slope: float = 0.0

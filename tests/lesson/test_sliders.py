@@ -11,9 +11,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.simulation.free import motion
 from rubnoise.simulation.free.fold import FreeContact, FreeRun
 from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.two_way import lived
 from tests.lesson.node import answer, scenario_of, world_with
-from tests.models import CoupledRun, coupled
+from tests.models import CoupledRun, coupled, lived
 from tests.oracle.sliders import bounce
 from tests.verification.scores import seed_of, z_scores
 
@@ -92,7 +91,7 @@ def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
     changes, distance = PATHS[name]
     world = world_with(**changes)
     model = scenario_of(world, distance=distance).model()
-    run = coupled(model, 5, tolerance=1e-11)
+    run = coupled(model, 5, cells=1600)
     rows = lived(model, 5, -200.0, distance)
     fine = on_the_page(world, rows, start=run.start, end=distance, cells=1600)
     late, off = apart(fine, run, 10)
@@ -105,7 +104,7 @@ def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
 def test_another_junction_leads_to_other_landmarks() -> None:
     world = world_with()
     model = scenario_of(world, distance=700.0).model()
-    run, rows = coupled(model, 5, tolerance=1e-11), lived(model, 5, -200.0, 700.0)
+    run, rows = coupled(model, 5, cells=1600), lived(model, 5, -200.0, 700.0)
     wider = rows.diameter.copy()
     wider[np.searchsorted(rows.birth, run.landmarks["distance"][0] - 5.0)] *= 1.01
     other = LiveRows(

@@ -83,7 +83,7 @@ def test_a_power_law_takes_keys_of_its_own_as_ratios_to_the_centre() -> None:
 TWO_WAY = WHOLE.replace('damping = "0.05 N*s/m"\n', 'damping = "0.05 N*s/m"\ncoupling = "two-way"\n')
 
 
-def test_one_way_is_what_a_scenario_without_the_key_means_and_says_nothing_of_a_tolerance() -> None:
+def test_one_way_is_what_a_scenario_without_the_key_means_and_says_nothing_of_cells() -> None:
     scenario = loads(WHOLE)
     assert not scenario.model().is_two_way
     assert scenario.resolved()["slider"] == {
@@ -95,12 +95,12 @@ def test_one_way_is_what_a_scenario_without_the_key_means_and_says_nothing_of_a_
     }
 
 
-def test_two_way_has_a_tolerance_and_is_the_same_when_read_again() -> None:
+def test_two_way_has_cells_and_is_the_same_when_read_again() -> None:
     scenario = loads(TWO_WAY)
     slider = scenario.model().slider
     assert slider is not None
-    assert (slider.coupling, slider.tolerance) == ("two-way", 1e-9)
-    assert scenario.resolved()["slider"]["tolerance"] == 1e-9
+    assert (slider.coupling, slider.cells) == ("two-way", 50)
+    assert scenario.resolved()["slider"]["cells"] == 50
     again = build(json.loads(json.dumps(scenario.resolved())))
     assert again.model() == scenario.model()
     assert again.resolved() == scenario.resolved()

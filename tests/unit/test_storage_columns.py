@@ -1,7 +1,7 @@
 """Columns read back from the disk, and the schema that names them."""
 
 from rubnoise.record.rows import JunctionState
-from rubnoise.simulation.coupled import layout
+from rubnoise.simulation import pushing
 from rubnoise.simulation.free.motion import CONTACT_LOST, CONTACT_MADE
 from rubnoise.storage.schema import (
     GROUPS,
@@ -43,10 +43,10 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
 
 def test_values_are_those_of_the_motion() -> None:
     (phase,) = (column for column in SLIDER.columns if column.name == "phase")
-    assert dict(phase.values) == {layout.SLIP: "slip", layout.STUCK: "stick", layout.REVERSED: "reversal"}
+    assert dict(phase.values) == {pushing.SLIP: "slip", pushing.STUCK: "stick", pushing.REVERSED: "reversal"}
     (kind,) = (column for column in LANDMARKS.columns if column.name == "kind")
     assert dict(kind.values) == {
-        layout.STICK: "stick", layout.BREAKAWAY: "slip", layout.REVERSAL: "reversal", layout.FORWARD: "forward",
+        pushing.STICK: "stick", pushing.BREAKAWAY: "slip", pushing.REVERSAL: "reversal", pushing.FORWARD: "forward",
         CONTACT_LOST: "contact_lost", CONTACT_MADE: "contact_made",
     }  # fmt: skip
 

@@ -197,11 +197,6 @@ def test_a_scenario_of_far_more_rows_than_the_file_has_is_not_played(result: Pat
     assert process_time() - begun < 5.0
 
 
-def test_a_tolerance_that_no_step_keeps_is_named(two_way: Path) -> None:
-    resolved(two_way, "slider", tolerance=1e-12, stiffness="1e-9 N/m")
-    assert "slider" in failing(two_way)
-
-
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": 1}', "[" * 100_000])
 def test_a_file_without_a_scenario_is_told(result: Path, text: str) -> None:
     tell(result, "provenance", "scenario_resolved", text or " ")

@@ -48,8 +48,8 @@ RUNS = {
 
 
 @cache
-def ran(name: str, tolerance: float = 1e-9) -> tuple[Model, Held]:
-    run = two_way(RUNS[name], tolerance=tolerance)
+def ran(name: str, cells: int = 50) -> tuple[Model, Held]:
+    run = two_way(RUNS[name], cells=cells)
     return run, recorded(run, seed_of(f"balance/{name}"), engine="batch")
 
 
@@ -73,13 +73,13 @@ def balance(run: Model, rows: Held) -> Balance:
     return Balance.of(run, {name: float(value[0]) for name, value in rows.groups["balance"].items()})
 
 
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-9, 1e-11])
+@pytest.mark.parametrize("cells", [20, 50, 200])
 @pytest.mark.parametrize("name", RUNS)
-def test_exact_laws_hold_to_the_tolerance(name: str, tolerance: float) -> None:
-    run, rows = ran(name, tolerance)
+def test_exact_laws_hold_with_any_cells(name: str, cells: int) -> None:
+    run, rows = ran(name, cells)
     assert broken(run, rows) == set()
     seen = balance(run, rows)
-    assert abs(seen.energy_residual) < min(tolerance, 1e-10)
+    assert abs(seen.energy_residual) < 1e-10
     assert missing_square(run, rows) < 1.0
 
 

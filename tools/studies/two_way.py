@@ -1,7 +1,7 @@
 """Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/studies two_way`.
 
 Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which
-`--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone.
+`--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their cells alone.
 With `--reference DIR`, a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are
 taken from there and written, unless another program disagrees with them.
 """
@@ -95,19 +95,19 @@ def _counts(run: RunFile) -> str:
 
 
 def chaos() -> str:
-    """Return when runs part that differ in their tolerance alone."""
+    """Return when runs part that differ in their cells alone."""
     head = ("V (mm/s)", f"apart by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))}", "in runs of (s)")
     rows = []
     for speed, distance in CHAOS.items():
         found = [parted(speed, distance, seed) for seed in SEEDS]
         times = ", ".join("never" if time is None else f"{time:.3g}" for time, _ in found)
         rows.append((str(speed), times, f"{min(duration for _, duration in found):.3g}"))
-    return f"{table(head, rows)}\n![Two runs whose tolerances differ, where they part](pictures/two-way/chaos.png)\n"
+    return f"{table(head, rows)}\n![Two runs whose cells differ, where they part](pictures/two-way/chaos.png)\n"
 
 
 def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
-    """Return when two runs of tolerances 1e-9 and 1e-10 are farther apart than APART, in s, and how long they last."""
-    records = [_record(speed, distance, seed, tolerance) for tolerance in ("1e-9", "1e-10")]
+    """Return when two runs of 50 and 100 cells a diameter are farther apart than APART, in s, and how long they last."""
+    records = [_record(speed, distance, seed, cells) for cells in (50, 100)]
     rows = min(record["time"].size for record in records)
     first, second = (record["displacement"][:rows] for record in records)
     away = np.flatnonzero(np.abs(first - second) > APART)
@@ -115,8 +115,8 @@ def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]
     return (float(time[away[0]]) if away.size else None), float(time[rows - 1])
 
 
-def _record(speed: float, distance: str, seed: int, tolerance: str) -> dict[str, np.ndarray]:
-    changes = [f'sliding.speed="{speed:g} mm/s"', f'sliding.distance="{distance}"', f"slider.tolerance={tolerance}"]
+def _record(speed: float, distance: str, seed: int, cells: int) -> dict[str, np.ndarray]:
+    changes = [f'sliding.speed="{speed:g} mm/s"', f'sliding.distance="{distance}"', f"slider.cells={cells}"]
     scenario = rubnoise.load(TWO_WAY, [*changes, 'output.tick="0.5 um"', "run.engine=batch"])
     motion = rubnoise.simulate(scenario, seed=seed)["slider"]
     return {name: motion[name] for name in ("time", "displacement")}
@@ -156,7 +156,7 @@ def reference() -> str:
 def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, str]:
     """Make the pictures, and return every part by its name."""
     tell("Figure 5")
-    runs = {"one-way": (FIG5, []), "two-way": (TWO_WAY, []), "finer": (TWO_WAY, ["slider.tolerance=1e-10"])}
+    runs = {"one-way": (FIG5, []), "two-way": (TWO_WAY, []), "finer": (TWO_WAY, ["slider.cells=100"])}
     for name, (path, changes) in runs.items():
         rubnoise.run(rubnoise.load(path, changes), folder / f"{name}.h5").close()
     with (

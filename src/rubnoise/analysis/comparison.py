@@ -53,6 +53,9 @@ SMALLEST_ATOM: Final = 1e-3
 
 SILENT: Final = "free motion has no theory of its spreads, its shocks and its touches"
 
+_STEP_ERROR: Final = 1e-9
+"""Error of a two-way motion's integrals over the largest work."""
+
 _FAR: Final = 12.0
 
 
@@ -181,11 +184,11 @@ def _distance(seen: MeasuredRun, *, in_contact: bool) -> Finding:
 
 # The motion.
 def balance(seen: MeasuredRun) -> Iterator[Finding]:
-    """Yield what a two-way slider's balance of energy lacks: 0, but for the tolerance of its steps and rounding."""
+    """Yield what a two-way slider's balance of energy lacks: 0, but for the error of its steps and rounding."""
     if seen.model.is_two_way and seen.last:
         found = Balance.of(seen.model, seen.last)
         rounding = 2.0 * ROUNDING * sqrt(max(100.0 * seen.model.distance / seen.model.calibrated_diameter, 1.0))
-        allowed, away = (found.slider.tolerance + rounding) * found.scale, abs(found.energy_residual) * found.scale
+        allowed, away = (_STEP_ERROR + rounding) * found.scale, abs(found.energy_residual) * found.scale
         yield Identity(name="energy", deviation=away, allowed=allowed, units="uN um")
 
 

@@ -280,10 +280,10 @@ class Slider(Section):
         sample="10 N*s/m",
         form='slope = "0.1 N*s/m"',
     )
-    tolerance: float | None = key(
-        Number(Range(1e-12, 1e-4)),
-        "Error of each step of a two-way motion, relative to its deflection; default 1e-9.",
-        sample=1e-09,
+    cells: int | None = key(
+        Number(Range(20, 10_000), whole=True),
+        "Least number of cells per diameter in which a two-way motion knows the force; default 50.",
+        sample=50,
         remark="Only for two-way coupling.",
     )
     start: str = key(

@@ -48,12 +48,12 @@ OWN_KEYS: Final[Mapping[tuple[str, str], Mapping[str, Collection[str]]]] = {
         "base": ("asperity_height", "heights"),
         "velocity-weakening": ("slope",),
     },
-    ("slider", "coupling"): {"one-way": (), "two-way": ("tolerance",)},
+    ("slider", "coupling"): {"one-way": (), "two-way": ("cells",)},
     ("load", "motion"): {"first-order": (), "free": FREE_MOTION},
 }
 """The keys that go with each value of a choice alone, by the choice; a file must have them, but for NOT_NEEDED."""
 
-NOT_NEEDED: Final = {"heights", "tolerance", *FREE_MOTION, *(key for entry in LAWS.values() for key in entry.optional)}
+NOT_NEEDED: Final = {"heights", "cells", *FREE_MOTION, *(key for entry in LAWS.values() for key in entry.optional)}
 INSTEAD: Final = {name: entry.with_spread for name, entry in LAWS.items()} | {ONE_STRENGTH: LAWS["fixed"].with_spread}
 """The law to advise in place of one that takes no spread."""
 

@@ -15,7 +15,7 @@ from rubnoise.scenario.scenario import Scenario
 _ID_DIGITS = 16
 _NOT_THE_CONTACT = ("title", "output", "run")
 """What a scenario says about writing and running: a point keeps its seed when only this changes."""
-_NOT_THE_FIELD = ("coupling", "tolerance")
+_NOT_THE_FIELD = ("coupling", "cells")
 """Keys of the slider that change only when each distance is reached: points that differ in them alone share seeds."""
 _NOT_THE_SIZES = ("file", "column", "hash")
 """Where diameters were read: their values are all that counts."""

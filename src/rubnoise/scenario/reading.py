@@ -20,7 +20,7 @@ from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Problem, in_order, report
-from rubnoise.scenario.scenario import AREA_KEYS, TOLERANCE, Scenario, sized
+from rubnoise.scenario.scenario import AREA_KEYS, CELLS, Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.units import Quantity, Unfit
 
@@ -160,8 +160,8 @@ def examined(
 def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, problems: list[Problem]) -> Scenario:
     """Return the scenario of a document that is right, with the defaults that follow from other keys."""
     slider, values = document.slider, {each.name: getattr(document, each.name) for each in fields(document)}
-    if slider is not None and slider.coupling == "two-way" and slider.tolerance is None:
-        values["slider"] = replace(slider, tolerance=TOLERANCE)
+    if slider is not None and slider.coupling == "two-way" and slider.cells is None:
+        values["slider"] = replace(slider, cells=CELLS)
     values["output"] = replace(document.output, tick=tick)
     return Scenario(
         **values,

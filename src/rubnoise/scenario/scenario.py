@@ -157,7 +157,7 @@ def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-TOLERANCE: Final = 1e-9
+CELLS: Final = 50
 """Of a two-way motion, if the file has none."""
 _ROUNDING, _STEPS = 1e-14, 300
 
@@ -292,7 +292,7 @@ def _slider(slider: sections.Slider, diameter: float) -> Slider:
         damping=damping,
         start=start,
         coupling=cast(Literal["one-way", "two-way"], slider.coupling),
-        tolerance=slider.tolerance or TOLERANCE,
+        cells=slider.cells or CELLS,
         excitation=cast(Literal["friction", "base", "velocity-weakening"], slider.excitation or "friction"),
         asperity_height=0.0 if height is None else float(height) / (1.0 if height.kind == RATIO else diameter),
         slope=float(slider.slope or 0.0),

@@ -21,8 +21,7 @@ from rubnoise.record.sink import Columns, Sink
 from rubnoise.simulation.area import sample
 from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks
 from rubnoise.simulation.kernel import peak_areas
-from rubnoise.simulation.linear import LinearMotion, Propagator
-from rubnoise.simulation.observer import Notifier
+from rubnoise.simulation.linear import LinearMotion
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import TickRange, tick_ranges
 
@@ -55,55 +54,45 @@ Each row has its departure if its life has ended.
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSetup:
-    """What stays the same in all blocks of a run."""
+    """What all blocks of a run share; linear or two_way: what moves through them, if something does."""
 
     model: Model
     seed: int
-    constants: Propagator | None
     sink: Sink
     play: Play
     watch: Watch | None = None
-    notifier: Notifier | None = None
+    linear: LinearMotion | None = None
+    two_way: "TwoWayMotion | None" = None
 
 
 def next_state(run: RunSetup, state: State) -> State:
     """Play one block, or several at once, write their rows and ticks, and return the state from which to continue."""
-    model, cells = run.model, 0 if run.constants is None else run.constants.cells_per_tick
+    model, cells = run.model, 0 if run.linear is None else run.linear.cells_per_tick
     births = draw_blocks(model, run.seed, state.block, state.next_birth, blocks_drawn_at_once(model, state.block))
     end = min(births.next_birth, model.distance)
     ranges = list(tick_ranges(model, state.ticks, births.next_birth, cells or 1))
-    linear = None if run.constants is None else LinearMotion(model, run.constants, state)
-    two_way = _two_way(run, state) if model.is_two_way else None
 
     def visit(tick_range: TickRange, rows: LiveRows) -> None:
         found = sample(model, rows, tick_range, cells)
-        groups = {"trace": found.columns} if linear is None else linear.through(found)
+        groups = {"trace": found.columns} if run.linear is None else run.linear.through(found)
         _write_ticks(run, tick_range, rows, groups)
-        if two_way is not None:
-            two_way.through(rows, tick_range.last_distance)
+        if run.two_way is not None:
+            run.two_way.through(rows, tick_range.last_distance)
 
     rows = run.play(Block(state=state, born=births.rows(state.junctions), end=end, tick_ranges=ranges), visit)
     natural = rows.natural_death
-    if two_way is None:
+    if run.two_way is None:
         _write_junctions(run, state, rows, natural)
     else:
-        two_way.through(rows, end)
+        run.two_way.through(rows, end)
     ticks = ranges[-1].end if ranges else state.ticks
-    motion = linear or two_way
     return State(
         block=state.block + births.blocks,
         next_birth=births.next_birth,
         junctions=state.junctions + len(births),
         ticks=ticks,
         live=_carried(rows, natural, (ticks - 1) * model.tick),
-        motion=None if motion is None else motion.state,
     )
-
-
-def _two_way(run: RunSetup, state: State) -> "TwoWayMotion":
-    from rubnoise.simulation.two_way import TwoWayMotion  # takes long to load, and few runs need it
-
-    return TwoWayMotion(run.model, run.seed, run.sink, state, run.notifier)
 
 
 def _write_ticks(run: RunSetup, tick_range: TickRange, rows: LiveRows, groups: dict[str, Columns]) -> None:

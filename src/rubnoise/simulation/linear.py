@@ -16,7 +16,7 @@ from rubnoise.compiling import compiled_bare, fused
 from rubnoise.model import Model, Separation, Slider
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.area import Sample
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import cells_per_tick
 
 
@@ -193,10 +193,11 @@ def begin(model: Model, live: LiveRows) -> Doubles:
 class LinearMotion:
     """Slider and separation as they move through a run; ``state`` is that at the last finished tick."""
 
-    def __init__(self, model: Model, constants: Propagator, state: State) -> None:
-        """Continue from a state of a run."""
+    def __init__(self, model: Model, constants: Propagator, live: LiveRows) -> None:
+        """Begin among the junctions alive at the start."""
         self._model, self._constants = model, constants
-        self.state: Doubles = begin(model, state.live) if state.motion is None else state.motion
+        self.cells_per_tick = constants.cells_per_tick
+        self.state: Doubles = begin(model, live)
 
     def through(self, sample: Sample) -> dict[str, Columns]:
         """Move through the cells of a tick range; return the columns of /trace, /slider and /load at its ticks."""

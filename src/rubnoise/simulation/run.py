@@ -3,6 +3,7 @@
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 
 from rubnoise.errors import Refused
@@ -14,7 +15,7 @@ from rubnoise.simulation.draws import start
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.junctions import Processes, play_touches
-from rubnoise.simulation.linear import slider_constants
+from rubnoise.simulation.linear import LinearMotion, slider_constants
 from rubnoise.simulation.observer import Notifier, Observer
 from rubnoise.simulation.state import State
 
@@ -48,17 +49,15 @@ def simulate(
         play: Play = partial(play_at_once, ended=ended)
     else:
         play = Processes(model, notifier if observe is not None and observe.of_lives else None, intervene)
-    run = RunSetup(
-        model=model,
-        seed=seed,
-        constants=slider_constants(model),
-        sink=sink,
-        play=play,
-        watch=watch,
-        notifier=notifier,
-    )
-    step = partial(next_state, run) if model.free is None else _free_step(run, model.free, engine)
+    run = RunSetup(model=model, seed=seed, sink=sink, play=play, watch=watch)
     state = start(model, seed) if model.free is None else State()
+    if model.is_two_way:
+        from rubnoise.simulation.two_way import TwoWayMotion  # takes long to load, and few runs need it
+
+        run = replace(run, two_way=TwoWayMotion(model, seed, sink, state.live, notifier))
+    elif (constants := slider_constants(model)) is not None:
+        run = replace(run, linear=LinearMotion(model, constants, state.live))
+    step = partial(next_state, run) if model.free is None else _free_step(run, model.free, engine)
     with _collecting_by_blocks() as collect:
         while not finished(model, state):
             state = step(state)

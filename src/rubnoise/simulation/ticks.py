@@ -3,7 +3,7 @@
 from cmath import sqrt
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import ceil, hypot
+from math import ceil, floor, hypot, log2
 
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
@@ -24,18 +24,11 @@ WIDEST_CELL = 0.04
 MOST_CELLS = 4096
 """Largest number of cells in a tick; a run that needs more is refused."""
 
-FINENESS = 100.0
-"""Smallest number of cells per diameter in two-way motion: from 96 on, the kernels sum lives as series."""
-
 
 def coupled_spacing(model: Model) -> float:
-    """Return the width (um) of the cells in two-way motion: the tick times a power of two."""
-    width = model.tick
-    while width * FINENESS > model.calibrated_diameter:
-        width *= 0.5
-    while 2.0 * width * FINENESS <= model.calibrated_diameter:
-        width *= 2.0
-    return width
+    """Return the width (um) of the cells in two-way motion, the tick times a power of two."""
+    widest = model.calibrated_diameter / (1 if model.slider is None else model.slider.cells)
+    return float(model.tick * 2.0 ** floor(log2(widest / model.tick)))
 
 
 def cells_per_tick(model: Model) -> int:

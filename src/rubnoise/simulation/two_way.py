@@ -1,189 +1,239 @@
 """A two-way slider in a run: this module moves it through the contact, tick range by tick range, and writes its rows.
 
 A row of /junctions says when the slider first passed the birth and the death. So a row waits until both times are
-known, and all later rows wait behind it. Waiting rows are carried from block to block.
+known, and all later rows wait behind it. Junctions behind the slider are kept as far as it may run back.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from functools import partial
-from math import inf
+from dataclasses import replace
+from math import ceil, floor, inf
+from typing import Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.block import junction_columns
-from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
-from rubnoise.simulation.coupled.state import CoupledState
-from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, start
+from rubnoise.simulation.draws import backward
+from rubnoise.simulation.force_cells import ForceCells, force_cells
 from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.pushing import (
+    BACK,
+    INTEGRALS,
+    MARK,
+    ORDER,
+    REACHED,
+    REVERSED,
+    ROW,
+    STATE,
+    Drive,
+    Output,
+    Stop,
+    advance,
+    columns_of,
+)
+from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.ticks import coupled_spacing
 from rubnoise.streams import Stream, uniforms
 
+CELLS: Final = 131_072
+"""Cells whose force is known at a time: it takes some 8 MB."""
 
-def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
-    """Return all junctions that live between two distances (um), in order of birth.
+_BEHIND: Final = 1024
+"""Cells behind the slider among them, so that a short reversal stays within."""
 
-    Junctions of the past have the numbers -1, -2, ...
-    """
-    first = start(model, seed)
-    found = [_between(first.live, begin, end)]
-    block, place, number = first.block, first.next_birth, first.junctions
-    while place < end and place <= model.distance:
-        births = draw_blocks(model, seed, block, place, blocks_drawn_at_once(model, block))
-        found.append(_between(births.rows(number), begin, end))
-        block, place, number = block + births.blocks, births.next_birth, number + len(births)
-    if begin < 0.0 and model.start == "stationary":
-        found.append(_between(past(model, seed, begin), begin, end))
-    together = found[0]
-    for rows in found[1:]:
-        together = together.then(rows)
-    return together.at(np.argsort(together.birth, kind="stable"))
+_ROWS, _MARKS = 65_536, 4096
+
+_DEFLECTIONS: Final = 20.0
+"""How far the slider may run back, at least, over the displacement at which it is in balance."""
 
 
 def past(model: Model, seed: int, begin: float) -> LiveRows:
     """Return the junctions that had died before s = 0, latest first, back to ``begin`` (um): all that live after it.
 
-    A slider needs them if it runs back beyond the carried junctions. They have their own streams. Of Poisson births,
-    only lives that ended before the start are kept, which are independent of those alive at the start. Regular births
-    continue backward at their spacing, with the diameters that the start has drawn for them. Gamma and scattered births
-    have one past, from which the start also takes its live junctions. A contact that starts empty has no past.
+    They have their own streams, and the numbers -1, -2, ... Of Poisson births, only lives that ended before the start
+    are kept, which are independent of those alive at the start. Regular births continue backward at their spacing, with
+    the diameters that the start has drawn for them. Gamma and scattered births have one past, from which the start also
+    takes its live junctions. A contact that starts empty has no past.
     """
-    longest = 2.0 * largest_of(model.sizes)
-    birth, diameter = backward(model, seed, begin - longest)
-    dead = np.flatnonzero(birth + 2.0 * diameter <= 0.0)
-    if model.strengths is None:
-        strength = np.ones(birth.size)
-    else:
+    birth, diameter = backward(model, seed, begin - 2.0 * largest_of(model.sizes))
+    strength = np.ones(birth.size)
+    if model.strengths is not None:
         strength = model.strengths.draw(uniforms(seed, Stream.PAST_STRENGTHS, 0, birth.size))
-    latest = dead[::-1]
+    death = birth + 2.0 * diameter
+    dead = np.flatnonzero((death <= 0.0) & (death > begin))[::-1]
     return LiveRows(
-        junction=-1 - latest.astype(np.int64),
-        birth=birth[latest],
-        diameter=diameter[latest],
-        strength=strength[latest],
-        departure=np.full(dead.size, np.inf),
+        junction=-1 - dead.astype(np.int64),
+        birth=birth[dead],
+        diameter=diameter[dead],
+        strength=strength[dead],
+        departure=np.full(dead.size, inf),
     )
 
 
-def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
-    return rows.at(np.flatnonzero((rows.birth < end) & (rows.birth + 2.0 * rows.diameter > begin)))
+class TwoWayMotion:
+    """A two-way slider from the start of a run to its end, and the rows of /junctions that wait for it.
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TwoWayState:
-    """What a block of a two-way run passes to the next.
-
-    slider, landmarks, written: rows of /slider, /landmarks and /junctions so far; waiting: the junctions whose rows are
-    not written yet; times (2, rows): when the slider first passed their births and deaths (s), nan before that.
+    ``state`` is the one record of `pushing.STATE`, as it moves.
     """
 
-    motion: CoupledState
-    slider: int = 0
-    landmarks: int = 0
-    written: int = 0
-    waiting: LiveRows = field(default_factory=LiveRows.none)
-    times: Doubles = field(default_factory=lambda: np.empty((2, 0)))
-
-
-class TwoWayMotion:
-    """A two-way slider that moves through a block, and the rows of /junctions that wait for it."""
-
-    def __init__(
-        self,
-        model: Model,
-        seed: int,
-        sink: Sink,
-        state: State,
-        notifier: Notifier | None = None,
-    ) -> None:
-        """Continue from a state."""
+    def __init__(self, model: Model, seed: int, sink: Sink, live: LiveRows, notifier: Notifier | None = None) -> None:
+        """Begin at rest among the junctions alive at the start."""
+        slider, speed = model.slider, model.sliding_speed
+        if slider is None or speed is None:
+            raise ValueError("a slider moves where there is a sliding speed")
         self._model, self._sink, self._notifier = model, sink, notifier
-        numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
-        begun: TwoWayState | None = state.motion
-        past = begun or TwoWayState(motion=CoupledState.start(model, numbers, start(model, seed).live))
-        self._written, self._waiting, self._times = past.written, past.waiting, past.times
-        if begun is None:
-            self._write_junctions(LiveRows.none(), self._times)
-        self._constants = numbers
-        self._motion = CoupledMotion(model, numbers, past.motion, partial(lived, model, seed))
-        self._slider = Appender(sink, "slider", past.slider)
-        self._landmarks = Appender(sink, "landmarks", past.landmarks)
-
-    def through(self, rows: LiveRows, known: float) -> None:
-        """Move the slider until it needs the field beyond ``known`` (um), and write its rows.
-
-        ``rows`` must include every birth before ``known``. Raises RubnoiseError if no step keeps the tolerance.
-        """
-        first = self._written + len(self._waiting)
-        born = rows.at(np.flatnonzero(rows.junction >= first))
-        born = replace(born, departure=np.full(len(born), np.inf))
-        self._waiting = self._waiting.then(born)
-        self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
-        before = self._motion.finished
-        for moved in self._moved(born, known):
-            self._write(moved)
-        if self._motion.finished and not before:
-            self._sink.write("balance", 0, self._balance())
-        self._write_known()
-        if self._notifier is not None:
-            self._notifier.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
+        self._drive = Drive(slider.mass, slider.stiffness, slider.damping, speed, model.tick / speed)
+        self._width = coupled_spacing(model)
+        self.state = np.zeros(1, STATE)
+        self.state["displacement"], self.state["relative"] = model.equilibrium_displacement, speed
+        self._largest = max(abs(model.equilibrium_displacement), _balanced(model))
+        self._covered = -inf
+        rows = live
+        if model.start == "stationary":
+            self._covered = -self.reach
+            rows = past(model, seed, self._covered).then(live)
+        self._rows, self._times = rows, np.full((2, len(rows)), np.nan)
+        self._drawn, self._written = len(live), 0
+        self._marks, self._work = np.empty(_MARKS, MARK), np.zeros((4, ORDER + 1))
+        self._slider, self._landmarks = Appender(sink, "slider", 0), Appender(sink, "landmarks", 0)
+        self._finished = False
+        self._write_junctions(LiveRows.none(), self._times[:, :0])
 
     @property
-    def state(self) -> TwoWayState:
-        """The state from which the next block continues."""
-        return TwoWayState(
-            slider=self._slider.rows,
-            landmarks=self._landmarks.rows,
-            written=self._written,
-            waiting=self._waiting,
-            times=self._times,
-            motion=self._motion.state,
-        )
+    def reach(self) -> float:
+        """How far the slider may run back from the farthest distance so far (um).
 
-    def _moved(self, born: LiveRows, known: float) -> Iterator[MotionRows]:
-        try:
-            yield from self._motion.through(born, known)
-        except ArithmeticError as problem:
-            raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
+        Forward, x' <= V: so x hardly grows beyond G/k + V/omega_0. Back, it loses energy and runs at most
+        sqrt(x^2 + (V/omega_0)^2) + |x|. Twice this is kept, and at least twenty times the displacement in balance.
+        """
+        swing = self._drive.speed * (self._drive.mass / self._drive.stiffness) ** 0.5
+        return 4.0 * self._largest + 4.0 * swing + _DEFLECTIONS * _balanced(self._model)
 
-    def _write(self, moved: MotionRows) -> None:
-        self._slider.append(moved.slider)
-        count = moved.landmarks["time"].size
-        number = np.arange(self._landmarks.rows, self._landmarks.rows + count, dtype=np.int64)
-        self._landmarks.append({"landmark": number, **moved.landmarks})
-        for times, (junction, time) in zip(self._times, (moved.births, moved.deaths), strict=True):
-            times[junction - self._written] = time
+    @property
+    def distance(self) -> float:
+        """How far it has slid, s in um."""
+        return float(self.state["cell"][0] + self.state["y"][0]) * self._width
+
+    def through(self, rows: LiveRows, known: float) -> None:
+        """Move the slider until it needs the force beyond ``known`` (um), and write its rows.
+
+        ``rows`` must include every birth before ``known`` that no earlier call had. Raises RubnoiseError if the slider
+        runs back beyond the junctions that are kept.
+        """
+        if self._finished:
+            return
+        self._take(rows.at(np.flatnonzero(rows.junction >= self._drawn)))
+        final = known >= self._model.distance
+        place = self._model.distance if final else known
+        stop = Stop(floor(place / self._width), 0.0)
+        if final:
+            stop = stop._replace(y=place / self._width - stop.cell)
+        while not self._is_at(stop):
+            self._move(stop)
+        self._finished = final
+        if final:
+            values = {name: self.state[name][0] for name in ("time", "displacement", *INTEGRALS)}
+            values |= {"distance": self.distance, "velocity": self._drive.speed - self.state["relative"][0]}
+            self._sink.write("balance", 0, {name: np.array([value]) for name, value in values.items()})
+        self._write_known()
         if self._notifier is not None:
-            self._notifier.landmarks(moved.landmarks)
+            self._notifier.reach(inf if final else self.distance)
 
-    def _balance(self) -> dict[str, Doubles]:
-        """Return the row of /balance: the motion at the end of the run, and the integrals over the whole run."""
-        state, constants = self._motion.state, self._constants
-        row = {
-            "time": state.time(constants),
-            "distance": state.distance(constants),
-            "displacement": state.displacement,
-            "velocity": state.velocity(constants),
-            **state.integrals,
-        }
-        return {name: np.array([value]) for name, value in row.items()}
+    def _take(self, born: LiveRows) -> None:
+        self._drawn += len(born)
+        self._rows = self._rows.then(replace(born, departure=np.full(len(born), inf)))
+        self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
+
+    def _is_at(self, stop: Stop) -> bool:
+        cell, y = int(self.state["cell"][0]), float(self.state["y"][0])
+        return int(self.state["phase"][0]) != REVERSED and (cell, y) >= (stop.cell, stop.y)
+
+    def _move(self, stop: Stop) -> None:
+        """Move to the stop, or as far as the force is known about the slider."""
+        cell, back = int(self.state["cell"][0]), int(self.state["phase"][0]) == REVERSED
+        begin = cell - (CELLS // 2 if back else _BEHIND)
+        if self._covered > -inf:
+            begin = max(begin, ceil(self._covered / self._width))
+        end = begin + CELLS
+        if end <= stop.cell:
+            stop = Stop(end, 0.0)
+        cells = self._force(begin, min(end, stop.cell + 1))
+        self._largest = max(self._largest, float(cells.cubics[:, 0].max(initial=0.0)) / self._drive.stiffness)
+        code = self._advance(cells, stop)
+        if code == BACK and begin * self._width <= self._covered + self._width:
+            raise RubnoiseError(
+                f"at {self.state['time'][0]:g} s the slider runs back beyond {self.distance:g} um, more than"
+                f" {self.reach:g} um: junctions there are no longer kept"
+            )
+
+    def _force(self, begin: int, end: int) -> ForceCells:
+        rows = self._rows
+        near = (rows.birth < end * self._width) & (rows.birth + 2.0 * rows.diameter > begin * self._width)
+        return force_cells(self._model.pulse.shape, rows.at(np.flatnonzero(near)), begin, end, self._width)
+
+    def _advance(self, cells: ForceCells, stop: Stop) -> int:
+        """Move within cells, write the rows, and return why the motion stopped."""
+        index, places = self._ahead(stop)
+        code, times = -1, np.full(places.size, np.nan)
+        while code not in (REACHED, BACK):
+            first = int(self.state["row"][0])
+            table = np.empty(_ROWS, ROW)
+            met = int(self.state["met"][0])
+            code = advance(
+                self.state, self._drive, cells, stop, Output(first, table, self._marks, places, times), self._work
+            )
+            columns = columns_of(table, int(self.state["row"][0]) - first)
+            number = np.arange(first, int(self.state["row"][0]))
+            self._slider.append({"time": number * self._model.tick / self._drive.speed, **columns})
+            self._times.ravel()[index[met : int(self.state["met"][0])]] = times[met : int(self.state["met"][0])]
+            self._write_marks()
+        self.state["met"] = 0
+        return code
+
+    def _ahead(self, stop: Stop) -> tuple[Integers, Doubles]:
+        """Return births and deaths that are not met yet, as indices of both rows of times, and their places (um)."""
+        rows = self._rows
+        places = np.concatenate([rows.birth, rows.birth + 2.0 * rows.diameter])
+        unmet = np.isnan(self._times.ravel()) & ~np.signbit(places) & (places <= (stop.cell + 1) * self._width)
+        index = np.flatnonzero(unmet)
+        index = index[np.argsort(places[index], kind="stable")]
+        return index, places[index]
+
+    def _write_marks(self) -> None:
+        count = int(self.state["mark"][0])
+        number = np.arange(self._landmarks.rows, self._landmarks.rows + count, dtype=np.int64)
+        columns = {"landmark": number, **columns_of(self._marks, count)}
+        self._landmarks.append(columns)
+        self.state["mark"] = 0
+        if self._notifier is not None:
+            self._notifier.landmarks(columns)
 
     def _write_known(self) -> None:
-        """Write the waiting rows up to the first one with unknown times; write all of them if the run is over."""
-        waiting, (birth, death) = self._waiting, self._times
-        beyond = waiting.natural_death > self._model.distance
-        known = ~np.isnan(death) | (beyond & (np.signbit(waiting.birth) | ~np.isnan(birth)))
-        count = len(waiting) if self._motion.finished or known.all() else int(np.argmin(known))
-        if count:
-            self._write_junctions(waiting.part(0, count), self._times[:, :count])
-            self._waiting, self._times = waiting.at(np.arange(count, len(waiting))), self._times[:, count:].copy()
-            self._written += count
+        """Write the waiting rows up to the first one with unknown times, and drop those far behind."""
+        rows, times = self._rows, self._times
+        waiting = int(np.count_nonzero(rows.junction < self._written))
+        missing = np.isnan(times) & np.array([~np.signbit(rows.birth), rows.natural_death <= self._model.distance])
+        unknown = missing.any(axis=0)[waiting:]
+        count = unknown.size if self._finished or not unknown.any() else int(np.argmax(unknown))
+        self._write_junctions(rows.part(waiting, waiting + count), times[:, waiting : waiting + count])
+        self._written += count
+        border = self.distance - self.reach
+        old = (rows.junction < self._written) & (rows.natural_death < border)
+        if old.any():
+            kept = np.flatnonzero(~old)
+            self._rows, self._times = rows.at(kept), times[:, kept]
+            self._covered = max(self._covered, float(rows.natural_death[old].max()))
 
     def _write_junctions(self, rows: LiveRows, times: Doubles) -> None:
         columns = junction_columns(self._model, rows)
         self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})
+
+
+def _balanced(model: Model) -> float:
+    """Return the displacement at which the spring holds the mean friction force, in um."""
+    if model.slider is None or model.strengths is None:
+        return 0.0
+    return model.strengths.moment(1) * model.stationary_mean_area / model.slider.stiffness

@@ -105,16 +105,16 @@ class Path:
 
 
 def two_way_identities(model: Model, path: Path) -> list[Finding]:
-    """Return the identities of every correct two-way run, which hold up to rounding and the tolerance of its steps.
+    """Return the identities of every correct two-way run, which hold up to rounding and the error of its steps.
 
     The travelled distance is V t - (x - x_0); sticks last as long as /landmarks says; friction does the work of the
     lives in /junctions over the path; energy is balanced, so the mean force is int G ds/(V T) plus its excess. The
-    allowed deviation is ``slider.tolerance`` of the largest work, plus the rounding of sums over some 100 steps a
+    allowed deviation is 1e-9 of the largest work, plus the rounding of sums over some 100 steps a
     diameter.
     """
     seen = path.balance
     rounding = _ROUNDING * sqrt(max(_STEPS * model.distance / model.calibrated_diameter, 1.0))
-    step = seen.slider.tolerance + rounding
+    step = 1e-9 + rounding
     field = max(step, FIELD)
     travelled = seen.speed * seen.time - (seen.displacement - seen.start)
     away = max(abs(travelled - seen.distance), abs(model.distance - seen.distance))
