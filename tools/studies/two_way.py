@@ -106,7 +106,7 @@ def chaos() -> str:
 
 
 def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
-    """Return when two runs of 50 and 100 cells a diameter are farther apart than APART, in s, and how long they last."""
+    """Return when runs of 50 and 100 cells a diameter are farther apart than APART, in s, and how long they last."""
     records = [_record(speed, distance, seed, cells) for cells in (50, 100)]
     rows = min(record["time"].size for record in records)
     first, second = (record["displacement"][:rows] for record in records)
