@@ -24,11 +24,11 @@ from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
-from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks, start
+from rubnoise.simulation.draws import draw_block, past, start
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.simulation.two_way import TwoWayMotion, past
+from rubnoise.simulation.two_way import TwoWayMotion
 from tests.oracle.sliders import Oscillator
 from tests.oracle.slow_contact import Rows
 
@@ -191,13 +191,11 @@ def coupled(
     *,
     cells: int = 50,
     displacement: float | None = None,
-    blocks: int | None = None,
     pieces: int = 1,
 ) -> CoupledRun:
     """Run a model two-way coupled from end to end.
 
-    displacement: the start's, in um, in place of the model's; blocks: played together; pieces: in which a block is made
-    known.
+    displacement: the start's, in um, in place of the model's; pieces: in which a block is made known.
     """
     run = _two_way(model, cells)
     state, record = start(run, seed), MemoryRecord(extent(run, seed))
@@ -206,9 +204,8 @@ def coupled(
     block, place, junctions = state.block, state.next_birth, state.junctions
     reached = 0.0
     while reached < run.distance:
-        births = draw_blocks(run, seed, block, place, blocks or blocks_drawn_at_once(run, block))
-        born = births.rows(junctions)
-        block, place, junctions = block + births.blocks, births.next_birth, junctions + len(births)
+        born, place = draw_block(run, seed, block, place, junctions)
+        block, junctions = block + 1, junctions + len(born)
         known = min(place, run.distance)
         for share in np.arange(1, pieces + 1) / pieces:
             motion.through(born, reached + share * (known - reached) if share < 1.0 else known)
@@ -258,12 +255,13 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
     """Return all junctions that live between two distances (um), in order of birth; those of the past have -1, ..."""
     first = start(model, seed)
     found, block, place, number = first.live, first.block, first.next_birth, first.junctions
-    if begin < 0.0 and model.start == "stationary":
-        found = past(model, seed, begin).then(found)
+    if begin < 0.0:
+        behind = past(model, seed, begin)
+        found = behind.at(np.flatnonzero(behind.natural_death <= 0.0)).then(found)
     while place < end and place <= model.distance:
-        births = draw_blocks(model, seed, block, place, blocks_drawn_at_once(model, block))
-        found = found.then(births.rows(number))
-        block, place, number = block + births.blocks, births.next_birth, number + len(births)
+        born, place = draw_block(model, seed, block, place, number)
+        block, number = block + 1, number + len(born)
+        found = found.then(born)
     lives = np.flatnonzero((found.birth < end) & (found.birth + 2.0 * found.diameter > begin))
     return found.at(lives[np.argsort(found.birth[lives], kind="stable")])
 

@@ -12,7 +12,7 @@ import pint
 import pytest
 import xarray
 
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.storage.layout import stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS
 from rubnoise.storage.schema import GROUPS, Group

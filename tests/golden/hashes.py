@@ -13,8 +13,7 @@ import numpy as np
 import xxhash
 
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Spread, Weibull
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.pulses import OFF_CENTRE_LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.extent import Engine
 from rubnoise.streams import STREAM_VERSION, Stream, generator
@@ -93,7 +92,7 @@ def hashes(*names: str) -> dict[str, dict[str, Any]]:
 def draws() -> dict[str, str]:
     """Return the xxh3_128 of what each law makes of the same uniforms, little-endian, and of the live sizes' draws."""
     uniform = generator(SEED, Stream.DIAMETERS).random(COUNT)
-    drawn = {str(law): law.draw(uniform) for law in (*SIZES, *STRENGTHS)}
+    drawn = {str(law): law.quantile(uniform) for law in (*SIZES, *STRENGTHS)}
     live = {f"live {law}": law.draw_length_biased(generator(SEED, Stream.START_DIAMETERS), COUNT) for law in SIZES}
     return {name: hash_of(values) for name, values in (drawn | live).items()}
 

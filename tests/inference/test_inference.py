@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import LENS, PARABOLA
+from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, PARABOLA
 from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.fitting import FitPoint, FitProblem, whittle
 from rubnoise.inference.inference import InferenceResult, infer_signal

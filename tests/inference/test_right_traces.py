@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import LENS
+from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS
 from rubnoise.inference.assumed import NOTHING, Assumed
 from rubnoise.inference.honesty import drift_test
 from rubnoise.inference.inference import InferenceResult, infer_signal

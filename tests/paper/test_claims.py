@@ -19,7 +19,7 @@ from paper.ledger import LEDGERS, Claim, Claimed, Ledger, Number, Source, as_row
 import rubnoise
 from paper import pages
 from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.contact.laws.lognormal import Lognormal
+from rubnoise.contact.laws import Lognormal
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.second_order import autocovariance, spectral_density

@@ -14,7 +14,7 @@ import rubnoise
 from rubnoise import Junction
 from rubnoise.analysis.agreement import from_attributes
 from rubnoise.analysis.run_summary import CURVES, curve_theory
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.errors import RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.point_file import numbers_in, summarised

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.record.rows import JunctionState
 from rubnoise.runs.verification import verify
 from rubnoise.scenario import Scenario, build

@@ -5,10 +5,6 @@ import itertools
 import mpmath
 import numpy as np
 import pytest
-from scipy import special
-
-from rubnoise.contact import deviates as module
-from rubnoise.contact import plain_deviates
 from rubnoise.contact.deviates import (
     antilogarithm,
     gamma_deviates,
@@ -16,6 +12,10 @@ from rubnoise.contact.deviates import (
     normal_above,
     normal_quantile,
 )
+from scipy import special
+
+from rubnoise.contact import deviates as module
+from rubnoise.contact import plain_deviates
 from rubnoise.contact.laws import Spread
 from rubnoise.simulation.draws import (
     draw_blocks,

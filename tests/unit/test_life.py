@@ -11,7 +11,7 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis.life import Life, life_of
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.errors import RunFileRefused
 from rubnoise.figures import style
 from rubnoise.figures.life import life_png

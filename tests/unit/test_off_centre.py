@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 import rubnoise
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, Lognormal, Normal
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, overlap
-from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
+from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse, overlap
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.distribution import distribution

@@ -10,8 +10,7 @@ import pytest
 
 from rubnoise.contact.calibration import NoMatchingDiameter, calibrated_diameter
 from rubnoise.contact.laws import LAWS, Spread, law_for
-from rubnoise.contact.overlap import junction_area, life_integral
-from rubnoise.contact.pulses import LENS, PARABOLA, PULSES
+from rubnoise.contact.pulses import LENS, PARABOLA, PULSES, junction_area, life_integral
 from rubnoise.model import Slider
 from rubnoise.simulation.linear import propagator, under_force
 from rubnoise.theory.moments import area_cumulants

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Lognormal, Normal
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import force_cumulants
 from rubnoise.theory.motion import drive_of, motion_spectrum, response

@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.laws import Fixed, Law, Lognormal, Power, Weibull
-from rubnoise.contact.overlap import junction_area
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.pulses import TRIANGLE, junction_area
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
@@ -33,7 +32,7 @@ def records(model: Model, lives: int, ticks_a_life: int, seed: int, strengths: L
     total = RECORDS * lives * ticks_a_life
     count = generator.poisson(model.birth_rate * (total * tick + 2.0 * diameter))
     births = generator.uniform(-2.0 * diameter, total * tick, count)
-    psi = np.ones(count) if strengths is None else strengths.draw(generator.random(count))
+    psi = np.ones(count) if strengths is None else strengths.quantile(generator.random(count))
     first = np.ceil(births / tick).astype(int)
     trace = np.zeros(total)
     for step in range(ticks_a_life + 1):

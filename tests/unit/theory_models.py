@@ -153,8 +153,8 @@ def drawn(model: Model, lags: list[float], draws: int, generator: np.random.Gene
     phase = generator.uniform(0.0, spacing, draws)
     area, count = np.zeros((len(lags), draws)), np.zeros((len(lags), draws))
     for number in range(-ceil(max(lags) / spacing) - 1, ceil(longest / spacing) + 1):
-        diameter = model.sizes.draw(generator.random(draws))
-        strength = 1.0 if model.strengths is None else model.strengths.draw(generator.random(draws))
+        diameter = model.sizes.quantile(generator.random(draws))
+        strength = 1.0 if model.strengths is None else model.strengths.quantile(generator.random(draws))
         for row, lag in enumerate(lags):
             age = phase + number * spacing + lag
             area[row] += strength * model.pulse.area(age, diameter)
@@ -169,7 +169,7 @@ def drawn_trace(model: Model, tick: float, count: int, seed: int) -> Doubles:
     longest = 2.0 * model.sizes.support[1]
     number = generator.poisson(model.birth_rate * (count * tick + longest))
     births = generator.uniform(-longest, count * tick, number)
-    diameters = model.sizes.draw(generator.random(number))
+    diameters = model.sizes.quantile(generator.random(number))
     first = np.ceil(births / tick).astype(int)
     trace = np.zeros(count)
     for step in range(int(longest / tick) + 2):

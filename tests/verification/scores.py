@@ -17,7 +17,7 @@ import rubnoise
 from rubnoise.api.record import Record
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally

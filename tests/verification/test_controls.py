@@ -14,8 +14,7 @@ from scipy.special import ndtr, pdtr
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.overlap import junction_area
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.pulses import TRIANGLE, junction_area
 from rubnoise.model import Model
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.moments import area_cumulants

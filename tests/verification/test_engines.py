@@ -10,8 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rubnoise
-from rubnoise.contact.off_centre import OFF_CENTRE
-from rubnoise.contact.pulses import PULSES
+from rubnoise.contact.pulses import OFF_CENTRE, PULSES
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build

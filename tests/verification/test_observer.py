@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.overlap import junction_area
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.pulses import TRIANGLE, junction_area
 from rubnoise.record.rows import JunctionState
 from rubnoise.simulation.observer import Observer
 from tests.models import bare, contents, model, recorded, run_to_end

@@ -16,8 +16,7 @@ from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Normal, Spread
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, area_of
-from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
+from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse, area_of
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
@@ -257,7 +256,7 @@ class PlainStart(Normal):
     __slots__ = ()
 
     def draw_length_biased(self, generator: np.random.Generator, count: int) -> np.ndarray:
-        return self.draw(generator.random(count))
+        return self.quantile(generator.random(count))
 
 
 def short_means(model: Model, name: str) -> list[float]:

@@ -25,9 +25,8 @@ from rubnoise.analysis.records import longer
 from rubnoise.answer import LeftOut
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
-from rubnoise.contact.laws import Fixed
-from rubnoise.contact.laws.discrete import has_single_values
-from rubnoise.contact.off_centre import half_life
+from rubnoise.contact.laws import Fixed, has_single_values
+from rubnoise.contact.pulses import half_life
 from rubnoise.model import Model
 from rubnoise.theory.second_order import (
     need_random_births,
@@ -219,5 +218,5 @@ def sums(seen: MeasuredRun) -> Iterator[Finding]:
     yield Identity(name="area_from_rows", deviation=float(area), allowed=rounding, units="um^2")
     yield Identity(name="count_from_rows", deviation=float(count), allowed=0.0, units="")
     if model.strengths is not None and model.held is None and not isinstance(model.strengths, Fixed):
-        strongest = float(model.strengths.draw(np.array([1.0 - _RARE]))[0])
+        strongest = float(model.strengths.quantile(np.array([1.0 - _RARE]))[0])
         yield Identity(name="force_from_rows", deviation=float(force), allowed=strongest * rounding, units="uN")

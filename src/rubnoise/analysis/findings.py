@@ -29,10 +29,10 @@ _LONGEST = 1e15  # times the births of the record
 
 
 class Drawn(Protocol):
-    """A law whose values increase with the uniforms that make them."""
+    """A law of which values are drawn."""
 
-    def draw(self, uniform: Doubles) -> Doubles:
-        """Return one value for each uniform on [0, 1)."""
+    def quantile(self, probability: Doubles) -> Doubles:
+        """Return the values with these probabilities below them."""
         ...
 
 
@@ -84,7 +84,7 @@ def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float
     third = fourth = 1.0
     for law, brings in laws:
         # From the median on, so that what is brought is of order 1 whatever the unit.
-        values = law.draw(np.minimum(np.concatenate([[0.5], 1.0 - middle]), LARGEST_UNIFORM))
+        values = law.quantile(np.minimum(np.concatenate([[0.5], 1.0 - middle]), LARGEST_UNIFORM))
         brought = brings(values)[1:]
         second = float(shares @ brought**2)
         third *= float(shares @ brought**3) / second**1.5

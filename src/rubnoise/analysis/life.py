@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from rubnoise.analysis.reading import check_numbers
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import area_of
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, area_of
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState

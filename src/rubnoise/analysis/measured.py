@@ -20,7 +20,7 @@ from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths
 from rubnoise.contact.laws import Fixed
-from rubnoise.contact.off_centre import area_of
+from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
@@ -179,7 +179,7 @@ class Births:
         self._alike, self.deviations = alike, dict.fromkeys(alike, 0.0)
         self.moments = {name: Moments(powers=2) for name in alike}
         self.windows = [] if isinstance(model.births, PoissonBirths) else [Windows(model, n) for n in WINDOWS]
-        self.law = np.sort(model.sizes.draw((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
+        self.law = np.sort(model.sizes.quantile((np.arange(_QUANTILES) + 0.5) / _QUANTILES))
         self._start: list[Doubles] = [np.empty((3, 0))]
 
     @property

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.reading import check_numbers
 from rubnoise.analysis.where import Condition
 from rubnoise.arrays import CHUNK_ROWS, Doubles, slices
-from rubnoise.contact.off_centre import area_of, half_life
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.record.reader import Reader, Rows, chunks
 from rubnoise.record.rows import refuse_touches
 from rubnoise.storage.life_curve import stored_pulse

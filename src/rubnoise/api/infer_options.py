@@ -4,7 +4,7 @@ from math import inf
 from typing import Any, Final
 
 from rubnoise.api import keywords
-from rubnoise.contact import off_centre
+from rubnoise.contact import pulses
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES
@@ -42,7 +42,7 @@ def pulse_of(shape: str, offset: str) -> Pulse:
     """Return the pulse of a junction's area."""
     keywords.choice("pulse", shape, tuple(OTHER_SHAPES))
     keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
-    return off_centre.pulse_of(shape, offset)
+    return pulses.pulse_of(shape, offset)
 
 
 def bandwidth_of(value: Any, poles: int, speed: float | None, along: str) -> float:

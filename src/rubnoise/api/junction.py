@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.off_centre import area_of
-from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.contact.pulses import LENS, Pulse, area_of
 from rubnoise.real_numbers import at_each, real_numbers
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema

@@ -1,15 +1,13 @@
 """The three calibrations: the mean diameter from the mean real contact area and the mean junction count."""
 
-from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from math import sqrt
 
-from rubnoise.contact.laws import Spread
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import Refused
 
-_DIGITS = 40
-_PAPER_LIFE_MEAN = "0.327"  # Eq. 6 rounds 1/3 down; kept for the calibration that reproduces the paper
+_PAPER_LIFE_MEAN = 0.327  # Eq. 6 rounds 1/3 down; kept for the calibration that reproduces the paper
 _TURNING = (0.3, 3.0)  # where E[d^3]/d_m is least for unit spread lies between: at 0.89 to 1.5 for the laws there are
 
 
@@ -42,57 +40,39 @@ def calibrated_diameter(
 
     ``paper``: d_m = sqrt(A_rm / (0.327 N_jm)) (first Eq. 12), for the lens alone; ``exact``: with the pulse's own life
     mean, 1/3 for the lens; ``matched``: the larger root of N_jm life_mean E[d^3] / d_m = A_rm with the sizes as drawn.
-    Raises PaperMeansLens, and NoMatchingDiameter if ``matched`` has no root. At 40 digits and rounded once.
+    Raises PaperMeansLens, and NoMatchingDiameter if ``matched`` has no root.
     """
-    import mpmath
+    if calibration == "paper":
+        if pulse.name != "lens":
+            raise PaperMeansLens(pulse.name)
+        return sqrt(mean_area / mean_count / _PAPER_LIFE_MEAN)
+    wanted = mean_area / mean_count / pulse.life_mean()
+    if calibration == "exact":
+        return sqrt(wanted)
+    if not (spread.absolute and spread.entry.takes_spread):
+        return sqrt(wanted / law_for(1.0, spread).moment(3))
+    turning, least = _least_third_moment(spread.law)
+    if wanted < least * spread.absolute**2:
+        factor = pulse.life_mean() * least
+        raise NoMatchingDiameter(mean_area, factor * mean_count * spread.absolute**2, factor)
+    from scipy.optimize import brentq  # takes long to load, and few scenarios need it
 
-    if calibration == "paper" and pulse.name != "lens":
-        raise PaperMeansLens(pulse.name)
-    with mpmath.workdps(_DIGITS):
-        mean_junction_area = mpmath.mpf(mean_area) / mpmath.mpf(mean_count)
-        if calibration == "paper":
-            return float(mpmath.sqrt(mean_junction_area / mpmath.mpf(_PAPER_LIFE_MEAN)))
-        wanted = mean_junction_area / pulse.life_mean()
-        if calibration == "exact":
-            return float(mpmath.sqrt(wanted))
-        if not (spread.absolute and spread.entry.takes_spread):
-            return float(mpmath.sqrt(wanted / spread.moment(mpmath.mpf(1), 3)))
-        least = _least_third_moment(spread.law)[1]
-        if wanted < least * mpmath.mpf(spread.absolute) ** 2:
-            factor = pulse.life_mean() * least
-            raise NoMatchingDiameter(mean_area, float(factor * mean_count * spread.absolute**2), float(factor))
-        return float(_matched_diameter(wanted, spread))
+    unit, top = wanted / spread.absolute**2, sqrt(wanted) / spread.absolute
+    return float(spread.absolute * brentq(lambda r: _third_over_mean(r, spread.law) - unit, turning, top, rtol=1e-15))
 
 
-def _matched_diameter(wanted: Any, spread: Spread) -> Any:
-    """Return the larger d_m with E[d^3] / d_m as wanted for an absolute spread, an mpmath number in um^2."""
-    import mpmath
-
-    unit = replace(spread, absolute=1.0)
-    std = mpmath.mpf(spread.absolute)
-    turning, _ = _least_third_moment(spread.law)
-    root = mpmath.findroot(
-        lambda r: unit.moment(r, 3) / r - wanted / std**2,
-        (turning, mpmath.sqrt(wanted) / std),
-        solver="anderson",
-        maxsteps=200,
-        verify=False,
-    )
-    return root * std
+def _third_over_mean(mean: float, law: str) -> float:
+    """Return E[d^3]/d_m of a law of unit spread."""
+    return law_for(mean, Spread(absolute=1.0, law=law)).moment(3) / mean
 
 
 @lru_cache(maxsize=16)
-def _least_third_moment(law: str) -> tuple[Any, Any]:
+def _least_third_moment(law: str) -> tuple[float, float]:
     """Return the d_m at which E[d^3]/d_m is least for unit spread, and that least value.
 
     0.887855 and 3 * 1.609247 for the normal law, sqrt 2 and 27/4 for the lognormal, 2^(1/4) and 3 + 2 sqrt 2 for gamma.
     """
-    import mpmath
+    from scipy.optimize import minimize_scalar
 
-    with mpmath.workdps(_DIGITS):
-
-        def third_over_mean(r: Any) -> Any:
-            return Spread(absolute=1.0, law=law).moment(r, 3) / r
-
-        turning = mpmath.findroot(lambda r: mpmath.diff(third_over_mean, r), _TURNING, solver="anderson", verify=False)
-        return turning, third_over_mean(turning)
+    found = minimize_scalar(_third_over_mean, bounds=_TURNING, args=(law,), method="bounded", options={"xatol": 1e-9})
+    return float(found.x), float(found.fun)

@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import area_of
+from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above, new_figure

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rubnoise.analysis.life import Life
-from rubnoise.contact.off_centre import area_of
+from rubnoise.contact.pulses import area_of
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened, with_minus
 from rubnoise.record.rows import JunctionState
 

@@ -8,8 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import pulse_of
-from rubnoise.contact.pulses import Offset, Pulse, Shape
+from rubnoise.contact.pulses import Offset, Pulse, Shape, pulse_of
 from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, OtherPulse, assumptions, by_spread
 from rubnoise.inference.estimates import Estimate, estimates_of, widened

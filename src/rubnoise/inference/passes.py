@@ -11,8 +11,7 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import area_of, half_life
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, area_of, half_life
 from rubnoise.inference.populations import mean_life_energy
 from rubnoise.inference.sensor import Sensor
 

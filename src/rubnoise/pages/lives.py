@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.reading import check_numbers
 from rubnoise.analysis.selection import gather
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import half_life
+from rubnoise.contact.pulses import half_life
 from rubnoise.pages.page import packed
 from rubnoise.record.reader import Reader
 from rubnoise.storage.schema import JUNCTIONS

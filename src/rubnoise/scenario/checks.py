@@ -5,7 +5,7 @@ from typing import Final
 
 from rubnoise.contact.births import ScatteredBirths
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
-from rubnoise.contact.off_centre import pulse_of
+from rubnoise.contact.pulses import pulse_of
 from rubnoise.model import Model
 from rubnoise.scenario.document import AREAS, COUNTS, LIVE_JUNCTIONS, SECTIONS, Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure, keys_of

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
-from rubnoise.contact.off_centre import OFF_CENTRE
+from rubnoise.contact.pulses import OFF_CENTRE
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, SECTIONS, TOP, Document, Interface, Sliding, presence
 from rubnoise.scenario.fields import Key, Measure, did_you_mean, keys_of, right_form
 from rubnoise.scenario.layers import Layers

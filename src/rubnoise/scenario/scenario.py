@@ -12,7 +12,7 @@ from typing import Any, Final, Literal, cast
 from rubnoise.contact.births import BIRTHS, BirthLaw
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import LAWS, Law, Spread, law_for
-from rubnoise.contact.off_centre import pulse_of
+from rubnoise.contact.pulses import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections

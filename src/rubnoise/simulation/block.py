@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.overlap import max_area
+from rubnoise.contact.pulses import max_area
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns, Sink
 from rubnoise.simulation.area import sample
-from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks
+from rubnoise.simulation.draws import draw_block
 from rubnoise.simulation.kernel import peak_areas
 from rubnoise.simulation.linear import LinearMotion
 from rubnoise.simulation.state import LiveRows, State
@@ -66,11 +66,11 @@ class RunSetup:
 
 
 def next_state(run: RunSetup, state: State) -> State:
-    """Play one block, or several at once, write their rows and ticks, and return the state from which to continue."""
+    """Play one block, write its rows and ticks, and return the state from which to continue."""
     model, cells = run.model, 0 if run.linear is None else run.linear.cells_per_tick
-    births = draw_blocks(model, run.seed, state.block, state.next_birth, blocks_drawn_at_once(model, state.block))
-    end = min(births.next_birth, model.distance)
-    ranges = list(tick_ranges(model, state.ticks, births.next_birth, cells or 1))
+    born, next_birth = draw_block(model, run.seed, state.block, state.next_birth, state.junctions)
+    end = min(next_birth, model.distance)
+    ranges = list(tick_ranges(model, state.ticks, next_birth, cells or 1))
 
     def visit(tick_range: TickRange, rows: LiveRows) -> None:
         found = sample(model, rows, tick_range, cells)
@@ -79,7 +79,7 @@ def next_state(run: RunSetup, state: State) -> State:
         if run.two_way is not None:
             run.two_way.through(rows, tick_range.last_distance)
 
-    rows = run.play(Block(state=state, born=births.rows(state.junctions), end=end, tick_ranges=ranges), visit)
+    rows = run.play(Block(state=state, born=born, end=end, tick_ranges=ranges), visit)
     natural = rows.natural_death
     if run.two_way is None:
         _write_junctions(run, state, rows, natural)
@@ -87,9 +87,9 @@ def next_state(run: RunSetup, state: State) -> State:
         run.two_way.through(rows, end)
     ticks = ranges[-1].end if ranges else state.ticks
     return State(
-        block=state.block + births.blocks,
-        next_birth=births.next_birth,
-        junctions=state.junctions + len(births),
+        block=state.block + 1,
+        next_birth=next_birth,
+        junctions=state.junctions + len(born),
         ticks=ticks,
         live=_carried(rows, natural, (ticks - 1) * model.tick),
     )

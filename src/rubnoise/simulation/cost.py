@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from rubnoise.model import Model
-from rubnoise.simulation.draws import births_drawn_at_once
+from rubnoise.simulation.draws import births_per_block
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, cells_per_tick
 
@@ -21,7 +21,7 @@ and each position of a tick range."""
 
 def working_bytes(model: Model, engine: Engine) -> int:
     """Return the memory that a run needs besides its program: one block and one tick range, however long the run is."""
-    drawn, alive = births_drawn_at_once(model), model.mean_live_junctions
+    drawn, alive = births_per_block(model), model.mean_live_junctions
     played = min(drawn, model.birth_rate * model.distance) + alive
     positions = min(LARGEST_TICK_RANGE, (model.tick_count + 1) * cells_per_tick(model))
     junctions = DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + ALIVE_BYTES[engine] * alive

@@ -1,6 +1,6 @@
 """How many rows a run will have, counted without running it."""
 
-from typing import Final, Literal
+from typing import Literal
 
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
@@ -8,10 +8,6 @@ from rubnoise.simulation.draws import count_births, start
 
 Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
-
-
-WORTH_COMPILING: Final = 1e7
-"""Number of births above which loading the compiler takes less time than counting without it."""
 
 
 def extent(model: Model, seed: int) -> Extent:
@@ -25,8 +21,6 @@ def extent(model: Model, seed: int) -> Extent:
             landmarks=None,
             load=ticks,
         )
-    if model.birth_rate * model.distance > WORTH_COMPILING:
-        import numba  # noqa: F401  (if it is loaded, deviates are compiled)
     return Extent(
         junctions=start(model, seed).junctions + count_births(model, seed),
         ticks=ticks,

@@ -8,8 +8,7 @@ import numpy as np
 from simpy import Environment
 from simpy.events import ProcessGenerator
 
-from rubnoise.contact.off_centre import area_of
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, area_of
 from rubnoise.errors import Refused
 from rubnoise.simulation.live_set import LiveSet
 

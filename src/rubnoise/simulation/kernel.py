@@ -26,15 +26,12 @@ from functools import cache, partial
 from typing import Final
 
 import numpy as np
-from numpy.polynomial import Chebyshev, Polynomial
 from numpy.polynomial.legendre import Legendre, legvander
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare
-from rubnoise.contact.off_centre import half_life
-from rubnoise.contact.overlap import max_area
-from rubnoise.contact.pulses import Shape
+from rubnoise.contact.pulses import Shape, half_life, lens_series, max_area
 from rubnoise.simulation.state import LiveRows
 
 compiled_fused: Final = partial(compiled_bare, fuse=True)
@@ -65,20 +62,7 @@ Series = tuple[float, float, float]
 """c_0, c_1, c_2 of x^p (c_0 + c_1 x + c_2 x^2), x in cells; p is 3/2 or 1."""
 
 
-def _lens_series(terms: int) -> tuple[float, ...]:
-    """Return c_n of the area over d^2 of a lens at u = s/d <= 1, u^1.5 (c_0 + c_1 u + ...), right to 1e-15.
-
-    a' = sqrt(2u - u^2), integrated term by term, at Chebyshev points: there acos and sqrt would cancel.
-    """
-    n = np.arange(64)
-    binomial = np.cumprod(np.concatenate([[1.0], (1.5 - n[1:]) / n[1:]]))
-    taylor = Polynomial(np.sqrt(2.0) * binomial * (-0.5) ** n / (n + 1.5))
-    fitted = Chebyshev.interpolate(taylor, terms - 1, [0.0, 1.0])
-    plain = fitted.convert(kind=Polynomial, domain=[-1.0, 1.0], window=[-1.0, 1.0])
-    return tuple(float(each) for each in plain.coef)
-
-
-LENS: Final = _lens_series(16)
+LENS: Final = lens_series(16)
 
 
 def _gauss(count: int) -> tuple[tuple[float, float], ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import half_life
+from rubnoise.contact.pulses import half_life
 
 _NOTHING = np.empty(0)
 

@@ -11,12 +11,11 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.block import junction_columns
-from rubnoise.simulation.draws import backward
+from rubnoise.simulation.draws import past
 from rubnoise.simulation.force_cells import ForceCells, force_cells
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.pushing import (
@@ -36,7 +35,6 @@ from rubnoise.simulation.pushing import (
 )
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import coupled_spacing
-from rubnoise.streams import Stream, uniforms
 
 CELLS: Final = 131_072
 """Cells whose force is known at a time: it takes some 8 MB."""
@@ -48,29 +46,6 @@ _ROWS, _MARKS = 65_536, 4096
 
 _DEFLECTIONS: Final = 20.0
 """How far the slider may run back, at least, over the displacement at which it is in balance."""
-
-
-def past(model: Model, seed: int, begin: float) -> LiveRows:
-    """Return the junctions that had died before s = 0, latest first, back to ``begin`` (um): all that live after it.
-
-    They have their own streams, and the numbers -1, -2, ... Of Poisson births, only lives that ended before the start
-    are kept, which are independent of those alive at the start. Regular births continue backward at their spacing, with
-    the diameters that the start has drawn for them. Gamma and scattered births have one past, from which the start also
-    takes its live junctions. A contact that starts empty has no past.
-    """
-    birth, diameter = backward(model, seed, begin - 2.0 * largest_of(model.sizes))
-    strength = np.ones(birth.size)
-    if model.strengths is not None:
-        strength = model.strengths.draw(uniforms(seed, Stream.PAST_STRENGTHS, 0, birth.size))
-    death = birth + 2.0 * diameter
-    dead = np.flatnonzero((death <= 0.0) & (death > begin))[::-1]
-    return LiveRows(
-        junction=-1 - dead.astype(np.int64),
-        birth=birth[dead],
-        diameter=diameter[dead],
-        strength=strength[dead],
-        departure=np.full(dead.size, inf),
-    )
 
 
 class TwoWayMotion:
@@ -94,7 +69,8 @@ class TwoWayMotion:
         rows = live
         if model.start == "stationary":
             self._covered = -self.reach
-            rows = past(model, seed, self._covered).then(live)
+            behind = past(model, seed, self._covered)
+            rows = behind.at(np.flatnonzero(behind.natural_death <= 0.0)).then(live)
         self._rows, self._times = rows, np.full((2, len(rows)), np.nan)
         self._drawn, self._written = len(live), 0
         self._marks, self._work = np.empty(_MARKS, MARK), np.zeros((4, ORDER + 1))

@@ -3,13 +3,12 @@
 import json
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.off_centre import OFF_CENTRE
-from rubnoise.contact.pulses import LENS, PULSES, Pulse, Shape
+from rubnoise.contact.pulses import LENS, OFF_CENTRE, PULSES, Pulse, Shape
 from rubnoise.errors import RunFileRefused
 
 _WHERE: Final = (
@@ -81,25 +80,16 @@ def life_table(shape: Shape) -> dict[str, NDArray[np.float64]]:
     follows for each u. Both go by t^2 (3 - 2t), so that points are close where the area is a power 3/2 and where it has
     its tip, at u = 1 and b = 0.
     """
-    import mpmath
-
     steps = [t * t * (3 * TABLE_STEPS - 2 * t) / TABLE_STEPS**3 for t in range(TABLE_STEPS + 1)]
-    with mpmath.workdps(40):
-        apart = [[_apart(mpmath.mpf(u), mpmath.mpf(b)) for b in steps] for u in steps]
-        rising = [[float(PULSES[shape].rising_area(1 - r)) for r in row] for row in apart]
+    b, half = np.array(steps), np.array(steps)[:, None]
+    apart = np.sqrt(b * b + (1.0 - b * b) * (1.0 - half) ** 2)  # of the centres, for unit diameter
+    rising = PULSES[shape].overlap(apart)
     u = [*steps, *(2.0 - each for each in reversed(steps[:-1]))]
     return {
         "u": np.repeat(u, len(steps)),
         "offset_fraction": np.tile(steps, len(u)),
-        "area_fraction": np.array([*rising, *rising[-2::-1]]).ravel(),
+        "area_fraction": np.concatenate([rising, rising[-2::-1]]).ravel(),
     }
-
-
-def _apart(u: Any, offset: Any) -> Any:
-    """Return r, r^2 = b^2 + (1 - b^2) (1 - u)^2: the distance of the centres for unit diameter, an mpmath number."""
-    import mpmath
-
-    return mpmath.sqrt(offset**2 + (1 - offset**2) * (1 - u) ** 2)
 
 
 @cache
@@ -109,13 +99,10 @@ def life_curve(shape: Shape) -> dict[str, NDArray[np.float64]]:
     The pulse's own area over d^2 at u = (i/n)^2 and its mirror image: the squares put the points where the lens is a
     power 3/2 and leave a linear interpolation at most 0.15/n^2 off.
     """
-    import mpmath
-
     squares = [(i * i) / (HALF_POINTS * HALF_POINTS) for i in range(HALF_POINTS + 1)]
-    with mpmath.workdps(40):
-        rising = [float(PULSES[shape].rising_area(mpmath.mpf(u))) for u in squares]
+    rising = PULSES[shape].overlap(1.0 - np.array(squares))
     mirrored = [2.0 - u for u in reversed(squares[:-1])]
     return {
         "u": np.array(squares + mirrored),
-        "area_fraction": np.array(rising + rising[-2::-1]),
+        "area_fraction": np.concatenate([rising, rising[-2::-1]]),
     }

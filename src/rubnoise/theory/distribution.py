@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -117,7 +116,7 @@ def _capped(pulse: Pulse) -> Function:
     """Return g(peak s^2), which turns at s = 1 as a life of diameter s does."""
     even = np.linspace(0.0, 1.0, 4 * _POINTS)
     share = even**3 * (10.0 - even * (15.0 - 6.0 * even))  # closer at birth and at mid-life
-    area = pulse.area(share, 1.0) if pulse.offset == "none" else overlap(np.sqrt(1.0 - share), pulse)
+    area = pulse.area(share, 1.0) if pulse.offset == "none" else pulse.overlap(np.sqrt(1.0 - share))
     below = np.cumsum(np.append(0.0, 0.5 * (area[1:] + area[:-1]) * np.diff(share)))
     mean = pulse.life_integral(1) / pulse.mean_life
     capped = (area * (1.0 - share) + below) * (mean / below[-1])

@@ -140,7 +140,7 @@ def share_of(what: Literal["sizes", "lives", "gaps"], model: Model, edges: Doubl
             return None
         places = np.sort(model.births.gaps(even))
     else:
-        places = np.sort(model.sizes.draw(even)) * (1.0 if what == "sizes" else 2.0)
+        places = np.sort(model.sizes.quantile(even)) * (1.0 if what == "sizes" else 2.0)
     if what == "lives" and model.pulse.offset != "none":
         return -np.diff([float(np.sqrt(np.clip(1.0 - (edge / places) ** 2, 0.0, None)).mean()) for edge in edges])
     return np.diff(np.searchsorted(places, edges) / _QUANTILES)

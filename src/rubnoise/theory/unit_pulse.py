@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
-from rubnoise.contact.off_centre import overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.sizes import SETTLED, Function, Table, panels
 
@@ -90,7 +89,7 @@ def _overlaps_at(pulse: Pulse, lags: Doubles, i: int = 1, j: int = 1, nodes: tup
     if pulse.offset == "none":
         earlier, later = (pulse.area(1.0 + each, 1.0) for each in (earlier, later))
     else:
-        earlier, later = (overlap(np.hypot(each, offset[..., None]), pulse) for each in (earlier, later))
+        earlier, later = (pulse.overlap(np.hypot(each, offset[..., None])) for each in (earlier, later))
     both = weight * (earlier**i * later**j + earlier**j * later**i)
     return np.asarray(np.sum(share * np.sum(both, axis=-1), axis=-1), dtype=np.float64)
 
@@ -100,7 +99,7 @@ def _off_centre_mean(pulse: Pulse, age: Doubles) -> Doubles:
     last = np.arccos(np.minimum(0.5 * age, 1.0))[:, None]
     phi, weight = panels(last * np.array([0.0, 0.01, 0.1, 1.0]), 24, rooted=True)
     apart = np.hypot((1.0 - age)[:, None], 2.0 * np.sqrt(age)[:, None] * np.sin(0.5 * phi))
-    return np.asarray(np.sum(weight * overlap(apart, pulse) * np.cos(phi), axis=-1), dtype=np.float64)
+    return np.asarray(np.sum(weight * pulse.overlap(apart) * np.cos(phi), axis=-1), dtype=np.float64)
 
 
 def amplitude(pulse: Pulse, phase: Doubles) -> Doubles:
@@ -238,7 +237,7 @@ def _passes(pulse: Pulse) -> tuple[Doubles, list[Doubles], Doubles]:
     place, mass = panels([0.0, 0.02, 0.15, 1.0], 32, rooted=True)
     z, halves = np.arange(0.0, 32.01, 0.02), np.cos(phi)
     areas = [
-        2.0 * half * mass * overlap(np.hypot(half * place, np.sin(turn)), pulse)
+        2.0 * half * mass * pulse.overlap(np.hypot(half * place, np.sin(turn)))
         for half, turn in zip(halves, phi, strict=True)
     ]
     rows = [np.square(_transform(z, half * place, area).real) for half, area in zip(halves, areas, strict=True)]

@@ -7,14 +7,13 @@ stream for each block, so that drawing a deeper layer changes nothing in those a
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, sqrt
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.deviates import exponential
-from rubnoise.streams import Stream, generator
+from rubnoise.streams import Stream, uniforms
 
 HIGHEST: Final = 37
 """Upper bound of heights above the lowest one of their layer, in units of s_0: -ln 2^-53 is 36.7."""
@@ -116,18 +115,14 @@ def _power(exponent: int) -> float:
 def _drawn(surface: RoughSurface, block: int, layer: int) -> Encounters:
     """Return the encounters of one layer in one block, gap by gap from its origin."""
     rate, length = _rate(surface.live, surface.base, layer), surface.length
-    stream = generator(surface.seed, Stream.ENCOUNTERS, (_FIRST_BLOCK + block) * LAYERS + layer)
+    stream = (_FIRST_BLOCK + block) * LAYERS + layer
     expected = rate * length
-    gaps = np.empty(0)
-    count = ceil(expected + 6.0 * sqrt(expected) + 16.0)
-    place: Any = np.empty(0)
-    while not place.size or place[-1] < length:
-        gaps = np.concatenate([gaps, exponential(stream.random(count)) / rate])
-        place = np.add.accumulate(gaps)
+    count, place = ceil(expected + 6.0 * sqrt(expected) + 16.0), np.empty(0)
+    while not place.size or place[-1] < length:  # more numbers begin with the same ones
+        place = np.add.accumulate(-np.log1p(-uniforms(surface.seed, Stream.ENCOUNTERS, stream, count)) / rate)
+        count *= 2
     place = place[place < length]
-    # Heights have their own stream, so that they do not depend on how many gaps are drawn at a time.
-    uniform = generator(surface.seed, Stream.HEIGHTS, (_FIRST_BLOCK + block) * LAYERS + layer).random(place.size)
-    lowest = surface.bottom(layer + 1)
-    height = lowest + exponential(uniform if layer == 0 else uniform * _WITHIN_A_UNIT)
+    chance = uniforms(surface.seed, Stream.HEIGHTS, stream, place.size)
+    height = surface.bottom(layer + 1) - np.log1p(-(chance if layer == 0 else chance * _WITHIN_A_UNIT))
     number = ((_FIRST_BLOCK + block) * LAYERS + layer) * 2**24 + np.arange(place.size, dtype=np.int64)
     return Encounters(place=place, height=height, number=number)

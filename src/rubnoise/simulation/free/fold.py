@@ -136,7 +136,7 @@ class FreeRun:
         ]
         order = np.argsort(number >> 24, kind="stable")
         shares = np.empty(number.size)
-        shares[order] = self._strengths.draw(np.concatenate(drawn)) / self._strengths.mean
+        shares[order] = self._strengths.quantile(np.concatenate(drawn)) / self._strengths.mean
         return shares
 
     def _pool(self, layers: int) -> tuple[Doubles, Doubles]:
