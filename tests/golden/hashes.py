@@ -1,4 +1,4 @@
-"""What a stream version stands for: hashes of the draws of every law and of drawn columns, values of computed ones.
+"""What a stream version stands for: some values of the draws of every law and of each column of runs.
 
 `python -m tests.golden.hashes` prints them in the environment it is called in, or `draws` alone, or the runs that it is
 given; with --write it makes all of them the golden ones of the present stream version.
@@ -16,7 +16,7 @@ from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Normal, 
 from rubnoise.contact.pulses import OFF_CENTRE_LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.extent import Engine
-from rubnoise.streams import STREAM_VERSION, Stream, generator
+from rubnoise.streams import STREAM_VERSION, Stream, uniforms
 from tests.models import UNEQUAL, model, recorded
 
 SEED = 20_240_229
@@ -77,11 +77,8 @@ RUNS: dict[str, Model] = {
 }
 
 
-COMPUTED = {"trace", "slider", "landmarks", "balance"}
-"""Groups of rows whose last bits may differ between processors."""
-
 SOME = 12
-"""Rows of a computed column that are kept."""
+"""Rows of a column that are kept."""
 
 
 def hashes(*names: str) -> dict[str, dict[str, Any]]:
@@ -89,21 +86,17 @@ def hashes(*names: str) -> dict[str, dict[str, Any]]:
     return {name: columns_of(RUNS[name]) for name in names or RUNS}
 
 
-def draws() -> dict[str, str]:
-    """Return the xxh3_128 of what each law makes of the same uniforms, little-endian, and of the live sizes' draws."""
-    uniform = generator(SEED, Stream.DIAMETERS).random(COUNT)
-    drawn = {str(law): law.quantile(uniform) for law in (*SIZES, *STRENGTHS)}
-    live = {f"live {law}": law.draw_length_biased(generator(SEED, Stream.START_DIAMETERS), COUNT) for law in SIZES}
-    return {name: hash_of(values) for name, values in (drawn | live).items()}
+def draws() -> dict[str, list[float]]:
+    """Return some of what each law makes of the same uniforms."""
+    uniform = uniforms(SEED, Stream.DIAMETERS, 0, COUNT)
+    return {str(law): some_of(law.quantile(uniform)) for law in (*SIZES, *STRENGTHS)}
 
 
 def columns_of(run: Model, engine: Engine = "events") -> dict[str, Any]:
-    """Return the xxh3_128 of each drawn column, little-endian; of a computed one its rows, largest value and some."""
+    """Return of each column of numbers its rows, largest value and some values; of whole numbers the xxh3_128."""
     groups = recorded(run, SEED, engine=engine).groups
     return {
-        f"{group}/{column}": some_of(values)
-        if values.dtype.kind == "f" and (group in COMPUTED or column.endswith(("_time", "max_area")))
-        else hash_of(values)
+        f"{group}/{column}": some_of(values) if values.dtype.kind == "f" else hash_of(values)
         for group, columns in groups.items()
         for column, values in columns.items()
     }

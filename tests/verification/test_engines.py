@@ -14,11 +14,9 @@ from rubnoise.contact.pulses import OFF_CENTRE, PULSES
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
-from rubnoise.simulation import draws
-from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.state import LiveRows
-from tests.models import contents, model, recorded, run_to_end
+from tests.models import contents, model, recorded
 
 # Two engines, one result: with processes or without, every column has the same bits.
 MANY = settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
@@ -113,18 +111,6 @@ def datasets(path: Path) -> dict[str, tuple[bytes, bytes]]:
             for name, dataset in file.get(group, {}).items():
                 found[f"{group}/{name}"] = dataset[:].tobytes(), dataset.attrs["xxh3_128"]
     return found
-
-
-@pytest.mark.parametrize("engine", ["events", "batch"])
-def test_small_blocks_are_played_together_to_the_same_bits(monkeypatch: pytest.MonkeyPatch, engine: Engine) -> None:
-    run = model(distance=4003.0, tick=0.5)
-    together, last = run_to_end(run, 9, engine=engine)
-    assert draws.blocks_drawn_at_once(run, 0) > 1
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    alone, end = run_to_end(run, 9, engine=engine)
-    assert contents(alone) == contents(together)
-    assert (end.block, end.junctions, end.ticks) == (last.block, last.junctions, last.ticks)
-    assert last.block > 5
 
 
 def test_an_intervention_needs_events() -> None:

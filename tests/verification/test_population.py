@@ -15,7 +15,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.simulation import draws
-from rubnoise.simulation.draws import birth_distances, draw_blocks, first_birth, start
+from rubnoise.simulation.draws import birth_distances, draw_block, start
 from rubnoise.simulation.observer import Observer
 from rubnoise.theory.second_order import count_noise
 from tests.models import bare, model, recorded, run_to_end
@@ -123,7 +123,7 @@ def test_blocks_are_drawn_anew() -> None:
     one, other = (np.diff(birth_distances(WIDE, seed, block, 0.0)) for block in (0, 1))
     assert abs(correlation(one, other)) <= BOUND
     assert not np.isin(one, other).any()
-    sizes = [draw_blocks(WIDE, seed, block, 0.0).diameter for block in (0, 1)]
+    sizes = [draw_block(WIDE, seed, block, 0.0, 0)[0].diameter for block in (0, 1)]
     assert not np.isin(*sizes).any()
 
 
@@ -181,7 +181,7 @@ def test_ages_at_the_start_are_uniform_over_a_life() -> None:
 
 def test_the_first_birth_waits_an_exponential_gap() -> None:
     seeds = range(seed_of("first birth"), seed_of("first birth") + STARTS)
-    first = np.array([first_birth(LONG, seed) for seed in seeds])
+    first = np.array([start(LONG, seed).next_birth for seed in seeds])
     assert ks(first, exponential(LONG.mean_birth_spacing)) < KS_BOUND
     assert abs(correlation(first, numbers(LONG))) <= BOUND
 

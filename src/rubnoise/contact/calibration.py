@@ -58,7 +58,8 @@ def calibrated_diameter(
     from scipy.optimize import brentq  # takes long to load, and few scenarios need it
 
     unit, top = wanted / spread.absolute**2, sqrt(wanted) / spread.absolute
-    return float(spread.absolute * brentq(lambda r: _third_over_mean(r, spread.law) - unit, turning, top, rtol=1e-15))
+    root = brentq(lambda r: _third_over_mean(r, spread.law) - unit, turning, top, xtol=1e-15, rtol=1e-15)
+    return float(spread.absolute * root)
 
 
 def _third_over_mean(mean: float, law: str) -> float:
