@@ -1,4 +1,4 @@
-"""How the kernels are compiled: without fastmath, to machine code that is kept on disk."""
+"""How the kernels are compiled, to machine code that is kept on disk."""
 
 import os
 import warnings
@@ -10,12 +10,11 @@ from shutil import rmtree
 from tempfile import NamedTemporaryFile
 from typing import Any, Final
 
-from numba import config, extending, float64, njit
+from numba import config, njit
 from numba.core import event
 
 SOURCES = (
     "compiling.py",
-    "contact/plain_deviates.py",
     "simulation/force_cells.py",
     "simulation/free/*.py",
     "simulation/kernel.py",
@@ -27,55 +26,35 @@ SOURCES = (
 
 _CONFIG: Final[Any] = config
 
-_DIVISION: Final = "numpy"
-"""A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
-
-_BARE: Final[dict[str, Any]] = {"_nrt": False}
-"""Without numba's runtime, which makes arrays and counts who uses them."""
-
-
-_WITHIN: Final[dict[str, Any]] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Without what Python and C need to call it."""
+_HOW: Final[dict[str, Any]] = {"error_model": "numpy", "fastmath": {"contract"}}
+"""A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time.
+Products may be fused with sums; sums keep their order, since the bits are part of the result."""
 
 
 def compiled(function: Any) -> Any:
-    """Compile a function at its first call, and keep the machine code for later processes if a folder can be written.
-
-    No fastmath: sums keep their order and products their rounding, since the bits are part of the result.
-    """
-    return _kept(function)
-
-
-def compiled_bare(function: Any, *, fuse: bool = False) -> Any:
-    """Compile a function likewise that makes no arrays; with ``fuse`` the compiler may fuse products with sums.
-
-    This saves counting references to its arrays, which takes as long as some hundred steps of arithmetic.
-    """
-    return _kept(function, fastmath={"contract"} if fuse else False, **_BARE)
+    """Compile a function at its first call, and keep its machine code for later processes if a folder can be written."""
+    return _kept(function, **_HOW)
 
 
 def compiled_within(function: Any) -> Any:
-    """Compile a function that makes no arrays for compiled callers alone: to call it from Python is an error.
-
-    What Python would need to call it, and keeping it apart from its callers, takes a fifth of the time to compile them.
-    """
-    return njit(error_model=_DIVISION, fastmath={"contract"}, **_BARE, **_WITHIN)(function)
+    """Compile a function that compiled ones call, as a part of them."""
+    return njit(**_HOW)(function)
 
 
 def compiled_for_speed(function: Any) -> Any:
     """Compile a function whose bits are not promised: its sums may be added up in any order."""
-    return _kept(function, fastmath={"reassoc", "contract"})
+    return _kept(function, error_model="numpy", fastmath={"reassoc", "contract"})
 
 
 def _kept(function: Any, **how: Any) -> Any:
     """Compile with numba's cache in our own folder; the folder is set only meanwhile, for other kernels have theirs."""
     folder = _folder()
     if folder is None:
-        return njit(error_model=_DIVISION, **how)(function)
+        return njit(**how)(function)
     theirs = _CONFIG.CACHE_DIR
     _CONFIG.CACHE_DIR = str(folder)
     try:
-        return njit(cache=True, error_model=_DIVISION, **how)(function)
+        return njit(cache=True, **how)(function)
     finally:
         _CONFIG.CACHE_DIR = theirs
 
@@ -133,27 +112,3 @@ class _Compiling(event.Listener):
 
     def on_end(self, event: object) -> None:
         """Do nothing."""
-
-
-def inlined(function: Any) -> Any:
-    """Compile a function that makes no arrays into each of its callers, so that its arguments need not be passed."""
-    return njit(forceinline=True, error_model=_DIVISION, **_BARE, **_WITHIN)(function)
-
-
-intrinsic: Callable[[Any], Any] = extending.intrinsic
-"""Let compiled code call a function that gives its types and generates its instructions; no other code may call it."""
-
-
-@intrinsic
-def fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:
-    """Return factor * other + term, rounded once, by one instruction or else by a slow function with the same bits.
-
-    Except in the kernel, the compiler is not left to choose where to fuse.
-    """
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        del context, signature
-        return builder.fma(*values)
-
-    del typing_context, factor, other, term
-    return float64(float64, float64, float64), generate

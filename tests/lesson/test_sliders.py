@@ -8,8 +8,7 @@ import pytest
 
 import rubnoise
 from rubnoise.arrays import Doubles
-from rubnoise.simulation.free import motion
-from rubnoise.simulation.free.fold import FreeContact, FreeRun
+from rubnoise.simulation.free.contact_run import FreeContact, FreeRun
 from rubnoise.simulation.state import LiveRows
 from tests.lesson.node import answer, scenario_of, world_with
 from tests.models import CoupledRun, coupled, lived
@@ -215,9 +214,9 @@ def free_run(live: float, speed: float, seed: int) -> FreeRun:
 
 def hopped(live: float, speed: float, duration: float, seed: int) -> list[float]:
     blocks = list(free_run(live, speed, seed).through(round(duration / TICK_TIME)))
-    ticks = np.concatenate([block.ticks for block in blocks], axis=1)[:, round(SETTLED / TICK_TIME) :]
-    apart, rise = float(np.mean(ticks[motion.TICK_LIVE] == 0.0)), sqrt(float(np.mean(ticks[motion.TICK_W] ** 2)))
-    return [apart, rise, float(np.mean(ticks[motion.TICK_LOAD]))]
+    ticks = np.concatenate([block.ticks for block in blocks])[round(SETTLED / TICK_TIME) :]
+    apart, rise = float(np.mean(ticks["live"] == 0.0)), sqrt(float(np.mean(ticks["w"] ** 2)))
+    return [apart, rise, float(np.mean(ticks["load"]))]
 
 
 @pytest.mark.parametrize(("live", "speed"), [(0.5, 0.4), (0.5, 1.0), (3.0, 0.6)])

@@ -5,9 +5,9 @@ A block is a range of ticks. In it the motion decides where summits are touched 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from math import inf
-from typing import Any, Final
+from dataclasses import dataclass
+from math import inf, pi, sqrt
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,161 +16,183 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.rows import JunctionState
-from rubnoise.record.sink import Appender, Sink
-from rubnoise.simulation.block import RunSetup
-from rubnoise.simulation.free import contacts as held
-from rubnoise.simulation.free import motion as columns
-from rubnoise.simulation.free.fold import FreeContact, FreeRows, FreeRun, FreeState
-from rubnoise.simulation.free.scales import Scales
+from rubnoise.record.sink import Appender, Columns, Sink
+from rubnoise.simulation.free.contact_run import FreeContact, FreeRows, FreeRun
+from rubnoise.simulation.free.encounters import RoughSurface
 from rubnoise.simulation.state import State
 
-_NUMBER, _BIRTH, _DEATH, _OVERLAP, _SHARE = range(5)
-_ROWS: Final = 5
-"""Rows of a touch: its summit, begin and end (um; infinite outside the run), largest overlap (s_0), and share."""
+_TOUCH: Final = np.dtype(
+    [(name, np.float64) for name in ("birth", "death", "overlap", "share")] + [("number", np.int64)]
+)
+"""A touch: its begin and end (um; infinite outside the run), largest overlap (s_0), share, and the summit's number."""
 
 PlayTouches = Callable[[float, float, Doubles, Doubles], None]
 """Plays the touches of a block; called with its begin and end and those of each touch (um)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Past:
-    """What a block continues from: landmarks so far, touches that wait for older ones, the motion (None at first)."""
+class Scales:
+    """The units of free motion: c and s_0 in um, omega_c in 1/s, W in uN; N; and, in them, tick and v = V/(c omega_c).
 
-    landmarks: int = 0
-    waiting: Doubles = field(default_factory=lambda: np.empty((_ROWS, 0)))
-    motion: FreeState | None = None
-
-
-def next_free_state(run: RunSetup, free: FreeSeparation, state: State, play: PlayTouches | None = None) -> State:
-    """Play one block, write its rows, and return the state from which to continue.
-
-    ``play``: plays the touches as events, if given. Raises RubnoiseError if the motion cannot continue.
+    along: the unit of displacement along the surface, E[psi] A_rm/(m omega_c^2), in um; 1 without a slider.
     """
-    block = _Block(run.model, free, run.seed, run.sink, state)
-    after = block.played(play)
-    if run.watch is not None:
-        run.watch(float(after.ticks - 1) * run.model.tick, after.junctions, block.in_contact)
-    return after
 
+    length: float
+    height: float
+    rate: float
+    load: float
+    live: float
+    tick: float
+    speed: float
+    along: float
 
-class _Block:
-    """One block of a free run, from its state to its rows."""
-
-    def __init__(self, model: Model, free: FreeSeparation, seed: int, sink: Sink, state: State) -> None:
-        self._model, self._free, self._sink, self._state = model, free, sink, state
-        self._scales = Scales.of(model, free)
-        self._past = _Past() if state.motion is None else state.motion
-        equal = model.strengths is None or isinstance(model.strengths, Fixed)
-        contact = _contact(model, free, self._scales)
-        self._run = FreeRun(contact, seed, self._past.motion, None if equal else model.strengths)
-        self._length = self._run.surface.ticks
-        self._push = 0.0 if model.strengths is None else model.strengths.mean * model.mean_real_contact_area
-
-    def played(self, play: PlayTouches | None) -> State:
-        """Play the block and return the state after it."""
-        state, model = self._state, self._model
-        rows = next(self._run.through(model.tick_count))
-        self._write_ticks(rows)
-        touches, final = self._touches(rows), state.ticks + rows.ticks.shape[1] > model.tick_count
-        if play is not None:
-            self._among_events(play, touches, final=final)
-        known, waiting = self._known(touches, final=final)
-        self._write_junctions(known)
-        landmarks = self._write_landmarks(rows)
-        past = _Past(landmarks=landmarks, waiting=waiting, motion=self._run.state)
-        return State(
-            block=state.block + 1,
-            next_birth=self._origin(state.block + 1),
-            junctions=state.junctions + known.shape[1],
-            ticks=state.ticks + rows.ticks.shape[1],
-            motion=past,
+    @classmethod
+    def of(cls, model: Model, free: FreeSeparation) -> Self:
+        """Return the scales: c^2 = 4 A_rm/(pi N), omega_c^2 = W/(m s_0)."""
+        held, live, along = free.held, model.mean_junction_count, 1.0
+        length = sqrt(4.0 / pi * model.mean_real_contact_area / live)
+        rate = sqrt(held.load / held.height_scale / held.mass)
+        if model.slider is not None and model.strengths is not None:
+            along = model.strengths.mean * model.mean_real_contact_area / (model.slider.mass * rate * rate)
+        return cls(
+            length=length,
+            height=held.height_scale,
+            rate=rate,
+            load=held.load,
+            live=live,
+            tick=model.tick / length,
+            speed=(model.sliding_speed or 0.0) / (length * rate),
+            along=along,
         )
+
+    def surface(self, seed: int) -> RoughSurface:
+        """Return the surface over which the slider moves."""
+        return RoughSurface.of(self.live, seed, self.tick)
+
+    def contact(self, model: Model, free: FreeSeparation) -> FreeContact:
+        """Return the parameters of the motion."""
+        slider, growth = (0.0, 0.0, 0.0), free.impact_damping
+        if model.slider is not None:
+            mass = model.slider.mass * self.rate
+            spring = model.slider.stiffness / (mass * self.rate)
+            slider = model.slider.damping / mass, spring, model.equilibrium_displacement / self.along
+        return FreeContact(
+            live=self.live,
+            speed=self.speed,
+            tick=self.tick,
+            damping_ratio=0.5 * free.held.damping / (free.held.mass * self.rate),
+            restitution=free.restitution,
+            impact_damping=None if growth is None else growth * self.height * self.rate,
+            slider=slider,
+        )
+
+
+class FreeMotion:
+    """A free slider from the start of a run to its end, and the touches that wait for older ones."""
+
+    def __init__(
+        self, model: Model, free: FreeSeparation, seed: int, sink: Sink, play: PlayTouches | None = None
+    ) -> None:
+        """Begin; ``play``: plays the touches as events, if given."""
+        self._model, self._sink, self._play = model, sink, play
+        self._scales = Scales.of(model, free)
+        equal = model.strengths is None or isinstance(model.strengths, Fixed)
+        self._run = FreeRun(self._scales.contact(model, free), seed, None if equal else model.strengths)
+        self._blocks = self._run.through(model.tick_count)
+        self._waiting = np.empty(0, _TOUCH)
+        self._landmarks = Appender(sink, "landmarks", 0)
 
     @property
     def in_contact(self) -> int:
         """Number of summits in contact now."""
-        return self._run.state.contacts.shape[1]
+        return self._run.contacts.size
 
-    def _origin(self, block: int) -> float:
-        return float(block * self._length) * self._model.tick
+    def next_state(self, state: State) -> State:
+        """Play one block, write its rows, and return the state after it; raise RubnoiseError if it cannot go on."""
+        rows = next(self._blocks)
+        begin = float(rows.block * self._run.surface.ticks) * self._model.tick
+        end = float((rows.block + 1) * self._run.surface.ticks) * self._model.tick
+        ticks = state.ticks + rows.ticks.size
+        final = ticks > self._model.tick_count
+        self._write_ticks(rows, state.ticks)
+        touches = self._touches(rows, begin, end)
+        if self._play is not None:
+            stop = self._model.distance if final else end
+            order = np.lexsort((touches["number"], np.clip(touches["birth"], begin, stop)))
+            made, lost = (np.clip(touches[name][order], begin, stop) for name in ("birth", "death"))
+            self._play(begin, stop, made, lost)
+        known = self._known(touches, final=final)
+        self._write_junctions(known, state.junctions)
+        self._write_landmarks(rows, begin)
+        return State(block=state.block + 1, next_birth=end, junctions=state.junctions + known.size, ticks=ticks)
 
-    def _along(self, x: Any, u: Any) -> tuple[Any, Any]:
-        """Return displacement (um) and velocity (um/s) of the slider along the surface."""
+    def _along(self, x: Doubles, u: Doubles) -> dict[str, Doubles]:
+        """Return displacement (um) and velocity (um/s) along the surface; nothing without a slider."""
         if self._model.slider is None:
-            return 0.0, 0.0
-        unit = _along_unit(self._model, self._scales)
-        return unit * x, unit * self._scales.rate * u
+            return {}
+        return {"displacement": self._scales.along * x, "velocity": self._scales.along * self._scales.rate * u}
 
-    def _write_ticks(self, rows: FreeRows) -> None:
-        model, scales, first, ticks = self._model, self._scales, self._state.ticks, rows.ticks
-        distance = np.arange(first, first + ticks.shape[1]).astype(np.float64) * model.tick
-        live = ticks[columns.TICK_LIVE]
-        overlap = np.maximum(ticks[columns.TICK_OVERLAP], 0.0)  # rounding may make that of a new touch negative
+    def _write_ticks(self, rows: FreeRows, first: int) -> None:
+        model, scales, ticks = self._model, self._scales, rows.ticks
+        distance = np.arange(first, first + ticks.size).astype(np.float64) * model.tick
+        time, live = distance / (model.sliding_speed or 1.0), ticks["live"]
+        overlap = np.maximum(ticks["overlap"], 0.0)  # rounding may make that of a new touch negative
+        mean = np.full(live.size, np.nan)
+        np.divide(scales.height * scales.live * overlap, live, out=mean, where=live > 0.0)
         trace: dict[str, NDArray[Any]] = {
             "distance": distance,
             "real_contact_area": model.mean_real_contact_area * overlap,
             "junction_count": live.astype(np.uint32),
         }
-        force = self._push * np.maximum(ticks[columns.TICK_SHARED], 0.0)
-        if model.strengths is not None:
-            trace["friction_force"] = force
-        self._sink.write("trace", first, trace)
-        mean = np.full(live.size, np.nan)
-        np.divide(scales.height * scales.live * overlap, live, out=mean, where=live > 0.0)
-        time = distance / (model.sliding_speed or 1.0)
-        load = {
+        groups: dict[str, Columns] = {"trace": trace}
+        groups["load"] = {
             "time": time,
-            "separation": scales.height * ticks[columns.TICK_Z],
-            "velocity": scales.height * scales.rate * ticks[columns.TICK_W],
-            "load": scales.load * np.maximum(ticks[columns.TICK_LOAD], 0.0),
+            "separation": scales.height * ticks["z"],
+            "velocity": scales.height * scales.rate * ticks["w"],
+            "load": scales.load * np.maximum(ticks["load"], 0.0),
             "live_overlap": mean,
         }
-        self._sink.write("load", first, load)
+        if model.strengths is not None:
+            push = model.strengths.mean * model.mean_real_contact_area
+            trace["friction_force"] = push * np.maximum(ticks["shared"], 0.0)
         if model.slider is not None:
-            x, v = self._along(ticks[columns.TICK_X], ticks[columns.TICK_U])
-            moved = {"time": time, "distance": distance, "friction_force": force, "displacement": x, "velocity": v}
-            self._sink.write("slider", first, moved)
+            moved = {"time": time, "distance": distance, "friction_force": trace["friction_force"]}
+            groups["slider"] = moved | self._along(ticks["x"], ticks["u"])
+        for group, columns in groups.items():
+            self._sink.write(group, first, columns)
 
-    def _touches(self, rows: FreeRows) -> Doubles:
+    def _touches(self, rows: FreeRows, begin: float, end: float) -> NDArray[Any]:
         """Return the touches that ended in the block, and then those that have not ended."""
-        scales, ended, alive = self._scales, rows.touches, self._run.state.contacts
-        here, there = self._origin(self._state.block), self._origin(self._state.block + 1)
-        birth = [here + scales.length * ended[columns.TOUCH_MADE], there + scales.length * alive[held.MADE]]
-        death = [here + scales.length * ended[columns.TOUCH_LOST], np.full(alive.shape[1], inf)]
-        pairs = ((columns.TOUCH_NUMBER, held.NUMBER), (columns.TOUCH_LARGEST, held.LARGEST))
-        number, overlap = ([ended[mine], alive[other]] for mine, other in pairs)
-        share = [ended[columns.TOUCH_SHARE], alive[held.SHARE]]
-        return np.array([np.concatenate(each) for each in (number, birth, death, overlap, share)])
+        ended, alive, unit = rows.touches, self._run.contacts, self._scales.length
+        touches = np.empty(ended.size + alive.size, _TOUCH)
+        for name, there in (("number", "number"), ("overlap", "largest"), ("share", "share")):
+            touches[name] = np.concatenate([ended[there], alive[there]])
+        touches["birth"] = np.concatenate([begin + unit * ended["made"], end + unit * alive["made"]])
+        touches["death"] = np.concatenate([begin + unit * ended["lost"], np.full(alive.size, inf)])
+        return touches
 
-    def _among_events(self, play: PlayTouches, touches: Doubles, *, final: bool) -> None:
-        begin = self._origin(self._state.block)
-        end = self._model.distance if final else self._origin(self._state.block + 1)
-        made, lost = (np.clip(touches[each], begin, end) for each in (_BIRTH, _DEATH))
-        order = np.lexsort((touches[_NUMBER], made))
-        play(begin, end, made[order], lost[order])
-
-    def _known(self, touches: Doubles, *, final: bool) -> tuple[Doubles, Doubles]:
-        """Return the touches whose rows can be written, in order of birth, and the ended ones that must wait."""
-        rows = np.concatenate([self._past.waiting, touches], axis=1)
-        rows = rows[:, np.lexsort((rows[_NUMBER], rows[_BIRTH]))]
+    def _known(self, touches: NDArray[Any], *, final: bool) -> NDArray[Any]:
+        """Return the touches whose rows can be written, in order of birth, and keep the ended ones that must wait."""
+        rows = np.concatenate([self._waiting, touches])
+        rows = rows[np.lexsort((rows["number"], rows["birth"]))]
         if final:
-            return rows, rows[:, :0]
-        alive = np.isinf(rows[_DEATH])
-        oldest = rows[_BIRTH, alive].min(initial=inf)
-        known = rows[_BIRTH] < oldest
-        return rows[:, known], rows[:, ~known & ~alive]
+            return rows
+        alive = np.isinf(rows["death"])
+        known = rows["birth"] < rows["birth"][alive].min(initial=inf)
+        self._waiting = rows[~known & ~alive]
+        return rows[known]
 
-    def _write_junctions(self, rows: Doubles) -> None:
+    def _write_junctions(self, rows: NDArray[Any], first: int) -> None:
         """Write touches; those that reach beyond the run are cut at its begin or end."""
-        model, scales, first = self._model, self._scales, self._state.junctions
-        end = float(model.tick_count) * model.tick
-        at_start, at_end = np.isinf(rows[_BIRTH]), np.isinf(rows[_DEATH])
-        birth, death = np.where(at_start, 0.0, rows[_BIRTH]), np.where(at_end, end, rows[_DEATH])
+        model, scales = self._model, self._scales
+        at_start, at_end = np.isinf(rows["birth"]), np.isinf(rows["death"])
+        birth = np.where(at_start, 0.0, rows["birth"])
+        death = np.where(at_end, float(model.tick_count) * model.tick, rows["death"])
         state = at_start * int(JunctionState.ALIVE_AT_START) | at_end * int(JunctionState.ALIVE_AT_END)
-        overlap, speed = np.maximum(rows[_OVERLAP], 0.0), model.sliding_speed or 1.0
+        overlap, speed = np.maximum(rows["overlap"], 0.0), model.sliding_speed or 1.0
         found: dict[str, NDArray[Any]] = {
             "junction": np.arange(first, first + birth.size, dtype=np.int64),
-            "encounter": rows[_NUMBER].astype(np.int64),
+            "encounter": rows["number"],
             "birth_distance": birth,
             "death_distance": death,
             "life_distance": death - birth,
@@ -182,47 +204,17 @@ class _Block:
             "state": state.astype(np.uint8),
         }
         if model.strengths is not None:
-            found["shear_strength"] = model.strengths.mean * rows[_SHARE]
+            found["shear_strength"] = model.strengths.mean * rows["share"]
         self._sink.write("junctions", first, found)
 
-    def _write_landmarks(self, rows: FreeRows) -> int:
-        marks, scales = rows.marks, self._scales
-        appender = Appender(self._sink, "landmarks", self._past.landmarks)
-        distance = self._origin(self._state.block) + scales.length * marks[columns.MARK_PLACE]
+    def _write_landmarks(self, rows: FreeRows, begin: float) -> None:
+        marks, scales, first = rows.marks, self._scales, self._landmarks.rows
+        distance = begin + scales.length * marks["place"]
         found: dict[str, NDArray[Any]] = {
-            "landmark": appender.rows + np.arange(distance.size, dtype=np.int64),
+            "landmark": first + np.arange(distance.size, dtype=np.int64),
             "time": distance / (self._model.sliding_speed or 1.0),
             "distance": distance,
-            "kind": marks[columns.MARK_KIND].astype(np.uint8),
-            "impact_speed": scales.height * scales.rate * marks[columns.MARK_SPEED],
+            "kind": marks["kind"].astype(np.uint8),
+            "impact_speed": scales.height * scales.rate * marks["speed"],
         }
-        if self._model.slider is not None:
-            x, v = self._along(marks[columns.MARK_X], marks[columns.MARK_U])
-            found |= {"displacement": x, "velocity": v}
-        appender.append(found)
-        return appender.rows
-
-
-def _along_unit(model: Model, scales: Scales) -> float:
-    """Return the unit of displacement along the surface in um: E[psi] A_rm/(m omega_c^2)."""
-    if model.slider is None or model.strengths is None:
-        return 1.0
-    return model.strengths.mean * model.mean_real_contact_area / (model.slider.mass * scales.rate * scales.rate)
-
-
-def _contact(model: Model, free: FreeSeparation, scales: Scales) -> FreeContact:
-    slider = (0.0, 0.0, 0.0)
-    if model.slider is not None:
-        mass = model.slider.mass * scales.rate
-        spring = model.slider.stiffness / (mass * scales.rate)
-        slider = model.slider.damping / mass, spring, model.equilibrium_displacement / _along_unit(model, scales)
-    growth = free.impact_damping
-    return FreeContact(
-        live=scales.live,
-        speed=scales.speed,
-        tick=scales.tick,
-        damping_ratio=0.5 * free.held.damping / (free.held.mass * scales.rate),
-        restitution=free.restitution,
-        impact_damping=None if growth is None else growth * scales.height * scales.rate,
-        slider=slider,
-    )
+        self._landmarks.append(found | self._along(marks["x"], marks["u"]))

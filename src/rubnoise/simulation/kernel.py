@@ -22,7 +22,7 @@ on where a run is cut into ranges. Loops over places have one output and the pul
 takes several places at once; it may also fuse a product with a sum.
 """
 
-from functools import cache, partial
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -30,11 +30,9 @@ from numpy.polynomial.legendre import Legendre, legvander
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.compiling import compiled_bare
+from rubnoise.compiling import compiled, compiled_within
 from rubnoise.contact.pulses import Shape, half_life, lens_series, max_area
 from rubnoise.simulation.state import LiveRows
-
-compiled_fused: Final = partial(compiled_bare, fuse=True)
 
 LENS_SHAPE, TRIANGLE_SHAPE, PARABOLA_SHAPE, OFF_CENTRE_LENS = range(4)
 SHAPES: Final[dict[Shape, int]] = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE, "parabola": PARABOLA_SHAPE}
@@ -76,7 +74,7 @@ _OVER_ROOTS: Final = tuple(1.0 / (2.5 + n) for n in range(5))
 _OVER_WHOLE: Final = tuple(1.0 / (2.0 + n) for n in range(5))
 
 
-@compiled_fused
+@compiled_within
 def lens_area(u: float) -> float:
     """Return the area over d^2 of a lens, at the distance u <= 1 from the nearer end of its life over d."""
     value = LENS[-1]
@@ -85,7 +83,7 @@ def lens_area(u: float) -> float:
     return u * np.sqrt(u) * value
 
 
-@compiled_fused
+@compiled_within
 def area_over_square(shape: int, x: float, aside: float) -> float:
     """Return the area over d^2 at a distance x d from mid-life; 0 outside the life. aside: (b/d)^2."""
     if shape == OFF_CENTRE_LENS:
@@ -98,7 +96,7 @@ def area_over_square(shape: int, x: float, aside: float) -> float:
     return lens_area(u)
 
 
-@compiled_fused
+@compiled_within
 def _add_places(
     shape: int,
     places: Doubles,
@@ -124,7 +122,7 @@ def _add_places(
             total[k] += share * area_over_square(OFF_CENTRE_LENS, (places[k] - birth - half) * inverse, aside)
 
 
-@compiled_fused
+@compiled_within
 def first_at_or_after(place: float, spacing: float) -> int:
     """Return the smallest i with i * spacing >= place, as both are rounded."""
     index = int(np.ceil(place / spacing))
@@ -133,7 +131,7 @@ def first_at_or_after(place: float, spacing: float) -> int:
     return index + 1 if float(index) * spacing < place else index
 
 
-@compiled_fused
+@compiled
 def add_areas(shape: int, places: Doubles, origin: int, spacing: float, lives: Lives, total: Doubles) -> None:
     """Add all lives to the places (origin + k) * spacing."""
     birth, half, end, inverse, aside, weight = lives
@@ -144,7 +142,7 @@ def add_areas(shape: int, places: Doubles, origin: int, spacing: float, lives: L
         _add_places(shape, here, birth[row], half[row], inverse[row], aside[row], weight[row], found)
 
 
-@compiled_fused
+@compiled
 def add_cells(shape: int, places: Doubles, lives: Lives, values: Doubles, cells: Cells) -> None:
     """Add all lives to the values at the places within the cells, and what these miss of the moments."""
     origin, spacing, nodes, _, moments = cells
@@ -166,7 +164,7 @@ def add_cells(shape: int, places: Doubles, lives: Lives, values: Doubles, cells:
             _add_landmarks(shape, life, cells)
 
 
-@compiled_fused
+@compiled_within
 def _add_landmarks(shape: int, life: Life, cells: Cells) -> None:
     """Add what the values of a long life miss at its birth, its turn and its end."""
     birth, half, end, inverse, aside, weight = life
@@ -191,7 +189,7 @@ def _add_landmarks(shape: int, life: Life, cells: Cells) -> None:
         _add_rise(middle / spacing, 1, 0, (-2.0 * weight * width * slope, 0.0, 0.0), 1, cells)
 
 
-@compiled_fused
+@compiled_within
 def _series_of(shape: int, width: float, rise: float, aside: float, weight: float) -> Series:
     """Return how a life begins; cells of ``width`` and ``rise``, half the life, are over the diameter.
 
@@ -207,7 +205,7 @@ def _series_of(shape: int, width: float, rise: float, aside: float, weight: floa
     return scale * LENS[0], scale * width * second, scale * width * width * third
 
 
-@compiled_fused
+@compiled_within
 def _add_rise(place: float, way: int, roots: int, series: Series, reach: int, cells: Cells) -> None:
     """Add what the values of a series miss that begins at a place (in cells) and goes up (way 1) or down (-1).
 
@@ -240,7 +238,7 @@ def _add_rise(place: float, way: int, roots: int, series: Series, reach: int, ce
         x += 1.0
 
 
-@compiled_fused
+@compiled_within
 def _add_exactly(shape: int, first: int, stop: int, life: Life, cells: Cells) -> None:
     """Add what the values of a life miss in some cells: its moments by quadrature take their place."""
     origin, spacing, nodes, _, moments = cells
@@ -254,7 +252,7 @@ def _add_exactly(shape: int, first: int, stop: int, life: Life, cells: Cells) ->
         _add_moments(cell - origin, mean, slope, bend, moments)
 
 
-@compiled_fused
+@compiled_within
 def _quadrature(shape: int, low: float, high: float, life: Life) -> tuple[float, float, float]:
     """Return the moments of a life over a cell (um).
 
@@ -280,21 +278,21 @@ def _quadrature(shape: int, low: float, high: float, life: Life) -> tuple[float,
     return mean, slope, bend
 
 
-@compiled_fused
+@compiled_within
 def _without(value: float, k: int, cells: Cells, mean: float, slope: float, bend: float) -> tuple[float, float, float]:
     """Return moments without those of the value at the k-th place of a cell."""
     rule = cells[3]
     return mean - rule[0, k] * value, slope - rule[1, k] * value, bend - rule[2, k] * value
 
 
-@compiled_fused
+@compiled_within
 def _add_moments(cell: int, mean: float, slope: float, bend: float, moments: Doubles) -> None:
     moments[0, cell] += mean
     moments[1, cell] += slope
     moments[2, cell] += bend
 
 
-@compiled_fused
+@compiled
 def add_values(total: Doubles, values: Doubles, rule: Doubles, moments: Doubles) -> None:
     """Add the moments of the values at the edges of the cells and within them."""
     for i in range(3):
@@ -361,7 +359,7 @@ def count_live(first: int, end: int, spacing: float, birth: Doubles, departure: 
     return np.cumsum(change[:-1]).astype(np.uint32)
 
 
-@compiled_fused
+@compiled
 def count_changes(first: int, spacing: float, birth: Doubles, departure: Doubles, change: NDArray[np.int32]) -> None:
     """Add to each place how many lives begin there, less those that end."""
     last = len(change) - 1

@@ -12,7 +12,7 @@ from typing import Final, Literal
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.compiling import compiled_bare, fused
+from rubnoise.compiling import compiled
 from rubnoise.model import Model, Separation, Slider
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.area import Sample
@@ -147,7 +147,7 @@ _AT_ONCE: Final = 4096
 """Cells that are moved through at a time: what pushes in them stays in the processor's cache."""
 
 
-@compiled_bare
+@compiled
 def add_pushes(gains: Doubles, moments: Doubles, first: int, push: Doubles) -> None:
     """Add to ``push`` (2, some) what the moments (3, cells) from a cell on add to a position and its velocity."""
     end = first + push.shape[1]
@@ -158,7 +158,7 @@ def add_pushes(gains: Doubles, moments: Doubles, first: int, push: Doubles) -> N
             total[cell] += mean * means[cell] + slope * slopes[cell] + bend * bends[cell]
 
 
-@compiled_bare
+@compiled
 def advance(push: Doubles, transition: Doubles, first: int, states: Doubles) -> None:
     """Step a position and its velocity through cells from ``first`` on: states (2, cells + 1) are before the cells."""
     pushes, kicks = push[0], push[1]
@@ -167,8 +167,8 @@ def advance(push: Doubles, transition: Doubles, first: int, states: Doubles) -> 
     x_from_x, x_from_v, v_from_x, v_from_v = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
     for cell in range(len(pushes)):
         # Two short chains of operations for each, which the processor computes at the same time.
-        next_x = fused(x_from_x, x, x) + fused(x_from_v, v, pushes[cell])
-        v = fused(v_from_v, v, v) + fused(v_from_x, x, kicks[cell])
+        next_x = (x + x_from_x * x) + (pushes[cell] + x_from_v * v)
+        v = (v + v_from_v * v) + (kicks[cell] + v_from_x * x)
         x = next_x
         positions[cell + 1] = x
         velocities[cell + 1] = v

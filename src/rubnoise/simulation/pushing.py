@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.compiling import compiled_within
+from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.simulation.force_cells import ForceCells, expand, force_at, work_over
-from rubnoise.simulation.kernel import compiled_fused
 
 Records = NDArray[Any]
 """An array of records: STATE, ROW or MARK."""
@@ -355,7 +354,7 @@ def slip(
     return True
 
 
-@compiled_fused
+@compiled
 def advance(
     state: Records,
     drive: Drive,

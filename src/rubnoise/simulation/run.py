@@ -66,10 +66,17 @@ def simulate(
 
 
 def _free_step(run: RunSetup, free: FreeSeparation, engine: Engine) -> Callable[[State], State]:
-    from rubnoise.simulation.free_motion import next_free_state  # takes long to load, and few runs need it
+    from rubnoise.simulation.free_motion import FreeMotion  # takes long to load, and few runs need it
 
-    play = play_touches if engine == "events" else None
-    return lambda state: next_free_state(run, free, state, play)
+    motion = FreeMotion(run.model, free, run.seed, run.sink, play_touches if engine == "events" else None)
+
+    def step(state: State) -> State:
+        after = motion.next_state(state)
+        if run.watch is not None:
+            run.watch(float(after.ticks - 1) * run.model.tick, after.junctions, motion.in_contact)
+        return after
+
+    return step
 
 
 @contextmanager

@@ -83,8 +83,7 @@ class State:
     """The state of a run between two blocks; at first no rows and no ticks are finished.
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
-    far; ticks: ticks finished so far; live: the rows that are carried; motion: what moves, at the last tick, None
-    before the first block.
+    far; ticks: ticks finished so far; live: the rows that are carried.
     """
 
     block: int = 0
@@ -92,7 +91,6 @@ class State:
     junctions: int = 0
     ticks: int = 0
     live: LiveRows = field(default_factory=LiveRows.none)
-    motion: Any = None
 
     @property
     def begin(self) -> float:

@@ -15,8 +15,7 @@ of an overlap. With ``restitution`` e, k_i is 1 while the overlap grows and e^2 
 `series`         power series of a step, and the first time at which something reaches 0 in it
 `contacts`       sums over the encounters in contact, and what happens where an overlap stops growing
 `motion`         from event to event through a block, compiled
-`scales`         these units for a model
-`fold`           a run, block by block: state in, rows out, and a state that can be stored
+`contact_run`    the motion block by block, and its rows
 ===============  =======================================================================================
 
 Steps end at events and at borders of blocks, never at a tick. No bit of the motion depends on the number of layers of

@@ -1,36 +1,16 @@
 """From event to event through a block: contact made and lost, overlaps that stop growing, and the rows written."""
 
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.compiling import compiled_bare
+from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.free.contacts import (
-    COLUMNS,
-    DRAG,
-    GROWTH,
-    HEIGHT,
-    IMPACT_DAMPING,
-    LARGEST,
-    LAW,
-    MADE,
-    NUMBER,
-    OWN_DRAG,
-    OWN_SPRING,
-    PER_LIVE,
-    PLACE,
-    SHARE,
-    SPEED,
-    TICK,
-    UNLOADED,
-    WEIGHT,
-    S,
-    U,
-    W,
-    X,
-    Z,
+    Law,
+    Records,
+    Sums,
     add_up,
     load_of,
     overlap_of,
@@ -51,15 +31,32 @@ from rubnoise.simulation.free.series import (
     value,
 )
 
-COUNT, SLIDING, FRESH, NEXT, LISTED, NEXT_TICK, TOUCHES, MARKS, STEPS, IDLE = range(10)
-"""Whole numbers: number of encounters in contact; the one that slides along its step, and the one that has just turned
-(-1: none); the next encounter of the pool to be listed, and the number listed; the next tick; rows of touches and of
-marks; steps, and how many of the latest took no time."""
-WHOLE: Final = 10
+STATE: Final = np.dtype(
+    [(name, np.float64) for name in ("s", "z", "w", "x", "u")]
+    + [
+        (name, np.int64)
+        for name in ("count", "sliding", "fresh", "next", "listed", "tick", "touches", "marks", "steps", "idle")
+    ]
+)
+"""Place from the origin of the block (c), z, z', and x, x' of the slider along the surface; number of encounters in
+contact; the one that slides along its step, and the one that has just turned (-1: none); the next encounter of the pool
+to be listed, and the number listed; the next tick; rows of touches and of marks; steps, and how many of the latest took
+no time."""
 
-POOL_PLACE, POOL_HEIGHT, POOL_SHARE, POOL_NUMBER, ENTRY, LEAVE = range(6)
-"""Rows of the pool: encounters in order of the place from which a slider at the bottom would touch them (c)."""
-POOL: Final = 6
+SUMMIT: Final = np.dtype(
+    [(name, np.float64) for name in ("place", "height", "share", "entry", "leave")]
+    + [("number", np.int64), ("touching", np.int64)]
+)
+"""An encounter of the pool: entry and leave are the places (c) between which a slider at the bottom touches it."""
+
+TICK: Final = np.dtype([(name, np.float64) for name in ("z", "w", "load", "overlap", "shared", "live", "x", "u")])
+"""The motion at a tick, P, sum of overlaps and of overlaps weighted by strength over N, and how many are in contact."""
+
+TOUCH: Final = np.dtype([(name, np.float64) for name in ("made", "lost", "largest", "share")] + [("number", np.int64)])
+"""From contact made to contact lost."""
+
+MARK: Final = np.dtype([(name, np.float64) for name in ("place", "speed", "x", "u")] + [("kind", np.int64)])
+"""Where the last contact was lost or the first was made."""
 
 REACH: Final = 2.0
 """Largest distance of a step (c); encounters are listed that far ahead."""
@@ -68,133 +65,141 @@ DONE, FULL, DEEPER, LOST = range(4)
 """Why `advance` returned: the end was reached; space ran out; the separation would fall below the pool's bottom; the
 motion stands still."""
 
-TOUCH_NUMBER, TOUCH_MADE, TOUCH_LOST, TOUCH_LARGEST, TOUCH_HEIGHT, TOUCH_SHARE = range(6)
-TOUCH_COLUMNS: Final = 6
-MARK_PLACE, MARK_KIND, MARK_SPEED, MARK_X, MARK_U = range(5)
-MARK_COLUMNS: Final = 5
-TICK_Z, TICK_W, TICK_LOAD, TICK_OVERLAP, TICK_SHARED, TICK_LIVE, TICK_X, TICK_U = range(8)
-TICK_COLUMNS: Final = 8
-
 CONTACT_LOST, CONTACT_MADE = map(int, ContactKind)
-
-WORK_SERIES, WORK_PUSHED, WORK_SUMS, WORK_SHARES, WORK_POWERS = (
-    0,
-    ORDER + 1,
-    2 * (ORDER + 1),
-    2 * ORDER + 6,
-    2 * ORDER + 10,
-)
-WORK: Final = 2 * ORDER + 14
 
 _NOTHING, _TOUCH, _BREAK, _TURN, _SLID = range(5)
 _MOST_IDLE: Final = 1000
 _CLEAR: Final = 1e-13
 
 
-@compiled_bare
+class Surface(NamedTuple):
+    """The pool of a block in order of entry, memory for the numbers of those near, and its lowest height."""
+
+    pool: Records
+    listed: Integers
+    bottom: float
+
+
+class Goal(NamedTuple):
+    """Where the motion ends (c, from the block's origin), before which tick rows end, and their distance (c)."""
+
+    place: float
+    ticks: int
+    tick: float
+
+
+class Output(NamedTuple):
+    """Rows of ticks, touches and marks."""
+
+    ticks: Records
+    touches: Records
+    marks: Records
+
+
+class Series(NamedTuple):
+    """Powers of time in a step, of z and of x, and the sums that they are made of."""
+
+    z: Doubles
+    x: Doubles
+    sums: Sums
+
+
+def series_in_memory() -> Series:
+    """Return memory for the series of a step."""
+    return Series(np.zeros(ORDER + 1), np.zeros(ORDER + 1), Sums(np.zeros(4), np.zeros(4), np.zeros(4)))
+
+
+@compiled_within
 def _sample(
-    contacts: Doubles,
-    whole: Integers,
-    s: float,
-    motion: tuple[float, float, float, float],
-    constants: Doubles,
-    ticks: Doubles,
+    now: Any, contacts: Records, s: float, moved: tuple[float, float, float, float], law: Law, ticks: Records
 ) -> None:
     """Write the row of the next tick, at which the slider is at s with z, z', x, x'."""
-    z, w, x, u = motion
-    n = whole[NEXT_TICK]
-    load, overlap, shared = load_of(contacts, whole[COUNT], whole[SLIDING], s, z, w, constants)
-    ticks[TICK_Z, n], ticks[TICK_W, n] = z, w
-    ticks[TICK_LOAD, n], ticks[TICK_OVERLAP, n], ticks[TICK_SHARED, n] = load, overlap, shared
-    ticks[TICK_LIVE, n] = float(whole[COUNT])
-    ticks[TICK_X, n], ticks[TICK_U, n] = x, u
-    whole[NEXT_TICK] += 1
+    row = ticks[now.tick]
+    row.z, row.w, row.x, row.u = moved
+    row.load, row.overlap, row.shared = load_of(contacts, now.count, now.sliding, s, row.z, row.w, law)
+    row.live = float(now.count)
+    now.tick += 1
 
 
-@compiled_bare
-def _mark(whole: Integers, marks: Doubles, kind: int, speed: float, numbers: Doubles) -> None:
-    n = whole[MARKS]
-    marks[MARK_PLACE, n], marks[MARK_KIND, n], marks[MARK_SPEED, n] = numbers[S], float(kind), speed
-    marks[MARK_X, n], marks[MARK_U, n] = numbers[X], numbers[U]
-    whole[MARKS] += 1
+@compiled_within
+def _mark(now: Any, marks: Records, kind: int, speed: float) -> None:
+    row = marks[now.marks]
+    row.place, row.kind, row.speed, row.x, row.u = now.s, kind, speed, now.x, now.u
+    now.marks += 1
 
 
-@compiled_bare
-def _touch(whole: Integers, contacts: Doubles, pool: Doubles, which: int, numbers: Doubles) -> None:
+@compiled_within
+def _touch(now: Any, contacts: Records, summit: Any) -> None:
     """Move an encounter of the pool, whose overlap is 0 and grows, into contact."""
-    n = whole[COUNT]
-    contacts[PLACE, n], contacts[HEIGHT, n] = pool[POOL_PLACE, which], pool[POOL_HEIGHT, which]
-    contacts[SHARE, n], contacts[NUMBER, n] = pool[POOL_SHARE, which], pool[POOL_NUMBER, which]
-    contacts[WEIGHT, n], contacts[MADE, n], contacts[LARGEST, n] = 1.0, numbers[S], 0.0
-    whole[COUNT] += 1
+    made = contacts[now.count]
+    made.place, made.height, made.share, made.number = summit.place, summit.height, summit.share, summit.number
+    made.weight, made.made, made.largest = 1.0, now.s, 0.0
+    summit.touching = 1
+    now.count += 1
 
 
-@compiled_bare
-def _break(whole: Integers, contacts: Doubles, which: int, place: float, touches: Doubles) -> None:
+@compiled_within
+def _break(now: Any, contacts: Records, which: int, surface: Surface, touches: Records) -> None:
     """Write the row of a touch that ends, and remove its encounter from those in contact."""
-    row = whole[TOUCHES]
-    touches[TOUCH_NUMBER, row], touches[TOUCH_MADE, row] = contacts[NUMBER, which], contacts[MADE, which]
-    touches[TOUCH_LOST, row], touches[TOUCH_LARGEST, row] = place, contacts[LARGEST, which]
-    touches[TOUCH_HEIGHT, row], touches[TOUCH_SHARE, row] = contacts[HEIGHT, which], contacts[SHARE, which]
-    whole[TOUCHES] += 1
-    whole[COUNT] -= 1
-    for n in range(which, whole[COUNT]):
-        for column in range(COLUMNS):
-            contacts[column, n] = contacts[column, n + 1]
-    for kept in (SLIDING, FRESH):
-        if whole[kept] == which:
-            whole[kept] = -1
-        elif whole[kept] > which:
-            whole[kept] -= 1
+    row, lost = touches[now.touches], contacts[which]
+    row.number, row.made, row.lost, row.largest, row.share = lost.number, lost.made, now.s, lost.largest, lost.share
+    for n in range(now.listed):
+        if surface.pool[surface.listed[n]].number == lost.number:
+            surface.pool[surface.listed[n]].touching = 0
+    now.touches += 1
+    now.count -= 1
+    for n in range(which, now.count):
+        contacts[n] = contacts[n + 1]
+    now.sliding = _without(now.sliding, which)
+    now.fresh = _without(now.fresh, which)
 
 
-@compiled_bare
-def _list(whole: Integers, pool: Doubles, touching: Any, listed: Any, s: float) -> None:
+@compiled_within
+def _without(kept: int, which: int) -> int:
+    """Return the new place of an encounter if another is removed; -1 if it is that one."""
+    if kept == which:
+        return -1
+    return kept - 1 if kept > which else kept
+
+
+@compiled_within
+def _list(now: Any, surface: Surface) -> None:
     """List the encounters that a step may reach, and remove those behind."""
-    kept = 0
-    for n in range(whole[LISTED]):
-        which = listed[n]
-        if touching[which] or pool[LEAVE, which] >= s:
-            listed[kept] = which
+    kept, pool = 0, surface.pool
+    for n in range(now.listed):
+        which = surface.listed[n]
+        if pool[which].touching or pool[which].leave >= now.s:
+            surface.listed[kept] = which
             kept += 1
-    while whole[NEXT] < pool.shape[1] and pool[ENTRY, whole[NEXT]] <= s + REACH:
-        listed[kept] = whole[NEXT]
+    while now.next < len(pool) and pool[now.next].entry <= now.s + REACH:
+        surface.listed[kept] = now.next
         kept += 1
-        whole[NEXT] += 1
-    whole[LISTED] = kept
+        now.next += 1
+    now.listed = kept
 
 
-@compiled_bare
-def _prepare(
-    numbers: Doubles, whole: Integers, constants: Doubles, contacts: Doubles, longest: float, work: Doubles
-) -> float:
+@compiled_within
+def _prepare(now: Any, law: Law, contacts: Records, longest: float, series: Series) -> float:
     """Fill the series of a step and return the step's largest duration, at most ``longest``."""
-    series, pushed = work[WORK_SERIES : WORK_SERIES + ORDER + 1], work[WORK_PUSHED : WORK_PUSHED + ORDER + 1]
-    sums, shares = work[WORK_SUMS : WORK_SUMS + 4], work[WORK_SHARES : WORK_SHARES + 4]
-    powers = work[WORK_POWERS : WORK_POWERS + 4]
-    speed, per_live, drag = constants[SPEED], constants[PER_LIVE], constants[DRAG]
-    growth = constants[GROWTH] if constants[LAW] == IMPACT_DAMPING else 0.0
-    s, z, w = numbers[S], numbers[Z], numbers[W]
-    add_up(contacts, whole[COUNT], s, z, speed, growth, sums, shares, powers)
-    step = longest
-    if whole[SLIDING] >= 0:
-        for n in range(ORDER + 1):
-            series[n] = 0.0
-        series[1], series[2] = w, -speed * speed
+    sums, step = series.sums, longest
+    add_up(contacts, now.count, now.s, now.z, law, sums)
+    if now.sliding >= 0:
+        series.z[:] = 0.0
+        series.z[1], series.z[2] = now.w, -law.speed * law.speed
     else:
-        motion_series(w, sums, powers, per_live, drag, growth, series)
-        damped = drag + growth * per_live * max(sums[0], 0.0)
-        step = min(step, 2.0 * TURN / (damped + np.sqrt(damped * damped + 4.0 * per_live * sums[3]) + 1e-300))
-        step = shortened(series, step)
-    if constants[OWN_SPRING] > 0.0:
-        own, spring = constants[OWN_DRAG], constants[OWN_SPRING]
-        pushed_series(numbers[X], numbers[U], shares, per_live, own, spring, series, pushed)
-        step = min(step, 2.0 * TURN / (own + np.sqrt(own * own + 4.0 * spring)))
-        step = shortened(pushed, step)
+        motion_series(now.w, sums.loads, sums.powers, law.per_live, law.drag, law.growth, series.z)
+        damped = law.drag + law.growth * law.per_live * max(sums.loads[0], 0.0)
+        step = min(step, 2.0 * TURN / (damped + np.sqrt(damped * damped + 4.0 * law.per_live * sums.loads[3]) + 1e-300))
+        step = shortened(series.z, step)
+    if law.own_spring > 0.0:
+        pushed_series(now.x, now.u, sums.shares, law.per_live, law.own_drag, law.own_spring, series.z, series.x)
+        own = law.own_drag
+        step = min(step, 2.0 * TURN / (own + np.sqrt(own * own + 4.0 * law.own_spring)))
+        step = shortened(series.x, step)
     return step
 
 
-@compiled_bare
+@compiled_within
 def _begin_fresh(f_slope: float, f_bend: float, third: float, fourth: float, step: float) -> float:
     """Return the time before which the rate of an overlap that has just turned cannot be 0 again."""
     begin = 1e-9 * step
@@ -205,180 +210,200 @@ def _begin_fresh(f_slope: float, f_bend: float, third: float, fourth: float, ste
     return begin
 
 
-@compiled_bare
-def _next_event(  # noqa: C901, PLR0912  (two loops of compiled code, which share the time found so far)
-    numbers: Doubles,
-    whole: Integers,
-    constants: Doubles,
-    contacts: Doubles,
-    pool: Doubles,
-    touching: Any,
-    listed: Any,
-    bottom: float,
-    step: float,
-    series: Doubles,
-) -> tuple[int, int, float]:
-    """Return the first event in a step, its encounter, and its time; -1 if the pool is not deep enough."""
-    s, z, w, speed = numbers[S], numbers[Z], numbers[W], constants[SPEED]
-    least, most, third, fourth = bounds(series, step)
-    event, which, when = _NOTHING, -1, step
-    bend = -least - 2.0 * speed * speed
-    for n in range(whole[LISTED]):
-        i = listed[n]
-        if touching[i]:
+@compiled_within
+def _first_touch(now: Any, law: Law, surface: Surface, bend: float, series: Doubles, step: float) -> tuple[int, float]:
+    """Return which encounter is touched first within a step, -1 if none is, and when."""
+    which, when = -1, step
+    for n in range(now.listed):
+        summit = surface.pool[surface.listed[n]]
+        if summit.touching:
             continue
-        ahead = pool[POOL_PLACE, i] - s
-        overlap = pool[POOL_HEIGHT, i] - ahead * ahead - z
-        slope = 2.0 * speed * ahead - w
+        ahead = summit.place - now.s
+        overlap, slope = summit.height - ahead * ahead - now.z, 2.0 * law.speed * ahead - now.w
         if overlap + max(slope, 0.0) * when + 0.5 * max(bend, 0.0) * when * when < 0.0:
             continue
-        time = overlap_zero(overlap, ahead, speed, 1.0, bend, series, when)
+        time = overlap_zero(overlap, ahead, law.speed, 1.0, bend, series, when)
         if time < when:
-            event, which, when = _TOUCH, i, time
-    turns = constants[LAW] == IMPACT_DAMPING or constants[UNLOADED] < 1.0
-    level = -1.0 / constants[GROWTH] if constants[LAW] == IMPACT_DAMPING else 0.0
-    bend = most + 2.0 * speed * speed
-    for n in range(whole[COUNT]):
-        if n == whole[SLIDING]:
+            which, when = surface.listed[n], time
+    return which, when
+
+
+@compiled_within
+def _first_break(now: Any, law: Law, contacts: Records, bend: float, series: Doubles, step: float) -> tuple[int, float]:
+    """Return which contact is lost first within a step, -1 if none is, and when."""
+    which, when = -1, step
+    for n in range(now.count):
+        ahead, overlap = contacts[n].place - now.s, overlap_of(contacts[n], now.s, now.z)
+        slope = rate_of(contacts[n], now.s, now.w, law.speed)
+        if n == now.sliding or overlap + min(slope, 0.0) * when - 0.5 * max(bend, 0.0) * when * when > 0.0:
             continue
-        ahead = contacts[PLACE, n] - s
-        overlap = overlap_of(contacts, n, s, z)
-        slope = 2.0 * speed * ahead - w
-        if overlap + min(slope, 0.0) * when - 0.5 * max(bend, 0.0) * when * when <= 0.0:
-            time = overlap_zero(overlap, ahead, speed, -1.0, bend, series, when)
-            if time < when:
-                event, which, when = _BREAK, n, time
-        if not turns or whole[SLIDING] >= 0:
-            continue
-        way = -1.0 if contacts[WEIGHT, n] == 1.0 else 1.0
-        begin, f = 0.0, way * (slope - level)
-        f_slope = -way * (2.0 * speed * speed + 2.0 * series[2])
-        if n == whole[FRESH]:
-            if f < -_CLEAR * (abs(w) + 2.0 * speed * abs(ahead)):
-                whole[FRESH] = -1
+        time = overlap_zero(overlap, ahead, law.speed, -1.0, bend, series, when)
+        if time < when:
+            which, when = n, time
+    return which, when
+
+
+@compiled_within
+def _first_turn(
+    now: Any, law: Law, contacts: Records, limits: tuple[float, float], series: Doubles, step: float, until: float
+) -> tuple[int, float]:
+    """Return which overlap stops growing or shrinking first before a time in a step, -1 if none does, and when.
+
+    limits: bounds of |z'''| and |z''''| within the step.
+    """
+    which, when, (third, fourth) = -1, until, limits
+    level = -1.0 / law.growth if law.growth > 0.0 else 0.0
+    if now.sliding >= 0 or (law.growth == 0.0 and law.unloaded >= 1.0):
+        return which, when
+    for n in range(now.count):
+        ahead, way = contacts[n].place - now.s, -1.0 if contacts[n].weight == 1.0 else 1.0
+        begin, f = 0.0, way * (2.0 * law.speed * ahead - now.w - level)
+        f_slope = -way * (2.0 * law.speed * law.speed + 2.0 * series[2])
+        if n == now.fresh:
+            if f < -_CLEAR * (abs(now.w) + 2.0 * law.speed * abs(ahead)):
+                now.fresh = -1
             else:
                 begin = _begin_fresh(f_slope, -6.0 * way * series[3], third, fourth, step)
         if begin == 0.0 and f + max(f_slope, 0.0) * when + 0.5 * third * when * when < 0.0:
             continue
-        time = rate_zero(ahead, level, speed, way, third, begin, series, when)
+        time = rate_zero(ahead, level, law.speed, way, third, begin, series, when)
         if time < when:
-            event, which, when = _TURN, n, time
-    if z + min(w, 0.0) * when + 0.5 * min(least, 0.0) * when * when <= bottom and (
+            which, when = n, time
+    return which, when
+
+
+@compiled_within
+def _next_event(
+    now: Any, law: Law, contacts: Records, surface: Surface, step: float, series: Doubles
+) -> tuple[int, int, float]:
+    """Return the first event in a step, its encounter, and its time; -1 if the pool is not deep enough."""
+    least, most, third, fourth = bounds(series, step)
+    square, event = 2.0 * law.speed * law.speed, _NOTHING
+    which, when = _first_touch(now, law, surface, -least - square, series, step)
+    if which >= 0:
+        event = _TOUCH
+    lost, at = _first_break(now, law, contacts, most + square, series, when)
+    if lost >= 0:
+        event, which, when = _BREAK, lost, at
+    other, at = _first_turn(now, law, contacts, (third, fourth), series, step, when)
+    if other >= 0:
+        event, which, when = _TURN, other, at
+    z, bottom = now.z, surface.bottom
+    if z + min(now.w, 0.0) * when + 0.5 * min(least, 0.0) * when * when <= bottom and (
         z <= bottom or overlap_zero(bottom - z, 0.0, 0.0, 1.0, -least, series, when) < np.inf
     ):
         return -1, -1, 0.0
     return event, which, when
 
 
-@compiled_bare
-def _note_largest(
-    numbers: Doubles, count: int, speed: float, contacts: Doubles, third: float, series: Doubles, when: float
-) -> None:
+@compiled_within
+def _note_largest(now: Any, law: Law, contacts: Records, third: float, series: Doubles, when: float) -> None:
     """Update the largest overlap of each encounter in contact, also if it stops growing within the step."""
-    s, z, w = numbers[S], numbers[Z], numbers[W]
-    for n in range(count):
-        ahead = contacts[PLACE, n] - s
-        first = 2.0 * speed * ahead - w
+    speed = law.speed
+    for n in range(now.count):
+        ahead = contacts[n].place - now.s
+        first = 2.0 * speed * ahead - now.w
         last = 2.0 * speed * (ahead - speed * when) - rate(series, when)
         time = when
         if first > 0.0 and last < 0.0:
             time = min(rate_zero(ahead, 0.0, speed, -1.0, third, 0.0, series, when), when)
-        overlap = overlap_of(contacts, n, s, z) + speed * time * (2.0 * ahead - speed * time) - value(series, time)
-        contacts[LARGEST, n] = max(contacts[LARGEST, n], overlap)
+        overlap = overlap_of(contacts[n], now.s, now.z) + speed * time * (2.0 * ahead - speed * time)
+        contacts[n].largest = max(contacts[n].largest, overlap - value(series, time))
 
 
-@compiled_bare
-def advance(  # noqa: C901, PLR0912, PLR0915  (one loop of compiled code: read from above, a step is a story)
-    numbers: Doubles,
-    whole: Integers,
-    constants: Doubles,
-    contacts: Doubles,
-    pool: Doubles,
-    touching: Any,
-    listed: Any,
-    bottom: float,
-    end: float,
-    end_tick: int,
-    out: tuple[Doubles, Doubles, Doubles],
-    work: Doubles,
+@compiled_within
+def _follow(
+    now: Any, law: Law, contacts: Records, surface: Surface, event: int, which: int, after: float, out: Output
+) -> None:
+    """Change what an event changes: who is in contact, and with which weight."""
+    if event == _TOUCH:
+        summit = surface.pool[which]
+        if now.count == 0:
+            _mark(now, out.marks, CONTACT_MADE, 2.0 * law.speed * (summit.place - now.s) - now.w)
+        _touch(now, contacts, summit)
+    elif event == _BREAK:
+        left = -rate_of(contacts[which], now.s, now.w, law.speed)
+        _break(now, contacts, which, surface, out.touches)
+        if now.count == 0:
+            _mark(now, out.marks, CONTACT_LOST, left)
+    elif event == _SLID:
+        contacts[which].weight = after
+        now.fresh, now.sliding = which, -1
+    elif event == _TURN:
+        weight = 1.0 - contacts[which].weight
+        if law.growth == 0.0:
+            weight = turned(contacts, now.count, which, now.s, now.z, now.w, law)
+        if weight < 0.0:
+            now.sliding, now.fresh = which, -1
+            now.w = 2.0 * law.speed * (contacts[which].place - now.s)
+        else:
+            contacts[which].weight = weight
+            now.fresh = which
+
+
+@compiled_within
+def _write_ticks(
+    now: Any, law: Law, contacts: Records, goal: Goal, place: float, when: float, ticks: Records, series: Series
+) -> None:
+    """Write the ticks up to a place that a step reaches after a time."""
+    while now.tick < goal.ticks and now.tick * goal.tick <= place:
+        at, x, u = now.tick * goal.tick, now.x, now.u
+        time = min(max((at - now.s) / law.speed, 0.0), when)
+        if law.own_spring > 0.0:
+            x, u = value(series.x, time), rate(series.x, time)
+        _sample(now, contacts, at, (now.z + value(series.z, time), rate(series.z, time), x, u), law, ticks)
+
+
+@compiled_within
+def _step(now: Any, law: Law, contacts: Records, surface: Surface, goal: Goal, out: Output, series: Series) -> bool:
+    """Move to the next event; return False, and do not move, if the pool is not deep enough."""
+    _list(now, surface)
+    longest = min(goal.place - now.s, REACH) / law.speed
+    step = _prepare(now, law, contacts, longest, series)
+    slid, after = np.inf, 1.0
+    if now.sliding >= 0:
+        slid, after = slides_until(contacts, now.count, now.sliding, now.s, now.z, now.w, law)
+        step = min(step, slid)
+    event, which, when = _NOTHING, -1, step
+    if step > 0.0:
+        event, which, when = _next_event(now, law, contacts, surface, step, series.z)
+        if event < 0:
+            return False
+        _note_largest(now, law, contacts, bounds(series.z, step)[2], series.z, when)
+    if event == _NOTHING and when == slid:
+        event, which = _SLID, now.sliding
+    now.idle = 0 if when > 0.0 else now.idle + 1
+    now.steps += 1
+    place = now.s + law.speed * when
+    if event == _NOTHING and when == longest and goal.place - now.s <= REACH:
+        place = goal.place
+    _write_ticks(now, law, contacts, goal, place, when, out.ticks, series)
+    now.s, now.z, now.w = place, now.z + value(series.z, when), rate(series.z, when)
+    if law.own_spring > 0.0:
+        now.x, now.u = value(series.x, when), rate(series.x, when)
+    if now.sliding >= 0:
+        now.w = 2.0 * law.speed * (contacts[now.sliding].place - place)
+    _follow(now, law, contacts, surface, event, which, after, out)
+    return True
+
+
+@compiled
+def advance(
+    state: Records, law: Law, contacts: Records, surface: Surface, goal: Goal, out: Output, series: Series
 ) -> int:
-    """Move to the place ``end`` (c from the block's origin), and write the ticks before ``end_tick``.
+    """Move to the goal, and write the ticks before it; state (1,) and the contacts are changed in place.
 
     Return DONE, or the reason for stopping earlier; the state is then that of the last event.
     """
-    ticks, touches, marks = out
-    series, pushed = work[WORK_SERIES : WORK_SERIES + ORDER + 1], work[WORK_PUSHED : WORK_PUSHED + ORDER + 1]
-    speed, tick = constants[SPEED], constants[TICK]
-    while numbers[S] < end:
-        room = min(touches.shape[1] - whole[TOUCHES], marks.shape[1] - whole[MARKS])
-        if min(room, contacts.shape[1] - whole[COUNT]) < 2:
+    now = state[0]
+    while now.s < goal.place:
+        room = min(len(out.touches) - now.touches, len(out.marks) - now.marks, len(contacts) - now.count)
+        if room < 2:
             return FULL
-        if whole[IDLE] > _MOST_IDLE:
+        if now.idle > _MOST_IDLE:
             return LOST
-        s, z, w = numbers[S], numbers[Z], numbers[W]
-        _list(whole, pool, touching, listed, s)
-        longest = min(end - s, REACH) / speed
-        step = _prepare(numbers, whole, constants, contacts, longest, work)
-        slid, after = np.inf, 1.0
-        if whole[SLIDING] >= 0:
-            slid, after = slides_until(contacts, whole[COUNT], whole[SLIDING], s, z, w, constants)
-            step = min(step, slid)
-        event, which, when = _NOTHING, -1, step
-        if step > 0.0:
-            event, which, when = _next_event(
-                numbers, whole, constants, contacts, pool, touching, listed, bottom, step, series
-            )
-            if event < 0:
-                return DEEPER
-            _, _, third, _ = bounds(series, step)
-            _note_largest(numbers, whole[COUNT], speed, contacts, third, series, when)
-        if event == _NOTHING and when == slid:
-            event, which = _SLID, whole[SLIDING]
-        whole[IDLE] = 0 if when > 0.0 else whole[IDLE] + 1
-        whole[STEPS] += 1
-        place = s + speed * when
-        if event == _NOTHING and when == longest and end - s <= REACH:
-            place = end
-        while whole[NEXT_TICK] < end_tick and float(whole[NEXT_TICK]) * tick <= place:
-            at = float(whole[NEXT_TICK]) * tick
-            time = min(max((at - s) / speed, 0.0), when)
-            moved = (z + value(series, time), rate(series, time), numbers[X], numbers[U])
-            if constants[OWN_SPRING] > 0.0:
-                moved = (moved[0], moved[1], value(pushed, time), rate(pushed, time))
-            _sample(contacts, whole, at, moved, constants, ticks)
-        numbers[S], numbers[Z], numbers[W] = place, z + value(series, when), rate(series, when)
-        if constants[OWN_SPRING] > 0.0:
-            numbers[X], numbers[U] = value(pushed, when), rate(pushed, when)
-        if whole[SLIDING] >= 0:
-            numbers[W] = 2.0 * speed * (contacts[PLACE, whole[SLIDING]] - place)
-        if event == _TOUCH:
-            if whole[COUNT] == 0:
-                _mark(whole, marks, CONTACT_MADE, 2.0 * speed * (pool[POOL_PLACE, which] - place) - numbers[W], numbers)
-            _touch(whole, contacts, pool, which, numbers)
-            touching[which] = 1
-        elif event == _BREAK:
-            left, number = -rate_of(contacts, which, place, numbers[W], speed), contacts[NUMBER, which]
-            _break(whole, contacts, which, place, touches)
-            for n in range(whole[LISTED]):
-                if pool[POOL_NUMBER, listed[n]] == number:
-                    touching[listed[n]] = 0
-            if whole[COUNT] == 0:
-                _mark(whole, marks, CONTACT_LOST, left, numbers)
-        elif event == _TURN and constants[LAW] == IMPACT_DAMPING:
-            contacts[WEIGHT, which] = 1.0 - contacts[WEIGHT, which]
-            whole[FRESH] = which
-        elif event == _TURN:
-            weight = turned(contacts, whole[COUNT], which, place, numbers[Z], numbers[W], constants)
-            if weight < 0.0:
-                whole[SLIDING], whole[FRESH] = which, -1
-                numbers[W] = 2.0 * speed * (contacts[PLACE, which] - place)
-            else:
-                contacts[WEIGHT, which] = weight
-                whole[FRESH] = which
-        elif event == _SLID:
-            contacts[WEIGHT, which] = after
-            whole[FRESH], whole[SLIDING] = which, -1
-    while whole[NEXT_TICK] < end_tick and float(whole[NEXT_TICK]) * tick <= numbers[S]:
-        moved = (numbers[Z], numbers[W], numbers[X], numbers[U])
-        _sample(contacts, whole, numbers[S], moved, constants, ticks)
+        if not _step(now, law, contacts, surface, goal, out, series):
+            return DEEPER
+    while now.tick < goal.ticks and now.tick * goal.tick <= now.s:
+        _sample(now, contacts, now.s, (now.z, now.w, now.x, now.u), law, out.ticks)
     return DONE

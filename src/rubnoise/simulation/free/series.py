@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.compiling import compiled_bare, inlined
+from rubnoise.compiling import compiled_within
 
 ORDER: Final = 16
 """Degree of the series."""
@@ -25,7 +25,7 @@ ROUNDING: Final = 2.0**-54
 _MOST_TRIES: Final = 200
 
 
-@compiled_bare
+@compiled_within
 def motion_series(
     velocity: float, sums: Doubles, powers: Doubles, per_live: float, drag: float, growth: float, series: Doubles
 ) -> None:
@@ -56,7 +56,7 @@ def motion_series(
         series[n + 2] = push / float((n + 1) * (n + 2))
 
 
-@compiled_bare
+@compiled_within
 def pushed_series(
     place: float,
     velocity: float,
@@ -77,7 +77,7 @@ def pushed_series(
         series[n + 2] = push / float((n + 1) * (n + 2))
 
 
-@compiled_bare
+@compiled_within
 def shortened(series: Doubles, step: float) -> float:
     """Return the step, halved until the last two terms are lost in the rounding of the others."""
     for _ in range(60):
@@ -94,7 +94,7 @@ def shortened(series: Doubles, step: float) -> float:
     return step
 
 
-@inlined
+@compiled_within
 def value(series: Doubles, time: float) -> float:
     """Return the sum of the series at a time."""
     total = series[ORDER]
@@ -103,7 +103,7 @@ def value(series: Doubles, time: float) -> float:
     return total
 
 
-@inlined
+@compiled_within
 def rate(series: Doubles, time: float) -> float:
     """Return the first derivative of the series at a time."""
     total = float(ORDER) * series[ORDER]
@@ -112,7 +112,7 @@ def rate(series: Doubles, time: float) -> float:
     return total
 
 
-@compiled_bare
+@compiled_within
 def rate_of_rate(series: Doubles, time: float) -> float:
     """Return the second derivative of the series at a time."""
     total = float(ORDER * (ORDER - 1)) * series[ORDER]
@@ -121,7 +121,7 @@ def rate_of_rate(series: Doubles, time: float) -> float:
     return total
 
 
-@compiled_bare
+@compiled_within
 def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
     """Return bounds within a step: of z'' from below and above, of |z'''| and of |z''''|."""
     power, bend, third, fourth = 1.0, 0.0, 6.0 * abs(series[3]), 24.0 * abs(series[4])
@@ -136,7 +136,7 @@ def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
     return 2.0 * series[2] - bend, 2.0 * series[2] + bend, third, fourth
 
 
-@inlined
+@compiled_within
 def _ahead(f: float, slope: float, most: float) -> float:
     """Return the smallest x > 0 at which f + slope x + most x^2/2 reaches 0 from f <= 0; 0 if f is 0 and grows."""
     if f >= 0.0:
@@ -152,7 +152,7 @@ def _ahead(f: float, slope: float, most: float) -> float:
     return -2.0 * f / (slope + np.sqrt(root))
 
 
-@compiled_bare
+@compiled_within
 def overlap_zero(
     overlap: float, ahead: float, speed: float, way: float, most: float, series: Doubles, step: float
 ) -> float:
@@ -173,7 +173,7 @@ def overlap_zero(
     return time
 
 
-@compiled_bare
+@compiled_within
 def rate_zero(
     ahead: float, level: float, speed: float, way: float, third: float, begin: float, series: Doubles, step: float
 ) -> float:

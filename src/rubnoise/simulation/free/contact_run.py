@@ -1,0 +1,172 @@
+"""A free slider from block to block: the encounters of each, its motion through them, and the rows of the block."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles, Integers
+from rubnoise.contact.laws import Law as StrengthLaw
+from rubnoise.errors import RubnoiseError
+from rubnoise.simulation.free.contacts import CONTACT, Law, Records
+from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
+from rubnoise.simulation.free.motion import (
+    DEEPER,
+    DONE,
+    LOST,
+    MARK,
+    STATE,
+    SUMMIT,
+    TICK,
+    TOUCH,
+    Goal,
+    Output,
+    Surface,
+    advance,
+    series_in_memory,
+)
+from rubnoise.streams import Stream, uniforms
+
+_ROOM: Final = 4096
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeContact:
+    """The parameters of a free motion, in the units c, s_0, 1/omega_c, W.
+
+    live: N, mean number of live junctions at z = 0; speed: v; damping_ratio: of the dashpot beside the contact, 0 for
+    none; restitution: e, or else impact_damping: beta s_0 omega_c; tick: in c. slider: drag over mass, spring over mass
+    and start displacement of a slider along the surface, which starts at rest and is driven by (1/N) sum of strengths
+    times overlaps; without a slider, the spring is 0.
+    """
+
+    live: float
+    speed: float
+    tick: float
+    damping_ratio: float = 0.0
+    restitution: float | None = None
+    impact_damping: float | None = None
+    slider: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def law(self) -> Law:
+        """The constants of a run; impact damping of 0 loses nothing, as a restitution of 1."""
+        restitution = 1.0 if self.restitution is None else self.restitution
+        return Law(
+            speed=self.speed,
+            per_live=1.0 / self.live,
+            drag=2.0 * self.damping_ratio,
+            unloaded=restitution * restitution,
+            growth=self.impact_damping or 0.0,
+            own_drag=self.slider[0],
+            own_spring=self.slider[1],
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeRows:
+    """The rows of a block, records as in `motion`; places count from the origin of the block.
+
+    touches: from contact made to contact lost, in order of loss; layers: number of layers of encounters that were
+    needed.
+    """
+
+    block: int
+    ticks: Records
+    touches: Records
+    marks: Records
+    layers: int
+
+
+class FreeRun:
+    """A free slider as it moves, which begins at z = z' = 0; ``contacts`` are its present ones."""
+
+    def __init__(self, contact: FreeContact, seed: int, strengths: StrengthLaw | None = None, layers: int = 1) -> None:
+        """Begin; strengths: of encounters (None: equal); layers: of encounters that are drawn at least."""
+        self.surface = RoughSurface.of(contact.live, seed, contact.tick)
+        self._contact, self._strengths, self._layers = contact, strengths, layers
+        self._law, self._series, self._block = contact.law, series_in_memory(), 0
+        self._state = np.zeros(1, STATE)
+        self._state["x"], self._state["sliding"], self._state["fresh"] = contact.slider[2], -1, -1
+        self.contacts = self._touched()
+
+    def through(self, ticks: int) -> Iterator[FreeRows]:
+        """Yield the rows block by block up to a tick; raise RubnoiseError if the motion cannot continue."""
+        while self._block <= ticks // self.surface.ticks:
+            left = ticks - self._block * self.surface.ticks
+            yield self._moved(min(left + 1, self.surface.ticks), final=left < self.surface.ticks)
+
+    def _touched(self) -> Records:
+        """Return the encounters in contact at the start, with the weights that their rates give them."""
+        around = self.surface.around(0, 1)
+        overlap = around.height - around.place * around.place
+        inside = np.flatnonzero(overlap > 0.0)
+        contacts, place = np.zeros(inside.size, CONTACT), around.place[inside]
+        contacts["place"], contacts["height"], contacts["number"] = place, around.height[inside], around.number[inside]
+        contacts["share"], contacts["largest"] = self._shares(around.number[inside]), overlap[inside]
+        contacts["weight"] = np.where(place > 0.0, 1.0, self._law.unloaded)
+        if self._law.growth > 0.0:
+            contacts["weight"] = 1.0 + self._law.growth * 2.0 * self._contact.speed * place > 0.0
+        contacts["made"] = -np.inf
+        return contacts
+
+    def _shares(self, number: Integers) -> Doubles:
+        """Return the strengths of encounters over their mean, drawn from their own stream by the numbers."""
+        shares, block = np.ones(number.size), number >> 24
+        if self._strengths is None:
+            return shares
+        for each in np.unique(block):
+            index = number[block == each] & (2**24 - 1)
+            drawn = uniforms(self.surface.seed, Stream.STRENGTHS, int(each), int(index.max()) + 1)[index]
+            shares[block == each] = self._strengths.quantile(drawn) / self._strengths.mean
+        return shares
+
+    def _pool(self, layers: int) -> Surface:
+        """Return the encounters that a slider above the bottom can touch in the block, in order of entry."""
+        around, bottom = self.surface.around(self._block, layers), self.surface.bottom(layers)
+        half = np.sqrt(around.height - bottom)
+        near = np.flatnonzero((around.place + half >= 0.0) & (around.place - half <= self.surface.length))
+        order = near[np.argsort((around.place - half)[near], kind="stable")]
+        pool, place = np.zeros(order.size, SUMMIT), around.place[order]
+        pool["place"], pool["height"], pool["number"] = place, around.height[order], around.number[order]
+        pool["share"] = self._shares(around.number[order])
+        pool["entry"], pool["leave"] = place - half[order], place + half[order]
+        pool["touching"] = np.isin(pool["number"], self.contacts["number"])
+        return Surface(pool, np.empty(order.size + 1, np.int64), bottom)
+
+    def _moved(self, ticks: int, *, final: bool) -> FreeRows:
+        """Move through the block and return its rows; draw deeper layers, and make room, where they are needed."""
+        state, layers = self._state, self._layers
+        end = (ticks - 1) * self._contact.tick if final else self.surface.length
+        goal = Goal(end, ticks, self._contact.tick)
+        out = Output(np.empty(ticks, TICK), np.empty(_ROOM, TOUCH), np.empty(_ROOM, MARK))
+        touches, marks, code = [], [], DEEPER
+        state["count"], state["tick"], state["steps"] = self.contacts.size, 0, 0
+        contacts = np.concatenate([self.contacts, np.zeros(64, CONTACT)])
+        while code != DONE:
+            if code == DEEPER:
+                surface = self._pool(layers)
+                state["next"] = state["listed"] = 0
+            state["touches"] = state["marks"] = 0
+            code = advance(state, self._law, contacts, surface, goal, out, self._series)
+            touches.append(out.touches[: state["touches"][0]].copy())
+            marks.append(out.marks[: state["marks"][0]].copy())
+            self.contacts = contacts[: state["count"][0]]
+            if code == LOST or (code == DEEPER and layers == LAYERS):
+                raise RubnoiseError(f"the normal motion cannot go on in block {self._block}")
+            if code == DEEPER:
+                layers += 1
+            elif state["count"][0] + 2 > contacts.size:
+                contacts = np.concatenate([contacts, np.zeros_like(contacts)])
+        self.contacts["place"] -= self.surface.length
+        self.contacts["made"] -= self.surface.length
+        state["s"] = 0.0
+        self._block += 1
+        return FreeRows(
+            block=self._block - 1,
+            ticks=out.ticks,
+            touches=np.concatenate(touches),
+            marks=np.concatenate(marks),
+            layers=layers,
+        )
