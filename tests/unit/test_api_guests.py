@@ -29,7 +29,7 @@ class Sheared(Exception):  # noqa: N818
 @pytest.fixture
 def scenario(monkeypatch: pytest.MonkeyPatch) -> Scenario:
     """Return a run of three blocks, of which none are played together."""
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    monkeypatch.setattr(draws, "BLOCK", 1000)
     return build(
         {
             "format": 1,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import rubnoise
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, Lognormal, Normal
-from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse, overlap
+from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
 from rubnoise.theory.distribution import distribution
@@ -262,7 +262,7 @@ def test_regular_births_off_the_centre_line_are_those_drawn(pulse: Pulse) -> Non
             age = phase + 1.7 * number + lag
             inside = (age >= 0.0) & (age < 2.0 * half)
             apart = np.hypot(age - half, offset) / DIAMETER
-            area[row] += np.where(inside, DIAMETER**2 * overlap(np.minimum(apart, 1.0), pulse), 0.0)
+            area[row] += np.where(inside, DIAMETER**2 * pulse.overlap(apart), 0.0)
             alive[row] += inside
     for seen, mean, covariance in (
         (area, area_cumulants(model).mean, autocovariance(model, [0.0, 1.3])),

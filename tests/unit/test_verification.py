@@ -246,26 +246,23 @@ FINE: dict[str, dict[str, Any]] = {"output": {"tick": "0.02 um"}}
 """Lives of so many ticks are summed as series, but not where they end early."""
 
 
-@pytest.fixture(scope="module", params=["one at a time", "all at once"])
-def of_intervention(
-    kept: Path, tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
-) -> Iterator[Path]:
-    """Return a result in which some lives were ended early; blocks are played one at a time or together."""
+@pytest.fixture(scope="module")
+def of_intervention(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Return a result in which some lives were ended early, of which one goes on into the second block."""
     folder = tmp_path_factory.mktemp("ended")
-    with h5py.File(fresh(kept, folder, "one-way, everything")) as file:
-        birth, diameter = (file[f"junctions/{name}"][:] for name in ("birth_distance", "diameter"))
-    border = birth[np.count_nonzero(birth < 0.0) + births_per_block(scenario_of(**FINE).model())]
-    ends = {row: float(birth[row] + 1.7 * diameter[row]) for row in ENDED}
-    assert birth[ENDED[1]] < border < ends[ENDED[1]]
-
-    def intervene(env: Any, live: Any) -> Any:
-        for number, distance in ends.items():
-            yield env.timeout(distance - env.now)
-            live.end(number)
-
     with pytest.MonkeyPatch.context() as patch:
-        if request.param == "one at a time":
-            patch.setattr("rubnoise.simulation.draws._DRAWN_AT_ONCE", 1)
+        patch.setattr("rubnoise.simulation.draws.BLOCK", 1000)
+        lives = rubnoise.simulate(scenario_of(**FINE)).junctions
+        birth, diameter = lives["birth_distance"][:], lives["diameter"][:]
+        border = birth[np.count_nonzero(birth < 0.0) + births_per_block(scenario_of(**FINE).model())]
+        ends = {row: float(birth[row] + 1.7 * diameter[row]) for row in ENDED}
+        assert birth[ENDED[1]] < border < ends[ENDED[1]]
+
+        def intervene(env: Any, live: Any) -> Any:
+            for number, distance in ends.items():
+                yield env.timeout(distance - env.now)
+                live.end(number)
+
         rubnoise.run(scenario_of(**FINE), folder / "ended.h5", intervene=intervene).close()
         yield folder / "ended.h5"
 

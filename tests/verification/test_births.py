@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Fixed, Spread
 from rubnoise.model import Model
 from rubnoise.scenario import build, loads
@@ -143,7 +144,8 @@ def test_a_start_is_that_of_a_contact_that_always_slid(births: str, monkeypatch:
         return [z_of(first, theory.count_mean), z_of(np.square(away), theory.count_variance)]
 
     assert np.abs(scores()).max() <= BOUND
-    monkeypatch.setattr(draws, "_alive_of_past", draws._alive_at_random)
+    at_random, past = PoissonBirths(mean_spacing=run.births.mean), draws.past
+    monkeypatch.setattr(draws, "past", lambda run, *where: past(replace(run, births=at_random), *where))
     assert np.abs(scores()).max() > BOUND
 
 
