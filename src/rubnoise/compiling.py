@@ -32,7 +32,7 @@ Products may be fused with sums; sums keep their order, since the bits are part 
 
 
 def compiled(function: Any) -> Any:
-    """Compile a function at its first call, and keep its machine code for later processes if a folder can be written."""
+    """Compile a function at its first call, and keep the code for later processes if a folder can be written."""
     return _kept(function, **_HOW)
 
 

@@ -224,8 +224,8 @@ def test_over_the_same_summits_it_goes_as_verlet_does(live: float, speed: float)
     """Steps of second order, 40 to 60 times as long as Verlet's, until chaos parts them."""
     duration, steps = 6.0, 48_000
     around = free_run(live, speed, 5).surface.around(0, 1)
-    near = np.abs(around.place) < 9.0
-    place, height = around.place[near], around.height[near]
+    near = np.abs(around["place"]) < 9.0
+    place, height = around["place"][near], around["height"][near]
     times = np.linspace(0.0, duration, steps // 10 + 1)
     z = bounce(place, height, live, speed, lambda rate: np.maximum(0.0, 1.0 + LOSS * rate), duration, steps, finer=1)
     given = {"place": place.tolist(), "height": height.tolist(), "duration": 0.98 * duration, "speed": speed}

@@ -41,8 +41,8 @@ def test_verlet_goes_the_same_way(live, loss):
     surface = FreeRun(contact, 3).surface
     around = surface.around(0, 1)
     assert duration * SPEED < surface.length
-    near = np.abs(around.place) < 9.0
-    summits, drag = (around.place[near], around.height[near]), loss.get("damping_ratio", 0.0)
+    near = np.abs(around["place"]) < 9.0
+    summits, drag = (around["place"][near], around["height"][near]), loss.get("damping_ratio", 0.0)
     z = bounce(*summits, live, SPEED, _share(**loss), duration, steps, drag)
     assert np.ptp(z) > 0.1
     assert np.abs(moved["z"] - z).max() < 2e-7
@@ -85,5 +85,4 @@ def test_the_next_layer_is_drawn_where_the_slider_falls_below_the_first(monkeypa
 
 
 def _above(drawn, bottom):
-    kept = drawn.height > bottom
-    return type(drawn)(place=drawn.place[kept], height=drawn.height[kept], number=drawn.number[kept])
+    return drawn[drawn["height"] > bottom]

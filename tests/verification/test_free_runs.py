@@ -56,7 +56,7 @@ def test_motion_is_that_of_verlet_in_si_units() -> None:
     scales = Scales.of(model, model.free)
     around = scales.surface(5).around(0, 1)
     metre = 1e-6
-    place, height = around.place * scales.length * metre, around.height * scales.height * metre
+    place, height = around["place"] * scales.length * metre, around["height"] * scales.height * metre
     radius = 4.0 * model.mean_real_contact_area / (np.pi * model.mean_junction_count) / (8.0 * scales.height) * metre
     kappa, weight, mass, speed = 2.0 * np.pi * radius * 1e9, 0.05, 5e-3, (model.sliding_speed or 0.0) * metre
 

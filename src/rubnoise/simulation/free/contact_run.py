@@ -99,12 +99,12 @@ class FreeRun:
 
     def _touched(self) -> Records:
         """Return the encounters in contact at the start, with the weights that their rates give them."""
-        around = self.surface.around(0, 1)
-        overlap = around.height - around.place * around.place
-        inside = np.flatnonzero(overlap > 0.0)
-        contacts, place = np.zeros(inside.size, CONTACT), around.place[inside]
-        contacts["place"], contacts["height"], contacts["number"] = place, around.height[inside], around.number[inside]
-        contacts["share"], contacts["largest"] = self._shares(around.number[inside]), overlap[inside]
+        found = self.surface.around(0, 1)
+        found = found[found["height"] > found["place"] ** 2]
+        contacts, place = np.zeros(found.size, CONTACT), found["place"]
+        for name in ("place", "height", "number"):
+            contacts[name] = found[name]
+        contacts["share"], contacts["largest"] = self._shares(found["number"]), found["height"] - place * place
         contacts["weight"] = np.where(place > 0.0, 1.0, self._law.unloaded)
         if self._law.growth > 0.0:
             contacts["weight"] = 1.0 + self._law.growth * 2.0 * self._contact.speed * place > 0.0
@@ -124,16 +124,16 @@ class FreeRun:
 
     def _pool(self, layers: int) -> Surface:
         """Return the encounters that a slider above the bottom can touch in the block, in order of entry."""
-        around, bottom = self.surface.around(self._block, layers), self.surface.bottom(layers)
-        half = np.sqrt(around.height - bottom)
-        near = np.flatnonzero((around.place + half >= 0.0) & (around.place - half <= self.surface.length))
-        order = near[np.argsort((around.place - half)[near], kind="stable")]
-        pool, place = np.zeros(order.size, SUMMIT), around.place[order]
-        pool["place"], pool["height"], pool["number"] = place, around.height[order], around.number[order]
-        pool["share"] = self._shares(around.number[order])
-        pool["entry"], pool["leave"] = place - half[order], place + half[order]
+        found, bottom = self.surface.around(self._block, layers), self.surface.bottom(layers)
+        pool, half = np.zeros(found.size, SUMMIT), np.sqrt(found["height"] - bottom)
+        for name in ("place", "height", "number"):
+            pool[name] = found[name]
+        pool["entry"], pool["leave"] = found["place"] - half, found["place"] + half
+        pool = pool[(pool["leave"] >= 0.0) & (pool["entry"] <= self.surface.length)]
+        pool = pool[np.argsort(pool["entry"], kind="stable")]
+        pool["share"] = self._shares(pool["number"])
         pool["touching"] = np.isin(pool["number"], self.contacts["number"])
-        return Surface(pool, np.empty(order.size + 1, np.int64), bottom)
+        return Surface(pool, np.empty(pool.size + 1, np.int64), bottom)
 
     def _moved(self, ticks: int, *, final: bool) -> FreeRows:
         """Move through the block and return its rows; draw deeper layers, and make room, where they are needed."""

@@ -6,13 +6,12 @@ stream for each block, so that drawing a deeper layer changes nothing in those a
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, sqrt
-from typing import Final
+from math import ceil, e, exp, log, pi, sqrt
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.arrays import Doubles
 from rubnoise.streams import Stream, uniforms
 
 HIGHEST: Final = 37
@@ -21,32 +20,14 @@ HIGHEST: Final = 37
 LAYERS: Final = 64
 """Largest number of layers; the deepest has e^63 times the encounters of the first."""
 
+ENCOUNTER: Final = np.dtype([("place", np.float64), ("height", np.float64), ("number", np.int64)])
+"""Place (c) from the origin of its block, height (s_0), and number."""
+
 _FIRST_BLOCK: Final = 2**20
 """Number of block 0 in the streams; blocks before the start have lower numbers."""
 
-_PER_ROOT_PI: Final = float.fromhex("0x1.20dd750429b6dp-1")
-"""1/sqrt(pi)."""
-
-_WITHIN_A_UNIT: Final = float.fromhex("0x1.43a54e4e98864p-1")
-"""1 - 1/e: the part of exp(-h) within one unit of s_0."""
-
-_E: Final = float.fromhex("0x1.5bf0a8b145769p+1")
-
 _FEWEST: Final = 1000.0
 """Smallest expected number of encounters of the first layer in a block."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Encounters:
-    """Encounters in order of place: place (c) from the origin of their block, height (s_0), and their numbers."""
-
-    place: Doubles
-    height: Doubles
-    number: NDArray[np.int64]
-
-    def __len__(self) -> int:
-        """Return the number of encounters."""
-        return self.place.size
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,9 +50,7 @@ class RoughSurface:
 
         Base depends on N because a light slider sinks deep.
         """
-        base = 1
-        while _power(base) < 5.0 + 25.0 / live:
-            base += 1
+        base = ceil(log(5.0 + 25.0 / live))
         ticks = max(ceil(_FEWEST / (_rate(live, base, 0) * tick)), 1)
         return cls(live=live, seed=seed, tick=tick, ticks=ticks, base=base)
 
@@ -84,35 +63,26 @@ class RoughSurface:
         """Return the lowest height in the first ``layers`` layers."""
         return float(-(self.base + layers - 1))
 
-    def around(self, block: int, layers: int) -> Encounters:
-        """Return all encounters that a slider above the bottom can touch in a block; places are from its origin."""
-        reach = ceil(sqrt(HIGHEST + layers) / self.length)
-        found = [
-            (drawn.place + float(offset) * self.length, drawn.height, drawn.number)
-            for offset in range(-reach, reach + 1)
-            for drawn in (_drawn(self, block + offset, layer) for layer in range(layers))
-        ]
-        place, height, number = (np.concatenate(columns) for columns in zip(*found, strict=True))
-        order = np.argsort(place, kind="stable")
-        return Encounters(place=place[order], height=height[order], number=number[order])
+    def around(self, block: int, layers: int) -> NDArray[Any]:
+        """Return all encounters that a slider above the bottom can touch in a block, in order of place."""
+        reach, found = ceil(sqrt(HIGHEST + layers) / self.length), []
+        for offset in range(-reach, reach + 1):
+            for layer in range(layers):
+                drawn = _drawn(self, block + offset, layer).copy()
+                drawn["place"] += float(offset) * self.length
+                found.append(drawn)
+        together = np.concatenate(found)
+        return together[np.argsort(together["place"], kind="stable")]
 
 
 def _rate(live: float, base: int, layer: int) -> float:
     """Return the number of encounters of a layer per c: (N/sqrt(pi)) times the integral of exp(-h) over its heights."""
-    above = _power(base + layer - 1) if layer else 0.0
-    return live * _PER_ROOT_PI * (_power(base + layer) - above)
-
-
-def _power(exponent: int) -> float:
-    """Return e^exponent by multiplication, so that the bits are equal everywhere."""
-    power = 1.0
-    for _ in range(exponent):
-        power *= _E
-    return power
+    above = exp(base + layer - 1) if layer else 0.0
+    return live / sqrt(pi) * (exp(base + layer) - above)
 
 
 @lru_cache(maxsize=512)
-def _drawn(surface: RoughSurface, block: int, layer: int) -> Encounters:
+def _drawn(surface: RoughSurface, block: int, layer: int) -> NDArray[Any]:
     """Return the encounters of one layer in one block, gap by gap from its origin."""
     rate, length = _rate(surface.live, surface.base, layer), surface.length
     stream = (_FIRST_BLOCK + block) * LAYERS + layer
@@ -121,8 +91,10 @@ def _drawn(surface: RoughSurface, block: int, layer: int) -> Encounters:
     while not place.size or place[-1] < length:  # more numbers begin with the same ones
         place = np.add.accumulate(-np.log1p(-uniforms(surface.seed, Stream.ENCOUNTERS, stream, count)) / rate)
         count *= 2
-    place = place[place < length]
-    chance = uniforms(surface.seed, Stream.HEIGHTS, stream, place.size)
-    height = surface.bottom(layer + 1) - np.log1p(-(chance if layer == 0 else chance * _WITHIN_A_UNIT))
-    number = ((_FIRST_BLOCK + block) * LAYERS + layer) * 2**24 + np.arange(place.size, dtype=np.int64)
-    return Encounters(place=place, height=height, number=number)
+    found = np.empty(np.count_nonzero(place < length), ENCOUNTER)
+    chance = uniforms(surface.seed, Stream.HEIGHTS, stream, found.size)
+    within = chance if layer == 0 else chance * (1.0 - 1.0 / e)  # of a layer one unit deep
+    found["place"] = place[: found.size]
+    found["height"] = surface.bottom(layer + 1) - np.log1p(-within)
+    found["number"] = stream * 2**24 + np.arange(found.size)
+    return found
