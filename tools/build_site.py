@@ -112,11 +112,10 @@ def answer(folder: Path, words: list[str]) -> str:
 
 
 def adapted(page: str) -> str:
-    """Return a page with links to pages for folders, text for diagrams, and drawings for light and dark."""
+    """Return a page with links to pages for folders, and drawings for light and dark."""
     page = page.replace("](notebooks)", "](notebooks/README.md)").replace("](scenarios)", "](scenarios.md)")
     page = page.replace("](../scenarios)", "](../scenarios.md)")
-    page = DRAWN.sub(r"![\1](\2.svg){.only-light} ![\1](\2-dark.svg){.only-dark}", page)
-    return page.replace("```mermaid\n", "```text\n")  # drawn where a reader of Markdown can; here its words are shown
+    return DRAWN.sub(r"![\1](\2.svg){.only-light} ![\1](\2-dark.svg){.only-dark}", page)
 
 
 def below(name: str) -> str:

@@ -41,7 +41,7 @@ STEPS: dict[str, tuple[str, Callable[[], object]]] = {
     "schema": ("scenarios/scenario.schema.json", schema),
     "notebooks": ("plain notebooks", called("tools/export_notebooks.py")),
     "drawings": ("drawings that explain the model, light and dark", called("tools/draw_pages.py")),
-    "gallery": ("docs/gallery.md and its pictures, in minutes", called("tools/generate_gallery.py")),
+    "gallery": ("the pictures of docs/gallery.md, in minutes", called("tools/generate_gallery.py")),
     "paper": ("claims of the paper and of its field, in minutes", called("tools/paper")),
     "golden": ("bits and values of golden runs", called("-m", "tests.golden.hashes", "--write")),
     "frozen": ("frozen values and words of refusals", called("-m", "pytest", "-n0", "--freeze", *FROZEN)),

@@ -7,10 +7,10 @@ and `<!-- / -->`; everything else on a page is written by hand.
 import json
 import re
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-import package_map
 from parts import filled, parts_of
 from scipy.stats import t as student
 
@@ -169,6 +169,13 @@ def _default(about: Key, values: str) -> str:
     return "; ".join(filter(None, (values, "required" if about.is_needed else default)))
 
 
+def layers() -> Iterator[str]:
+    """Yield the layers of the package, the highest first, as the contract that import-linter keeps has them."""
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    contract = project["tool"]["importlinter"]["contracts"][0]
+    yield "    " + " > ".join(re.sub(r"[()]", "", layer).replace(" | ", ", ") for layer in contract["layers"])
+
+
 def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
@@ -180,8 +187,7 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "columns": columns,
     "keys": keys,
     "sweep": sweep,
-    "layers": package_map.line,
-    "arrows": package_map.diagram,
+    "layers": layers,
 }
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 import json
 import re
-import tomllib
 from dataclasses import replace
 from math import hypot, sqrt
 from pathlib import Path
@@ -139,14 +138,6 @@ def test_streams_and_their_version_are_those_of_the_program() -> None:
     listed = re.findall(r"^\| `(\w+)` \| (\d+) \|", PAGE, re.MULTILINE)
     assert [(name, int(key)) for name, key in listed] == [(stream.name, stream.value) for stream in Stream]
     assert f"and is **{STREAM_VERSION}** now" in " ".join(PAGE.split())
-
-
-def test_the_oldest_libraries_that_were_measured_are_the_oldest_allowed() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    (bound,) = re.findall(r"numpy>=(\S+)'", str(project["dependencies"]))
-    measured = re.findall(r"^\| (3\.\d+) \| oldest allowed \| (\S+) \|", PAGE, re.MULTILINE)
-    assert {python for python, _ in measured} == {"3.11", "3.12", "3.13"}
-    assert all(version.startswith(f"{bound}.") for _, version in measured)
 
 
 def scenario(engine: str, compression: str, seed: int = 7) -> Scenario:

@@ -123,12 +123,12 @@ class Given:
 
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """The result of one tool for a run, as far as requested: at the ticks (um^2, um), and by junction (um)."""
+    """What a tool has left in its file: area and displacement at the ticks (um^2, um), and junctions (um)."""
 
-    area: Doubles | None = None
-    displacement: Doubles | None = None
-    birth: Doubles | None = None
-    death: Doubles | None = None
+    area: Doubles
+    displacement: Doubles
+    birth: Doubles
+    death: Doubles
 
 
 def doubles(values: Any) -> Doubles:

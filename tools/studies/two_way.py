@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from generate_gallery import small
 from parts import fill, table
-from small_png import small
 
 import rubnoise
 from rubnoise.analysis.landmarks import StickSlip
