@@ -1,8 +1,8 @@
 """Draw the pictures that explain the model: `.venv/bin/python tools/draw_pages.py`, after `tools/dev.py sync`.
 
 Each goes to docs/pictures/drawn as NAME.svg for a light page and NAME-dark.svg for a dark one. Curves are those of the
-program: lives from `rubnoise.simulate`, spectra from `rubnoise.exact`, the tree from the groups of a run. All are
-so narrow that a phone shows their letters.
+program: spectra from `rubnoise.exact`, the tree from the groups of a run. All are so narrow that a phone shows their
+letters.
 """
 
 import sys
@@ -95,43 +95,6 @@ def life() -> Figure:
     return figure
 
 
-def shot_noise() -> Figure:
-    """Draw the areas of the junctions of a stretch, and their sum."""
-    record = rubnoise.simulate(rubnoise.example("paper/fig5").replace({"sliding.distance": "60 um"}), seed=2)
-    figure, (total, single) = plt.subplots(2, 1, figsize=(WIDTH, 4.0), sharex=True)
-    distance, area = record.trace["distance"][:], record.trace["real_contact_area"][:]
-    thin = slice(None, None, max(1, len(distance) // 500))
-    mean = rubnoise.exact("paper/fig5").area.mean
-    total.plot(distance[thin], area[thin], color=ORANGE, linewidth=1.8)
-    total.axhline(mean, color=PALE, linestyle="--")
-    total.text(60.0, mean + 6.0, "exact mean", ha="right", color=PALE)
-    total.set_ylabel("sum $A_r$ (µm²)")
-    places = np.linspace(0.0, 60.0, 241)
-    for row in range(len(record.junctions["diameter"])):
-        shown = record.junction(row).area(places)
-        alive = shown > 0.0
-        single.plot(places[alive], shown[alive], color=BLUE, linewidth=0.8, alpha=0.7)
-    single.set(xlabel="sliding distance $s$ (µm)", ylabel="each junction (µm²)", xlim=(0.0, 60.0))
-    return figure
-
-
-def couplings() -> Figure:
-    """Draw the motion of one slider on the same junctions, with both couplings."""
-    figure, axes = plt.subplots(figsize=(WIDTH, 3.0))
-    for name, colour, words in (
-        ("paper/fig5", PALE, "one-way: the contact does not feel it"),
-        ("paper/fig5_two_way", BLUE, "two-way: it sticks, then slips"),
-    ):
-        run = rubnoise.simulate(rubnoise.example(name).replace({"sliding.distance": "1.2 mm"}))
-        time, moved = run.slider["time"][:], run.slider["displacement"][:]
-        shown = (time > 0.6) & (time < 1.1)
-        thin = slice(None, None, max(1, int(shown.sum()) // 600))
-        axes.plot(time[shown][thin], moved[shown][thin], color=colour, linewidth=1.4, label=words)
-    axes.set(xlabel="time $t$ (s)", ylabel="displacement $x$ (µm)", xlim=(0.6, 1.1))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.36))
-    return figure
-
-
 def family() -> Figure:
     """Draw the spectra of the family's members on the same axes, each over the square of its mean."""
     figure, axes = plt.subplots(figsize=(WIDTH, 5.8))
@@ -206,8 +169,6 @@ def tree() -> Figure:
 PICTURES: Final[dict[str, Callable[[], Figure]]] = {
     "sketch": sketch,
     "life": life,
-    "shot_noise": shot_noise,
-    "couplings": couplings,
     "corner": corner,
     "family": family,
     "tree": tree,

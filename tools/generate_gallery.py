@@ -1,6 +1,6 @@
-"""Draw the pictures of docs/gallery.md: `python3 tools/dev.py generate gallery`.
+"""Draw the pictures of docs/gallery.md and docs/two-way.md: `python3 tools/dev.py generate gallery`.
 
-Every command of the page is called in a new folder, and the pictures that they write are kept small below
+Every command of these pages is called in a new folder, and the pictures that they write are kept small below
 docs/pictures, with the figures of the paper.
 """
 
@@ -16,7 +16,9 @@ from paper.figures import FIGURES, Sources, paper_figure
 from PIL import Image
 
 ROOT: Final = Path(__file__).resolve().parent.parent
-PAGE: Final = ROOT / "docs" / "gallery.md"
+PAGES: Final = ("gallery", "two-way")
+"""Pages whose pictures lie in a folder of the same name; the second uses results of the first."""
+
 PICTURES: Final = ROOT / "docs" / "pictures"
 COLOURS: Final = 256
 """Of a small picture, enough for curves and their smooth edges, in a third of the size."""
@@ -31,23 +33,25 @@ def small(png: bytes) -> bytes:
     return stream.getvalue()
 
 
-def commands() -> list[list[str]]:
-    """Return the words of every command of the page, in its order."""
-    lines = PAGE.read_text(encoding="utf-8").splitlines()
-    return [split(line) for line in lines if line.startswith("rubnoise ")]
+def commands(page: str) -> list[list[str]]:
+    """Return the words of every command of a page, in its order."""
+    lines = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").splitlines()
+    return [split(line.removeprefix("    $ ")) for line in lines if line.startswith(("rubnoise ", "    $ rubnoise "))]
 
 
-def draw(folder: Path, pictures: Path) -> None:
-    """Call the commands in a folder, and keep their pictures in another."""
+def draw(folder: Path, pictures: Path, *pages: str) -> None:
+    """Call the commands of pages in a folder, and keep their pictures in another."""
     (folder / "scenarios").symlink_to(ROOT / "scenarios")
-    for name in ("paper", "gallery"):
+    for name in ("paper", *pages):
         (pictures / name).mkdir(parents=True, exist_ok=True)
     for name in FIGURES:
         (pictures / "paper" / f"{name}.png").write_bytes(small(paper_figure(name, ("png",), Sources())["png"]))
-    for _, *words in commands():
-        call(folder, words)
-    for path in folder.glob("*.png"):
-        (pictures / "gallery" / path.name).write_bytes(small(path.read_bytes()))
+    for page in pages:
+        for _, *words in commands(page):
+            call(folder, words)
+        for path in folder.glob("*.png"):
+            (pictures / page / path.name).write_bytes(small(path.read_bytes()))
+            path.unlink()
 
 
 def call(folder: Path, words: list[str]) -> None:
@@ -58,4 +62,4 @@ def call(folder: Path, words: list[str]) -> None:
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as place:
-        draw(Path(place), PICTURES)
+        draw(Path(place), PICTURES, *PAGES)

@@ -9,7 +9,6 @@ it is. Prints a table; exit code 1 where a fault survives. dev.py has to have se
 from __future__ import annotations
 
 import argparse
-import ast
 import os
 import re
 import shutil
@@ -180,22 +179,18 @@ def copy_into(folder: Path) -> Path:
 def tried(
     folder: Path,
     tests: Sequence[str],
-    compiled: str = "as it is",
     *,
     enough: bool = False,
     seconds: float | None = None,
 ) -> Trial:
-    """Run tests in a copy, up to the first failure if one is ``enough``; what takes more ``seconds`` fails.
-
-    ``compiled`` names the machine code that may be used again.
-    """
+    """Run tests in a copy, up to the first failure if one is ``enough``; what takes more ``seconds`` fails."""
     scores = folder / "scores.txt"
     scores.unlink(missing_ok=True)
     environment = os.environ | {
         "PYTHONPATH": str(folder / "src"),
         # Python tells a changed file by its time in seconds and its size, which one fault after another may share.
         "PYTHONDONTWRITEBYTECODE": "1",
-        "NUMBA_CACHE_DIR": str(folder / "machine code" / compiled),
+        "NUMBA_CACHE_DIR": str(folder / "machine code"),
         "RUBNOISE_SCORES": str(scores),
         "COLUMNS": "1000",
     }
@@ -221,13 +216,12 @@ def judged(mutant: Mutant, folder: Path) -> Verdict:
     package = folder / "src" / "rubnoise"
     before = sources(package)
     texts = applied(mutant, before)
-    compiled = mutant.name.replace("/", " ") if feeds_the_compiler(texts, package) else "as it is"
     times = {path: path.stat() for path in texts}
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     try:
         # Where faults are a matter of chance all cases are scored, and the largest score counts.
-        trial = tried(folder, [test_of(mutant, folder)], compiled, enough=not mutant.chance)
+        trial = tried(folder, [test_of(mutant, folder)], enough=not mutant.chance)
     finally:
         for path, status in times.items():
             path.write_text(before[path], encoding="utf-8")
@@ -235,14 +229,6 @@ def judged(mutant: Mutant, folder: Path) -> Verdict:
             os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
     killed, evidence = _evidence(mutant, trial)
     return Verdict(killed, evidence, time.monotonic() - begun)
-
-
-def feeds_the_compiler(paths: Iterable[Path], package: Path) -> bool:
-    """Whether compiled code has any of these files in it: one that is compiled, or of `rubnoise.compiling.SOURCES`."""
-    text = (package / "compiling.py").read_text(encoding="utf-8")
-    patterns = ast.literal_eval(text.partition("\nSOURCES = ")[2].partition("\n)\n")[0] + ")")
-    into_others = {path for pattern in patterns for path in package.glob(pattern)}
-    return any(path in into_others or "rubnoise.compiling" in path.read_text(encoding="utf-8") for path in paths)
 
 
 def _evidence(mutant: Mutant, trial: Trial) -> tuple[bool, str]:

@@ -105,21 +105,6 @@ def test_a_small_score_is_no_kill() -> None:
     assert mutants._evidence(Mutant("faint", (), MOMENTS, chance=True), faint) == (False, "z = -7.9, a")
 
 
-@pytest.mark.parametrize(
-    ("file", "feeds"),
-    [
-        ("simulation/kernel.py", True),
-        ("simulation/linear.py", True),
-        ("compiling.py", True),
-        ("simulation/run.py", False),
-        ("contact/pulses.py", False),
-    ],
-)
-def test_only_what_is_compiled_is_compiled_again(file: str, *, feeds: bool) -> None:
-    assert (PACKAGE / file).exists()
-    assert mutants.feeds_the_compiler([PACKAGE / file], PACKAGE) == feeds
-
-
 # Values that are kept are those that are worked out, and a wrong one is found.
 @pytest.fixture
 def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
