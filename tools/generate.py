@@ -11,16 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FROZEN = tuple(
-    f"tests/{name}.py"
-    for name in (
-        "cli/test_refusals",
-        "docs/test_constants",
-        "unit/test_laws",
-        "unit/test_pulses",
-        "unit/test_refusals",
-        "unit/test_scenario_traps",
-    )
+FROZEN = (
+    *("tests/cli/test_refusals.py", "tests/docs/test_constants.py", "tests/unit/test_laws.py"),
+    *("tests/unit/test_pulses.py", "tests/unit/test_refusals.py", "tests/unit/test_scenario_traps.py"),
 )
 """Tests that hold frozen values or words."""
 

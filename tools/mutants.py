@@ -1,9 +1,8 @@
-"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N]`.
+"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--jobs N]`.
 
 Each fault of tools/faults is put into a copy of the program, and the test that is named beside it runs there. It has
 to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
-has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
-it is. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
+has to pass. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ import time
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 from queue import SimpleQueue
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEN = 8.0
-TENTHS = 10
 KINDS = (".py", ".js")
 """Files of the program in which a fault may be."""
 
@@ -268,25 +265,13 @@ def chosen(names: Sequence[str]) -> list[Mutant]:
     return [by_name[name] for name in names] if names else list(MUTANTS)
 
 
-def tenth(asked: str, mutants: Sequence[Mutant]) -> list[Mutant]:
-    """Return each tenth fault from the K-th on; "today" is the K of this day, so that all have their turn."""
-    today = datetime.now(UTC).toordinal() % TENTHS + 1
-    number = today if asked == "today" else int(asked) if asked.isdecimal() else 0
-    if not 1 <= number <= TENTHS:
-        raise SystemExit(f"--tenth: {asked!r} is no number from 1 to {TENTHS}, and not today")
-    return list(mutants[number - 1 :: TENTHS])
-
-
 def main() -> int:
     """Try the faults and print what noticed them."""
     parser = argparse.ArgumentParser(description="Faults that the tests have to notice.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults by name; all where none is given")
-    parser.add_argument("--tenth", metavar="K", help="only each tenth fault from the K-th on; or today")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
     asked = parser.parse_args()
     mutants = chosen(asked.names)
-    if asked.tenth is not None:
-        mutants = tenth(asked.tenth, mutants)
     with tempfile.TemporaryDirectory(prefix="rubnoise-mutants-") as place:
         folders = [copy_into(Path(tempfile.mkdtemp(dir=place))) for _ in range(max(asked.jobs, 1))]
         return _report(mutants, folders)

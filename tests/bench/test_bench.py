@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench import __main__ as program
-from bench import checks, clock, measure, ours
+from bench import checks, measure, ours
 from bench.case import Case, Drawn
 from bench.checks import Truth, Verdict, Wrong, judged
-from bench.clock import Task, Timing, interleaved
-from bench.measure import FULL, QUICK, RUNS, Entrant, Results
+from bench.measure import FULL, QUICK, RUNS, Entrant, Results, Task, Timing, interleaved
 from bench.page import page
 from bench.peers import naive_numpy
 
@@ -30,7 +29,7 @@ def known() -> Truth:
 
 @pytest.mark.parametrize("entrant", HERE, ids=lambda each: each.name)
 def test_who_is_right_passes(entrant: Entrant, known: Truth, tmp_path: Path) -> None:
-    entrant.call(known.case, known.given(), tmp_path / "run.h5")
+    entrant.call(known.case, known, tmp_path / "run.h5")
     assert list(judged(entrant.name, checks.written(tmp_path / "run.h5"), known).faults()) == []
 
 
@@ -48,7 +47,7 @@ def test_who_is_right_passes(entrant: Entrant, known: Truth, tmp_path: Path) -> 
     ids=["scaled", "late", "short", "no number", "another motion", "one less", "longer lives"],
 )
 def test_who_is_wrong_does_not(wrong, known: Truth, tmp_path: Path) -> None:
-    naive_numpy.run(known.case, known.given(), tmp_path / "run.h5")
+    naive_numpy.run(known.case, known, tmp_path / "run.h5")
     made = checks.written(tmp_path / "run.h5")
     assert not list(judged("peer", made, known).faults())
     assert list(judged("peer", wrong(made), known).faults())
@@ -82,13 +81,12 @@ def timing(microseconds: float) -> Timing:
 def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
     """Return right numbers, with made-up times of all tools."""
     whole = {each.name: timing(110.0) for each in RUNS} | {"rubnoise, batch": timing(batch)}
-    cases = checks.cases((), FULL.ticks)
-    points = {"count": FULL.counts, "ticks": FULL.ticks}
+    cases = checks.cases(FULL.ticks)
     return Results(
         machine=("a processor", "some versions"),
         verdicts=tuple(Verdict(name, area_error, 1e-12, 0.0, case) for name in whole for case in cases),
         runs=whole,
-        growth={what: {name: dict.fromkeys(p, each) for name, each in whole.items()} for what, p in points.items()},
+        growth={name: dict.fromkeys(FULL.ticks, each) for name, each in whole.items()},
         memory={name: dict.fromkeys(FULL.memory, 150.0) for name in whole},
         waits={"rubnoise --help": (0.1, 0.1)},
     )
@@ -96,7 +94,7 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
 
 def test_tasks_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     ticks = count()
-    monkeypatch.setattr(clock, "cpu_time", lambda: float(next(ticks) ** 2))
+    monkeypatch.setattr(measure, "cpu_time", lambda: float(next(ticks) ** 2))
     turns: list[str] = []
     tasks = {name: Task(lambda name=name: turns.append(name), 2.0) for name in "ABC"}
     found = interleaved(tasks, repeats=3)
@@ -140,5 +138,5 @@ def test_nothing_is_written_where_anything_is_wrong(
 def test_time_is_not_taken_of_what_is_wrong(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(measure, "_verdicts", lambda *_: [Verdict("a peer", 1e-3, 0.0, 0.0)])
     monkeypatch.setattr(measure, "timed", lambda *_: pytest.fail("time was taken"))
-    with pytest.raises(Wrong, match="a peer, 20 junctions, 221 ticks a life: the area is off"):
+    with pytest.raises(Wrong, match="a peer, 221 ticks a life: the area is off"):
         measure.measured(QUICK, tmp_path, lambda _: None)

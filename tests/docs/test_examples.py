@@ -215,7 +215,7 @@ def test_its_pictures_are_what_its_commands_draw(tmp_path: Path, monkeypatch: py
 
 # Every link between pages leads somewhere: to a file of the repository, to a heading, to a picture with a text.
 FOLDERS = (".", "docs", "notebooks", "paper", "tools/site", "packaging", ".github")
-SITE_ONLY = {"install.md", "lesson.md", "viewer.md", "outputs.md", "README.md", "docs", "commands.md", "python.md"}
+SITE_ONLY = {"install.md", "lesson.md", "viewer.md", "README.md", "docs", "commands.md", "python.md"}
 """What the start page of the site links to: pages beside it there."""
 FENCED = re.compile(r"^```.*?^```$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")

@@ -19,7 +19,7 @@ from rubnoise.theory.coupling import coupling
 from rubnoise.theory.motion import response
 from tests.architecture.sources import ROOT
 from tools.parts import parts_of
-from tools.studies import detection, free_motion, two_way_reference
+from tools.studies import detection, free_motion
 from tools.studies import two_way as tool
 
 # What docs/two-way.md shows as measured is what the tool measures.
@@ -44,7 +44,7 @@ def model_at(speed: float, junctions: float) -> Model:
 
 
 def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
-    points = two_way_reference.kept()
+    points = tool.kept()
     assert len(rows("reference")) == len(points) > 10
     for (speed, count, validity, strength, *_), point in zip(rows("reference"), points, strict=True):
         model = model_at(1e3 * float(speed), float(count))
@@ -56,7 +56,7 @@ def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
 
 
 def test_the_law_of_weak_coupling_is_what_runs_have_where_coupling_is_weak_alone() -> None:
-    points = two_way_reference.kept()
+    points = tool.kept()
     laws = [coupling(model_at(point["speed"], point["junctions"])) for point in points]
     weak = [law.expected_change for law in laws if law.unknown is None]
     assert len(weak) == 3

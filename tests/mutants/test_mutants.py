@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 
 import mutants
@@ -15,6 +16,10 @@ from tests.frozen import Wishes
 # Faults put into a copy of the program are noticed; all of them are tried by `python3 tools/mutants.py`.
 MOMENTS = "test_births_count_and_area_of_one_size"
 TICKS = "test_ticks_lie_at_multiples_of_the_tick[batch]"
+EVERY = 30
+TODAY = MUTANTS[datetime.now(UTC).toordinal() % EVERY :: EVERY]
+"""A part of the faults is tried each day, all of them in so many days; CI tries all every week."""
+
 BY_NAME = {mutant.name: mutant for mutant in MUTANTS}
 TITLE = (PACKAGE / "model.py").read_text(encoding="utf-8").partition("\n")[0]
 TEXTS = mutants.sources(PACKAGE)
@@ -65,7 +70,7 @@ def test_a_text_that_is_not_there_once_is_refused(text: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mutant", mutants.tenth("today", MUTANTS), ids=lambda mutant: mutant.name)
+@pytest.mark.parametrize("mutant", TODAY, ids=lambda mutant: mutant.name)
 def test_each_fault_whose_turn_it_is_is_noticed(copy: Path, mutant: Mutant) -> None:
     verdict = mutants.judged(mutant, copy)
     assert verdict.killed, verdict.evidence

@@ -214,7 +214,6 @@ def test_the_pages_are_what_the_claims_say(every: dict[str, list[Claim]], evalua
     for name, found in every.items():
         ledger = Ledger(LEDGERS[name])
         assert pages.place(ledger).read_text(encoding="utf-8") == pages.written(ledger, found)
-    assert program.main(["--check"]) == 0
 
 
 @pytest.mark.slow

@@ -77,14 +77,14 @@ def test_every_link_of_the_site_leads_to_a_file_and_a_place(site: Path) -> None:
     assert broken == []
 
 
-def test_lesson_viewer_sound_and_outputs_live_in_it(site: Path) -> None:
+def test_lesson_viewer_sound_and_help_live_in_it(site: Path) -> None:
     for name, page in (("lesson", "lesson"), ("view", "viewer")):
         text = (site / "site" / f"{name}.html").read_text(encoding="utf-8")
         assert "</html>" in text
         assert len(text) < 5_000_000
         assert f'src="site/{name}.html"' in (site / f"{page}.html").read_text(encoding="utf-8")
     assert (site / "site" / "fig5.wav").read_bytes().startswith(b"RIFF")
-    shown = (site / "outputs.html").read_text(encoding="utf-8")
+    shown = (site / "commands.html").read_text(encoding="utf-8")
     assert all(f"rubnoise {name}" in shown for name in ("check", "run", "junctions", "compare", "verify", "theory"))
     assert "landmarks" in (site / "searchindex.js").read_text(encoding="utf-8")
 
@@ -106,10 +106,15 @@ def test_no_page_of_the_first_scrolls_sideways_on_a_phone(site: Path, browser: A
 # The package that others install: the wheel, the source distribution that it is built from, the page on an index.
 @pytest.fixture(scope="module")
 def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a source distribution, and with the wheel that is built from it."""
     folder = tmp_path_factory.mktemp("dist")
-    command = [sys.executable, str(ROOT / "tools" / "build_package.py"), str(folder)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    build = [sys.executable, "-m", "hatchling", "build", f"--directory={folder}", "--target"]
+    subprocess.run([*build, "sdist"], cwd=ROOT, capture_output=True, check=True)
+    source = next(folder.glob("*.tar.gz"))
+    with tarfile.open(source) as archive:
+        archive.extractall(folder / "source", filter="data")
+    unpacked = folder / "source" / source.name.removesuffix(".tar.gz")
+    subprocess.run([*build, "wheel"], cwd=unpacked, capture_output=True, check=True)
     return folder
 
 

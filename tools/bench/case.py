@@ -82,7 +82,8 @@ class Case:
 class Draws(Protocol):
     """Where the junctions of a run come from; ``seed`` is for who draws them itself."""
 
-    seed: int
+    @property
+    def seed(self) -> int: ...  # noqa: D102
 
     def rows(self) -> tuple[Doubles, Doubles]:
         """Return births and diameters in um of every junction of the run, in order of birth."""
@@ -106,19 +107,6 @@ class Drawn:
         while (wrong := diameter <= 0.0).any():
             diameter[wrong] = random.normal(case.mean_diameter, case.diameter_std, int(wrong.sum()))
         return birth, diameter
-
-
-@dataclass
-class Given:
-    """Junctions that rubnoise has drawn from a seed (um), so that all tools can make the same run."""
-
-    birth: Doubles
-    diameter: Doubles
-    seed: int = SEED
-
-    def rows(self) -> tuple[Doubles, Doubles]:
-        """Return all rows."""
-        return self.birth, self.diameter
 
 
 @dataclass(frozen=True, kw_only=True)

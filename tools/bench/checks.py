@@ -6,7 +6,6 @@ These are the slow references of tests/oracle, which share no code with rubnoise
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from types import ModuleType
 
@@ -14,7 +13,7 @@ import h5py
 import numpy as np
 
 from bench import ours
-from bench.case import DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Case, Doubles, Given, Output, doubles
+from bench.case import DAMPING, MASS, SEED, SPEED, STIFFNESS, STRENGTH, Case, Doubles, Output, doubles
 
 if "tests" not in sys.modules:
     # A peer's package brings a folder of this name into the environment, which would hide the project's.
@@ -51,9 +50,11 @@ class Truth:
     area: Doubles
     displacement: Doubles
 
-    def given(self) -> Given:
-        """Return the junctions as a tool gets them."""
-        return Given(self.birth, self.diameter)
+    seed: int = SEED
+
+    def rows(self) -> tuple[Doubles, Doubles]:
+        """Return births and diameters, so that a tool can make this run."""
+        return self.birth, self.diameter
 
 
 class Wrong(Exception):  # noqa: N818  (a message for a person, printed as it is)
@@ -73,7 +74,7 @@ class Verdict:
     def faults(self) -> Iterator[str]:
         """Yield a sentence for each answer that is off by more than its bound, or not a number."""
         motion = OUR_MOTION_BOUND if self.name.startswith(OURS) else MOTION_BOUND
-        who = f"{self.name}, {self.case.mean_count:g} junctions, {self.case.ticks_per_life:g} ticks a life"
+        who = f"{self.name}, {self.case.ticks_per_life:g} ticks a life"
         for what, bound in (("area", AREA_BOUND), ("life", LIFE_BOUND), ("motion", motion)):
             error = getattr(self, what)
             if not error <= bound:
@@ -95,15 +96,13 @@ def truth(case: Case = SMALL) -> Truth:
     )
 
 
-def cases(counts: Iterable[float], ticks: Iterable[float]) -> tuple[Case, ...]:
-    """Return the cases on which whole runs are checked: the small one, and one for each point that is timed."""
-    points = [*product(counts, [SMALL.ticks_per_life]), *product([SMALL.mean_count], ticks)]
-    return (SMALL, *(_small(*point) for point in points))
-
-
-def _small(mean_count: float, ticks_per_life: float) -> Case:
-    lives = max(3.0, min(150.0 / mean_count, MOST_TICKS / ticks_per_life))
-    return Case(mean_count, ticks_per_life, round(lives * mean_count))
+def cases(ticks: Iterable[float]) -> tuple[Case, ...]:
+    """Return the cases on which whole runs are checked: the small one, and one for each number of ticks in a life."""
+    found = []
+    for each in ticks:
+        lives = max(3.0, min(150.0 / SMALL.mean_count, MOST_TICKS / each))
+        found.append(Case(ticks_per_life=each, junctions=round(lives * SMALL.mean_count)))
+    return (SMALL, *found)
 
 
 def judged(name: str, made: Output, known: Truth) -> Verdict:

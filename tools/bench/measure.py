@@ -1,5 +1,6 @@
 """What the benchmark measures: CPU time, memory and start-up, each after every tool's runs were found right."""
 
+import gc
 import json
 import os
 import platform
@@ -8,18 +9,18 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from itertools import count
 from pathlib import Path
+from statistics import median
 
 from bench import checks
 from bench.case import Case, Drawn, Draws
 from bench.checks import OURS, Verdict, Wrong
-from bench.clock import Task, Timing, interleaved
 
 PACKAGES = ("numpy", "scipy", "numba", "simpy", "h5py", "superposed-pulses")
 FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -28,6 +29,56 @@ TICKS_PER_LIFE = 20.0
 
 LONGEST = 1_000_000
 """Junctions beyond which only rubnoise is asked for memory: what holds everything at once would need gigabytes."""
+
+
+def cpu_time() -> float:
+    """Return the CPU time in s that this process and its ended children have used."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+@dataclass(frozen=True)
+class Timing:
+    """CPU times of the repeats of one task in s, and how many units (junctions, ticks) each repeat worked on."""
+
+    seconds: tuple[float, ...]
+    units: float
+
+    @property
+    def each(self) -> float:
+        """Median CPU time in s of one unit."""
+        return median(self.seconds) / self.units
+
+    @property
+    def spread(self) -> float:
+        """Half the range of the repeats over their median."""
+        return (max(self.seconds) - min(self.seconds)) / (2.0 * median(self.seconds))
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something to be timed, its number of units, and what is done before it and not timed."""
+
+    call: Callable[[], object]
+    units: float
+    prepare: Callable[[], object] = lambda: None
+
+
+def interleaved(tasks: Mapping[str, Task], repeats: int) -> dict[str, Timing]:
+    """Return the timings of tasks that take turns, A B C A B C ..., so that a slow minute hits all of them."""
+    seconds: dict[str, list[float]] = {name: [] for name in tasks}
+    for _ in range(repeats):
+        for name, task in tasks.items():
+            task.prepare()
+            seconds[name].append(_timed(task.call))
+    return {name: Timing(tuple(taken), tasks[name].units) for name, taken in seconds.items()}
+
+
+def _timed(call: Callable[[], object]) -> float:
+    gc.collect()
+    begin = cpu_time()
+    call()
+    return cpu_time() - begin
 
 
 @dataclass(frozen=True)
@@ -47,11 +98,10 @@ class Entrant:
         run = import_module(f"bench.{self.module}").run
         run(case, draws, path, **({"engine": self.engine} if self.engine else {}))
 
-    def case(self, share: float, mean_count: float = 20.0, ticks_per_life: float = 221.0) -> Case:
-        """Return a case of at most twice the ticks that it has at 20 junctions and 221 ticks a life."""
+    def case(self, share: float, ticks_per_life: float = 221.0) -> Case:
+        """Return a case of at most twice the ticks that it has at 221 ticks a life."""
         junctions = round(share * self.junctions)
-        ticks = junctions * 221.0 / 20.0
-        return Case(mean_count, ticks_per_life, min(junctions, round(2.0 * ticks * mean_count / ticks_per_life)))
+        return Case(20.0, ticks_per_life, min(junctions, round(2.0 * junctions * 221.0 / ticks_per_life)))
 
 
 RUNS = (
@@ -71,7 +121,6 @@ class Plan:
     repeats: int
     growth_repeats: int
     share: float
-    counts: tuple[float, ...]
     ticks: tuple[float, ...]
     memory: tuple[int, ...]
 
@@ -80,7 +129,6 @@ FULL = Plan(
     repeats=21,
     growth_repeats=3,
     share=1.0,
-    counts=(10.0, 100.0, 1000.0),
     ticks=(10.0, 30.0, 220.0, 2200.0),
     memory=(100, 100_000, 1_000_000, 10_000_000),
 )
@@ -88,7 +136,6 @@ QUICK = Plan(
     repeats=3,
     growth_repeats=1,
     share=0.2,
-    counts=(10.0, 100.0),
     ticks=(30.0, 220.0),
     memory=(100_000,),
 )
@@ -104,7 +151,7 @@ class Results:
     machine: tuple[str, str]
     verdicts: tuple[Verdict, ...]
     runs: dict[str, Timing]
-    growth: dict[str, Growth]
+    growth: Growth
     memory: dict[str, dict[int, float]]
     waits: dict[str, tuple[float, float]]
 
@@ -120,17 +167,13 @@ def measured(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Results:
     """Measure everything, in a folder for files; raises Wrong before any time is taken if a tool is wrong."""
     path = folder / "run.h5"
     tell("correctness: each tool makes small runs")
-    verdicts = tuple(_verdicts(folder, checks.cases(plan.counts, plan.ticks)))
+    verdicts = tuple(_verdicts(folder, checks.cases(plan.ticks)))
     if faults := [fault for verdict in verdicts for fault in verdict.faults()]:
         raise Wrong(*faults)
     tell("whole runs")
     whole = timed(RUNS, plan, path)
     tell("growth")
-    grow = partial(_growth, plan, path)
-    growth = {
-        "count": grow(plan.counts, lambda each, count: each.case(plan.share, mean_count=count)),
-        "ticks": grow(plan.ticks, lambda each, ticks: each.case(plan.share, ticks_per_life=ticks)),
-    }
+    growth = _growth(plan, path)
     tell("memory and start-up")
     memory = {
         each.name: {n: _peak(each, n, folder) for n in plan.memory if n <= LONGEST or each.name.startswith(OURS)}
@@ -150,7 +193,7 @@ def _verdicts(folder: Path, wanted: Sequence[Case]) -> Iterator[Verdict]:
     for case in wanted:
         known = checks.truth(case)
         for entrant in RUNS:
-            entrant.call(case, known.given(), folder / "check.h5")
+            entrant.call(case, known, folder / "check.h5")
             yield checks.judged(entrant.name, checks.written(folder / "check.h5"), known)
 
 
@@ -171,12 +214,12 @@ def timed(entrants: Sequence[Entrant], plan: Plan, path: Path) -> dict[str, Timi
     return interleaved({each.name: _task(each, each.case(plan.share), path) for each in entrants}, plan.repeats)
 
 
-def _growth(plan: Plan, path: Path, points: Sequence[float], case_of: Callable[[Entrant, float], Case]) -> Growth:
+def _growth(plan: Plan, path: Path) -> Growth:
     found: Growth = {each.name: {} for each in RUNS}
-    for point in points:
-        tasks = {each.name: _task(each, case_of(each, point), path) for each in RUNS}
+    for ticks in plan.ticks:
+        tasks = {each.name: _task(each, each.case(plan.share, ticks), path) for each in RUNS}
         for name, timing in interleaved(tasks, plan.growth_repeats).items():
-            found[name][point] = timing
+            found[name][ticks] = timing
     return found
 
 

@@ -6,8 +6,7 @@ from datetime import date
 from pathlib import Path
 
 from bench.checks import OUR_MOTION_BOUND, OURS, SMALL, Wrong
-from bench.clock import Timing
-from bench.measure import Growth, Results
+from bench.measure import Growth, Results, Timing
 
 TEXT = Path(__file__).with_suffix(".md")
 GAP = re.compile(r"\[\[([\w -]+)\]\]")
@@ -27,8 +26,7 @@ def page(found: Results, today: date) -> str:
         "motion bound": f"{OUR_MOTION_BOUND:.0e}",
         "largest memory": f"{max(ours):.0f}",
         "whole runs": table((*SPEED, "error of area, motion"), list(_speeds(found.runs, small))),
-        "growth by count": _growth("mean number of junctions $N_{jm}$", found.growth["count"]),
-        "growth by ticks": _growth("ticks in a mean life", found.growth["ticks"]),
+        "growth by ticks": _growth("ticks in a mean life", found.growth),
         "errors by ticks": _errors_by_ticks(found),
         "memory": _memory(found),
         "starting": table(
@@ -74,13 +72,9 @@ def _growth(what: str, growth: Growth) -> str:
 
 def _errors_by_ticks(found: Results) -> str:
     """Return by number of ticks the error of each tool's motion; equal rows are one."""
-    growth = found.growth["ticks"]
+    growth = found.growth
     points = list(next(iter(growth.values())))
-    errors = {
-        (each.name, each.case.ticks_per_life): _error(each.motion)
-        for each in found.verdicts
-        if each.case.mean_count == SMALL.mean_count
-    }
+    errors = {(each.name, each.case.ticks_per_life): _error(each.motion) for each in found.verdicts}
     alike: dict[tuple[str, ...], list[str]] = {}
     for name in growth:
         alike.setdefault(tuple(errors[name, point] for point in points), []).append(name)

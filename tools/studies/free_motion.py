@@ -83,7 +83,7 @@ class Level:
     shocks: float
     load: float
     load_error: float
-    peaks: tuple[float, ...] | None
+    peaks: Sequence[float] | None
 
     @property
     def decibels(self) -> float:
@@ -322,12 +322,8 @@ def kept() -> list[Contact]:
 
 
 def _contact(*, levels: list[dict[str, Any]], heights: list[list[dict[str, Any]]], **about: Any) -> Contact:
-    pairs = tuple((_level(low), _level(high)) for low, high in heights)
-    return Contact(levels=tuple(map(_level, levels)), heights=pairs, **about)
-
-
-def _level(row: dict[str, Any]) -> Level:
-    return Level(**{**row, "peaks": row["peaks"] and tuple(row["peaks"])})
+    pairs = tuple((Level(**low), Level(**high)) for low, high in heights)
+    return Contact(levels=tuple(Level(**each) for each in levels), heights=pairs, **about)
 
 
 def main() -> int:
