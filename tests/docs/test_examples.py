@@ -101,9 +101,10 @@ def test_each_of_the_five_pages_can_be_followed_alone(workplace: Path, page: str
 
 
 @pytest.mark.slow
-def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
+def test_the_other_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
     for page in PAGES:
-        _follow(page)
+        if page not in FIRST:
+            _follow(page)
 
 
 def _follow(page: str) -> None:

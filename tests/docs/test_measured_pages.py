@@ -119,7 +119,7 @@ def test_wrong_runs_are_outside_and_right_ones_are_not() -> None:
 
 # docs/reproducibility.md promises what the program does, and lists all of it.
 PAGE = (ROOT / "docs" / "reproducibility.md").read_text(encoding="utf-8")
-PROMISED = re.findall(r"^\| `/(\w+)` \| every column", PAGE, re.MULTILINE)
+PROMISED = re.findall(r"`/(\w+)`", PAGE.partition("every column of ")[2].partition(".\n")[0])
 
 
 def test_every_group_of_columns_is_promised() -> None:
@@ -218,17 +218,3 @@ def test_runs_of_free_motion_that_are_wrong_are_told(change: dict[str, float], s
     levels = tuple(replace(each, **change) if at == 2 else each for at, each in enumerate(FREE[1].levels))
     wrong = free_motion.faults([FREE[0], replace(FREE[1], levels=levels), *FREE[2:]])
     assert any(said in words for words in wrong)
-
-
-def test_a_small_error_in_every_contact_shows_in_all_of_them_together() -> None:
-    """A height exponent off by 0.015 is within four standard errors in each contact."""
-    off = []
-    for each in FREE:
-        pairs = tuple(
-            (low, replace(high, velocity=high.velocity * (high.height / low.height) ** 0.015))
-            for low, high in each.heights
-        )
-        off.append(replace(each, heights=pairs))
-    wrong = free_motion.faults(off)
-    assert len(wrong) == 1
-    assert "over all contacts" in wrong[0]

@@ -19,12 +19,10 @@ def page(found: Results, today: date) -> str:
         raise Wrong(*faults)
     hardware, software = found.machine
     small = {each.name: f"{_error(each.area)}, {_error(each.motion)}" for each in found.verdicts if each.case == SMALL}
-    ours = [max(peaks.values()) for name, peaks in found.memory.items() if name.startswith(OURS)]
     parts = {
         "measured": f"Measured on {today:%d %B %Y}: {hardware}.\n{software}.",
         "closest": next(name for name, _ in _by_speed(found.runs) if not name.startswith(OURS)),
         "motion bound": f"{OUR_MOTION_BOUND:.0e}",
-        "largest memory": f"{max(ours):.0f}",
         "whole runs": table((*SPEED, "error of area, motion"), list(_speeds(found.runs, small))),
         "growth by ticks": _growth("ticks in a mean life", found.growth),
         "errors by ticks": _errors_by_ticks(found),
