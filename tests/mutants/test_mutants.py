@@ -149,6 +149,7 @@ def test_all_works_it_out_and_finds_what_is_wrong_or_missing(
     (tmp_path / "test_mutants.slow.json").write_text(json.dumps(kept), encoding="utf-8")
     monkeypatch.setattr(Wishes, "freeze", False)
     monkeypatch.setattr(Wishes, "everything", True)
+    monkeypatch.setattr(frozen, "TURNS", 1)
     assert _slow(calls)(0.1) == kept["0.1"]
     with pytest.raises(AssertionError):
         _slow(calls)(0.2)

@@ -112,9 +112,10 @@ def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     subprocess.run([*build, "sdist"], cwd=ROOT, capture_output=True, check=True)
     source = next(folder.glob("*.tar.gz"))
     with tarfile.open(source) as archive:
-        archive.extractall(folder / "source", filter="data")
-    unpacked = folder / "source" / source.name.removesuffix(".tar.gz")
-    subprocess.run([*build, "wheel"], cwd=unpacked, capture_output=True, check=True)
+        archive.extractall(unpacked := tmp_path_factory.mktemp("unpacked"), filter="data")
+    subprocess.run(
+        [*build, "wheel"], cwd=unpacked / source.name.removesuffix(".tar.gz"), capture_output=True, check=True
+    )
     return folder
 
 
