@@ -71,7 +71,7 @@ def browser() -> Iterator[Any]:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--all", action="store_true", help="run slow cases too, and work frozen values out anew")
+    parser.addoption("--all", action="store_true", help="run slow cases too, and work some frozen values out anew")
     parser.addoption("--slow", action="store_true", help="run slow cases too")
     parser.addoption("--times", type=Path, metavar="FILE", help="write the CPU time of every case to a JSON file")
     parser.addoption("--freeze", action="store_true", help="write the frozen values that are asked for; with -n 0")

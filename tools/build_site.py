@@ -1,7 +1,7 @@
 """Build the site: `python3 tools/dev.py docs [FOLDER]`, into site/ by default.
 
 Pages are copied into a new folder as they lie in the repository, so that their links keep their meaning. Pages that
-show output are written here from today's program: the lesson, a viewer, a sound, commands and what they print. Sphinx
+show output are written here from today's program: the lesson, a viewer, a sound, the help of commands. Sphinx
 then builds all of it, and any warning fails. The folder gets its name only when the site is complete.
 """
 
@@ -12,7 +12,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
@@ -24,23 +23,12 @@ PAGES: Final = ROOT / "tools" / "site"
 COPIED: Final = ("docs", "notebooks", "scenarios")
 MARK: Final = "rubnoise-site.txt"
 FIG5: Final = "scenarios/paper/fig5.toml"
-SHOWN: Final = (
-    ("What a scenario means", ["check", FIG5]),
-    ("A run", ["run", FIG5, "-o", "fig5.h5"]),
-    ("The life of one junction", ["junctions", "fig5.h5", "17"]),
-    (
-        "Large junctions",
-        ["junctions", "fig5.h5", "--where", "diameter > 6 um", "--sort", "-life_distance", "--head", "5"],
-    ),
-    ("A comparison with theory", ["compare", "fig5.h5"]),
-    ("A verification", ["verify", "fig5.h5"]),
-    ("Exact theory", ["theory", FIG5]),
-)
+RUN: Final = ["run", FIG5, "-o", "fig5.h5"]
 SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
 LESSON: Final = ["page", "-o", "site/lesson.html"]
 NESTED: Final = {
     "docs/start": ("install", "lesson", "viewer", "docs/gallery"),
-    "docs/command-line": ("commands", "outputs", "docs/sweeps", "docs/json"),
+    "docs/command-line": ("commands", "docs/sweeps", "docs/json"),
     "docs/api": ("python", "notebooks/README"),
     "docs/scenarios": ("scenarios",),
     "docs/theory": ("docs/two-way", "docs/family", "docs/load", "docs/surfaces"),
@@ -91,11 +79,10 @@ def stage(source: Path) -> None:
         if path.is_file():
             shutil.copy(path, source)
     (source / "site").mkdir()
-    for command in (*(words for _, words in SHOWN), SOUND, LESSON, VIEWER):
-        said = answer(source, command)
-        (source / "site" / f"{command[0]}.txt").write_text(said, encoding="utf-8")
+    for command in (RUN, SOUND, LESSON, VIEWER):
+        answer(source, command)
     (source / "fig5.h5").unlink()
-    written = {"outputs": outputs, "commands": commands, "scenarios": scenarios, "python": python}
+    written = {"commands": commands, "scenarios": scenarios, "python": python}
     for name, page in written.items():
         (source / f"{name}.md").write_text("\n".join(page(source)) + "\n", encoding="utf-8")
     for path in source.rglob("*.md"):
@@ -112,27 +99,16 @@ def answer(folder: Path, words: list[str]) -> str:
 
 
 def adapted(page: str) -> str:
-    """Return a page with links to pages for folders, text for diagrams, and drawings for light and dark."""
+    """Return a page with links to pages for folders, and drawings for light and dark."""
     page = page.replace("](notebooks)", "](notebooks/README.md)").replace("](scenarios)", "](scenarios.md)")
     page = page.replace("](../scenarios)", "](../scenarios.md)")
-    page = DRAWN.sub(r"![\1](\2.svg){.only-light} ![\1](\2-dark.svg){.only-dark}", page)
-    return page.replace("```mermaid\n", "```text\n")  # drawn where a reader of Markdown can; here its words are shown
+    return DRAWN.sub(r"![\1](\2.svg){.only-light} ![\1](\2-dark.svg){.only-dark}", page)
 
 
 def below(name: str) -> str:
     """Return the list of pages that the sidebar shows below a page; empty without any."""
     pages = "\n".join(f"/{page}" for page in NESTED.get(name, ()))
     return f"\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n" if pages else ""
-
-
-def outputs(source: Path) -> Iterator[str]:
-    """Yield the page of commands with what they print."""
-    yield "# What the commands print\n"
-    yield f"rubnoise {rubnoise.__version__} printed all of this when this site was built.\n"
-    for title, words in SHOWN:
-        said = (source / "site" / f"{words[0]}.txt").read_text(encoding="utf-8")
-        shown = " ".join(f"'{word}'" if " " in word else word for word in words)
-        yield f"## {title}\n\n```\n$ rubnoise {shown}\n{said}```\n"
 
 
 def commands(source: Path) -> Iterator[str]:
@@ -148,13 +124,7 @@ def commands(source: Path) -> Iterator[str]:
 def scenarios(source: Path) -> Iterator[str]:
     """Yield the page of all scenario files with their titles."""
     yield "# Scenarios that come with rubnoise\n"
-    yield "These files come with rubnoise. [scenarios.md](docs/scenarios.md) explains their keys.\n"
-    for folder in sorted(path for path in (source / "scenarios").iterdir() if path.is_dir()):
-        yield f"## {folder.name}\n\n| file | title |\n|---|---|"
-        for path in sorted(folder.glob("*.toml")):
-            title = tomllib.loads(path.read_text(encoding="utf-8")).get("title", "")
-            yield f"| [{path.name}](scenarios/{folder.name}/{path.name}) | {title} |"
-        yield ""
+    yield f"[scenarios.md](docs/scenarios.md) explains their keys.\n\n```\n{answer(source, ['examples'])}```\n"
 
 
 def python(_source: Path) -> Iterator[str]:

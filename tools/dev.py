@@ -42,8 +42,7 @@ GUARDS = {
     "faults": ("mutants.py", "2 hours: each of the faults put into a copy of the program is noticed"),
     "kills": ("survive.py", "minutes: after kills and on full disks nothing is lost"),
     "damage": ("fuzz_results.py", "10 minutes: damaged results get a sentence"),
-    "bits": ("determinism.py", "10 minutes: golden runs on other processors, libraries, hash seeds and threads"),
-    "first": ("first_run.py", "a minute: a run where nothing was compiled, kept or may be written before"),
+    "bits": ("determinism.py", "5 minutes: golden runs on other processors, hash seeds and threads"),
     "paper": ("paper", "2 minutes: every claim of the paper and its field; with -o DIR its figures instead"),
     "right-runs": ("right_runs.py", "15 minutes: how many of some thousands of right runs `compare` rejects"),
 }

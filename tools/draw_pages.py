@@ -1,8 +1,8 @@
-"""Draw the pictures that explain the model: `.venv/bin/python tools/draw_pages.py`, after `tools/dev.py sync`.
+"""Draw the pictures that pages need beside those of runs: `python3 tools/dev.py generate drawings`.
 
 Each goes to docs/pictures/drawn as NAME.svg for a light page and NAME-dark.svg for a dark one. Curves are those of the
-program: lives from `rubnoise.simulate`, spectra from `rubnoise.exact`, the tree from the groups of a run. All are
-so narrow that a phone shows their letters.
+program: spectra from `rubnoise.exact`. All are so narrow that a phone shows their letters. sketch.svg and life.svg hold
+no data, and are files of their own.
 """
 
 import sys
@@ -13,9 +13,7 @@ from typing import Any, Final
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 import rubnoise
 
@@ -24,112 +22,6 @@ BLUE, ORANGE, GREEN, PALE = "#2f7ed8", "#e07b1a", "#2a9d63", "#8a8f98"
 INK: Final = {"": "#1b1f24", "-dark": "#e3e6ea"}
 WIDTH: Final = 5.2
 """Of a picture, in inches: 11 points are 10 px on a phone."""
-TREE_WIDTH: Final = 4.0
-
-
-def sketch() -> Figure:
-    """Draw two surfaces that touch at junctions, and the slider on its spring and damper."""
-    figure, axes = plt.subplots(figsize=(WIDTH, 3.2))
-    _bare(axes, (0.2, 15.0), (0.0, 7.9))
-    x = np.linspace(0.4, 9.6, 400)
-    lower = 1.9 + 0.28 * np.sin(2.1 * x) + 0.12 * np.sin(5.3 * x + 1.0)
-    upper = 2.28 + 0.25 * np.sin(2.7 * x + 2.0) + 0.14 * np.sin(6.1 * x)
-    axes.fill_between(x, lower, 0.5, color=PALE, alpha=0.45)
-    axes.fill_between(x, np.maximum(upper, lower), 4.6, color=BLUE, alpha=0.35)
-    touch = upper <= lower
-    for run in np.split(np.flatnonzero(touch), np.flatnonzero(np.diff(np.flatnonzero(touch)) > 1) + 1):
-        if run.size:
-            axes.plot(x[run], lower[run], color=ORANGE, linewidth=4.0, solid_capstyle="round")
-    axes.text(5.0, 3.7, "slider, mass $m$", ha="center")
-    axes.text(5.0, 0.85, "surface that moves", ha="center")
-    pointer = {"arrowstyle": "-", "color": mpl.rcParams["text.color"]}
-    axes.annotate("junction", (x[touch][0], lower[touch][0]), (0.4, 5.2), arrowprops=pointer)
-    _arrow(axes, (1.0, 0.15), (3.0, 0.15), "$V$", (3.35, 0.02))
-    _arrow(axes, (4.0, 5.0), (5.4, 5.0), "$x$", (5.65, 4.88))
-    zigzag = np.linspace(9.6, 14.2, 13)
-    axes.plot(zigzag, 3.95 + 0.28 * np.array([0, 0, *[1, -1] * 4, 1, 0, 0]), color=GREEN)
-    axes.text(11.9, 4.55, "spring $k$", ha="center", color=GREEN)
-    axes.plot([9.6, 11.6], [3.0, 3.0], [12.2, 14.2], [3.0, 3.0], color=GREEN)
-    axes.plot([12.2, 11.4, 11.4, 12.2], [3.35, 3.35, 2.65, 2.65], color=GREEN)
-    axes.plot([11.6, 11.6], [2.8, 3.2], color=GREEN)
-    axes.plot([12.2, 12.2], [2.65, 3.35], color=GREEN)
-    axes.text(11.9, 1.95, "damper $c$", ha="center", color=GREEN)
-    axes.add_patch(Rectangle((14.2, 2.2), 0.4, 2.6, color=PALE))
-    axes.text(14.4, 1.5, "wall", ha="center")
-    axes.text(
-        7.0,
-        6.4,
-        "friction force $F_s$:\nshear strength $\\psi$ times real contact area $A_r$",
-        ha="center",
-        color=ORANGE,
-    )
-    return figure
-
-
-def life() -> Figure:
-    """Draw two circles at five distances of a life, above the area that they share."""
-    figure, (stage, curve) = plt.subplots(2, 1, figsize=(WIDTH, 4.0), height_ratios=(1.0, 1.5))
-    _bare(stage, (-0.6, 2.6), (-0.42, 0.62))
-    stage.set_aspect("auto")
-    ratio = 3.2 / 1.04 * (1.0 / WIDTH) / (1.0 / 1.5)
-    for s in (0.0, 0.5, 1.0, 1.5, 2.0):
-        for centre, colour in ((s + 0.16 * (s - 1.0), BLUE), (s - 0.16 * (s - 1.0), ORANGE)):
-            circle = Circle((0.0, 0.0), 0.16, facecolor=colour, alpha=0.4, edgecolor=colour)
-            scale = mpl.transforms.Affine2D().scale(1.0, 1.0 / ratio).translate(centre, 0.0)
-            circle.set_transform(scale + stage.transData)
-            stage.add_patch(circle)
-    for s, words in ((0.0, "birth"), (1.0, "mid-life"), (2.0, "death")):
-        stage.text(s, 0.5, words, ha="center")
-    distance = np.linspace(0.0, 2.0, 201)
-    x = np.abs(1.0 - distance)
-    area = 0.5 * (np.arccos(x) - x * np.sqrt(1.0 - x * x))
-    curve.plot(distance, area, color=BLUE, linewidth=2.0)
-    curve.fill_between(distance, area, color=BLUE, alpha=0.2)
-    curve.axhline(1.0 / 3.0, color=ORANGE, linestyle="--")
-    curve.text(-0.57, 0.36, "mean over\na life $d^2/3$", color=ORANGE)
-    curve.text(1.0, 0.06, "area under\nthe curve\n$\\frac{2}{3}\\,d^3$", ha="center")
-    curve.set(xlim=(-0.6, 2.6), ylim=(0.0, 0.9), xticks=(0.0, 0.5, 1.0, 1.5, 2.0), yticks=(0.0, np.pi / 4.0))
-    curve.set_xticklabels(("0", "$d/2$", "$d$", "$3d/2$", "$2d$"))
-    curve.set_yticklabels(("0", "$\\pi d^2/4$"))
-    curve.set(xlabel="sliding distance since birth $s$", ylabel="area $A_j$")
-    return figure
-
-
-def shot_noise() -> Figure:
-    """Draw the areas of the junctions of a stretch, and their sum."""
-    record = rubnoise.simulate(rubnoise.example("paper/fig5").replace({"sliding.distance": "60 um"}), seed=2)
-    figure, (total, single) = plt.subplots(2, 1, figsize=(WIDTH, 4.0), sharex=True)
-    distance, area = record.trace["distance"][:], record.trace["real_contact_area"][:]
-    thin = slice(None, None, max(1, len(distance) // 500))
-    mean = rubnoise.exact("paper/fig5").area.mean
-    total.plot(distance[thin], area[thin], color=ORANGE, linewidth=1.8)
-    total.axhline(mean, color=PALE, linestyle="--")
-    total.text(60.0, mean + 6.0, "exact mean", ha="right", color=PALE)
-    total.set_ylabel("sum $A_r$ (µm²)")
-    places = np.linspace(0.0, 60.0, 241)
-    for row in range(len(record.junctions["diameter"])):
-        shown = record.junction(row).area(places)
-        alive = shown > 0.0
-        single.plot(places[alive], shown[alive], color=BLUE, linewidth=0.8, alpha=0.7)
-    single.set(xlabel="sliding distance $s$ (µm)", ylabel="each junction (µm²)", xlim=(0.0, 60.0))
-    return figure
-
-
-def couplings() -> Figure:
-    """Draw the motion of one slider on the same junctions, with both couplings."""
-    figure, axes = plt.subplots(figsize=(WIDTH, 3.0))
-    for name, colour, words in (
-        ("paper/fig5", PALE, "one-way: the contact does not feel it"),
-        ("paper/fig5_two_way", BLUE, "two-way: it sticks, then slips"),
-    ):
-        run = rubnoise.simulate(rubnoise.example(name).replace({"sliding.distance": "1.2 mm"}))
-        time, moved = run.slider["time"][:], run.slider["displacement"][:]
-        shown = (time > 0.6) & (time < 1.1)
-        thin = slice(None, None, max(1, int(shown.sum()) // 600))
-        axes.plot(time[shown][thin], moved[shown][thin], color=colour, linewidth=1.4, label=words)
-    axes.set(xlabel="time $t$ (s)", ylabel="displacement $x$ (µm)", xlim=(0.6, 1.1))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.36))
-    return figure
 
 
 def family() -> Figure:
@@ -184,33 +76,9 @@ def corner() -> Figure:
     return figure
 
 
-def tree() -> Figure:
-    """Draw the groups of a result, with the columns of each below its name."""
-    run = rubnoise.simulate(rubnoise.example("paper/fig5").replace({"sliding.distance": "60 um"}))
-    rows = [(f"/{name}", _wrapped(list(group))) for name, group in run.groups().items()]
-    rows += [("/summary", ["what was measured, beside theory"]), ("/provenance", ["how to repeat it"])]
-    height = sum(len(lines) + 1.3 for _, lines in rows) + 1.5
-    figure, axes = plt.subplots(figsize=(TREE_WIDTH, 0.2 * height))
-    _bare(axes, (0.0, 10.0), (height, -1.0))
-    axes.text(0.0, 0.0, "fig5.h5", weight="bold")
-    y = 1.4
-    for name, lines in rows:
-        axes.plot([0.15, 0.15, 0.5], [0.5, y, y], color=PALE, linewidth=1.0)
-        axes.text(0.65, y, name, color=BLUE, weight="bold", va="center")
-        for row, words in enumerate(lines, 1):
-            axes.text(0.65, y + row, words, va="center", fontsize=9.5)
-        y += len(lines) + 1.3
-    return figure
-
-
 PICTURES: Final[dict[str, Callable[[], Figure]]] = {
-    "sketch": sketch,
-    "life": life,
-    "shot_noise": shot_noise,
-    "couplings": couplings,
     "corner": corner,
     "family": family,
-    "tree": tree,
 }
 
 
@@ -240,28 +108,6 @@ def _style(ink: str) -> dict[str, Any]:
         "svg.fonttype": "path",
         "figure.constrained_layout.use": True,
     }
-
-
-def _bare(axes: Axes, across: tuple[float, float], up: tuple[float, float]) -> None:
-    axes.set(xlim=across, ylim=up)
-    axes.axis("off")
-
-
-Place = tuple[float, float]
-
-
-def _arrow(axes: Axes, start: Place, end: Place, words: str, at: Place) -> None:
-    ink = mpl.rcParams["text.color"]
-    axes.add_patch(FancyArrowPatch(start, end, arrowstyle="-|>", mutation_scale=14, color=ink))
-    axes.text(*at, words)
-
-
-def _wrapped(names: list[str], width: int = 44) -> list[str]:
-    lines = [""]
-    for name in names:
-        longer = f"{lines[-1]}, {name}" if lines[-1] else name
-        lines[-1:] = [longer] if len(longer) <= width else [f"{lines[-1]},", name]
-    return lines
 
 
 if __name__ == "__main__":

@@ -11,16 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FROZEN = tuple(
-    f"tests/{name}.py"
-    for name in (
-        "cli/test_refusals",
-        "docs/test_constants",
-        "unit/test_laws",
-        "unit/test_pulses",
-        "unit/test_refusals",
-        "unit/test_scenario_traps",
-    )
+FROZEN = (
+    *("tests/cli/test_refusals.py", "tests/docs/test_constants.py", "tests/unit/test_laws.py"),
+    *("tests/unit/test_pulses.py", "tests/unit/test_refusals.py", "tests/unit/test_scenario_traps.py"),
 )
 """Tests that hold frozen values or words."""
 
@@ -41,7 +34,7 @@ STEPS: dict[str, tuple[str, Callable[[], object]]] = {
     "schema": ("scenarios/scenario.schema.json", schema),
     "notebooks": ("plain notebooks", called("tools/export_notebooks.py")),
     "drawings": ("drawings that explain the model, light and dark", called("tools/draw_pages.py")),
-    "gallery": ("docs/gallery.md and its pictures, in minutes", called("tools/generate_gallery.py")),
+    "gallery": ("the pictures of docs/gallery.md, in minutes", called("tools/generate_gallery.py")),
     "paper": ("claims of the paper and of its field, in minutes", called("tools/paper")),
     "golden": ("bits and values of golden runs", called("-m", "tests.golden.hashes", "--write")),
     "frozen": ("frozen values and words of refusals", called("-m", "pytest", "-n0", "--freeze", *FROZEN)),

@@ -1,18 +1,16 @@
 """Write the generated parts of the documentation: `python tools/generate_docs.py [--check]`, with rubnoise installed.
 
-A part stands between `<!-- generated: NAME -->` and `<!-- end -->`, a measured number between `<!-- number: NAME -->`
-and `<!-- / -->`; everything else on a page is written by hand.
+A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
 """
 
 import json
 import re
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-import package_map
 from parts import filled, parts_of
-from scipy.stats import t as student
 
 from rubnoise.scenario.document import SECTIONS, TOP, presence
 from rubnoise.scenario.fields import Choice, Key, Line, Measure, Number, Parts, Sizes, keys_of
@@ -21,10 +19,6 @@ from rubnoise.storage.schema import GROUPS, Dataset, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PAGES = ("data-format.md", "design.md", "scenarios.md")
-KEPT = DOCS.parent / "tests" / "reference" / "coupling.json"
-"""What the study of two-way coupling has measured: of each figure value and standard error, with its command."""
-NUMBER = re.compile(r"(?<=<!-- number: )(\w+)( -->).*?(?=<!-- / -->)")
-
 TYPES = {"<f8": "", "<i8": " int64", "<u4": " uint32", "|u1": " uint8"}
 """What a column's name is followed by; most are float64."""
 ROWS = {
@@ -64,18 +58,9 @@ def read(page: str) -> str:
 
 
 def generated(text: str) -> str:
-    """Return the text of a page with new generated parts and numbers; a part that another tool makes stays."""
-    text = NUMBER.sub(lambda found: found[1] + found[2] + NUMBERS[found[1]](), text)
+    """Return the text of a page with new generated parts; a part that another tool makes stays."""
     made = {name: "\n".join(PARTS[name]()).rstrip() for name in parts_of(text) if name in PARTS}
     return filled(text, {name: f"\n{part}\n\n" for name, part in made.items()})
-
-
-def time_stuck() -> str:
-    """Return the share of the time that the slider of Figure 5 is stuck, two-way, with its 95 % interval."""
-    points = json.loads(KEPT.read_text(encoding="utf-8"))["points"]
-    point = next(each for each in points if each["speed"] == 1000.0 and each["junctions"] == 20)
-    value, error = point["stick_fraction"]
-    return f"{100.0 * value:.1f} ± {100.0 * error * float(student.ppf(0.975, point['runs'] - 1)):.1f} %"
 
 
 def columns() -> Iterator[str]:
@@ -169,19 +154,22 @@ def _default(about: Key, values: str) -> str:
     return "; ".join(filter(None, (values, "required" if about.is_needed else default)))
 
 
+def layers() -> Iterator[str]:
+    """Yield the layers of the package, the highest first, as the contract that import-linter keeps has them."""
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    contract = project["tool"]["importlinter"]["contracts"][0]
+    yield "    " + " > ".join(re.sub(r"[()]", "", layer).replace(" | ", ", ") for layer in contract["layers"])
+
+
 def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
-
-NUMBERS: dict[str, Callable[[], str]] = {"time_stuck": time_stuck}
-"""Measured numbers that pages show by name, as `<!-- number: NAME -->...<!-- / -->`; each has its place in one file."""
 
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "columns": columns,
     "keys": keys,
     "sweep": sweep,
-    "layers": package_map.line,
-    "arrows": package_map.diagram,
+    "layers": layers,
 }
 
 if __name__ == "__main__":

@@ -1,16 +1,12 @@
-"""Write docs/gallery.md and its pictures: `.venv/bin/python tools/generate_gallery.py`, after `tools/dev.py sync`.
+"""Draw the pictures of docs/gallery.md and docs/two-way.md: `python3 tools/dev.py generate gallery`.
 
-Every command of the page that makes a run or a new picture is called in a new folder, and the picture is kept small.
-tools/gallery.toml says what is on the page. With --check nothing is drawn: the tool says whether the page is what it
-would write.
+Every command of these pages is called in a new folder, and the pictures that they write are kept small below
+docs/pictures, with the figures of the paper.
 """
 
 import subprocess
 import sys
 import tempfile
-import tomllib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from shlex import split
@@ -18,139 +14,52 @@ from typing import Final
 
 from paper.figures import FIGURES, Sources, paper_figure
 from PIL import Image
-from small_png import small
 
 ROOT: Final = Path(__file__).resolve().parent.parent
-PAGE: Final = ROOT / "docs" / "gallery.md"
+PAGES: Final = ("gallery", "two-way")
+"""Pages whose pictures lie in a folder of the same name; the second uses results of the first."""
+
 PICTURES: Final = ROOT / "docs" / "pictures"
-ROOMS_FILE: Final = Path(__file__).with_name("gallery.toml")
+COLOURS: Final = 256
+"""Of a small picture, enough for curves and their smooth edges, in a third of the size."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shown:
-    """A picture: its title, the command that makes it, what there is to see, and where it lies below docs/pictures.
-
-    ``made`` is the file that the command writes; a figure of the paper is drawn without a command.
-    """
-
-    title: str
-    command: str
-    says: str
-    kept: str
-    made: str = ""
+def small(png: bytes) -> bytes:
+    """Return a png with a palette in place of full colours."""
+    with Image.open(BytesIO(png)) as picture:
+        flat = picture.convert("RGB").quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    stream = BytesIO()
+    flat.save(stream, format="PNG", optimize=True)
+    return stream.getvalue()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Room:
-    """A part of the page: its title, how it begins, the commands that come before, and its pictures."""
-
-    title: str
-    begins: str
-    before: tuple[str, ...] = ()
-    pictures: tuple[Shown, ...]
+def commands(page: str) -> list[list[str]]:
+    """Return the words of every command of a page, in its order."""
+    lines = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").splitlines()
+    return [split(line.removeprefix("    $ ")) for line in lines if line.startswith(("rubnoise ", "    $ rubnoise "))]
 
 
-def shown(picture: Mapping[str, str]) -> Shown:
-    """Return a picture as tools/gallery.toml has it; that of `rubnoise plot` is called after what is drawn."""
-    if "plot" not in picture:
-        return Shown(**picture)
-    name = picture.get("name", picture["plot"].split()[1])
-    return Shown(
-        title=picture["title"],
-        command=f"rubnoise plot {picture['plot']} -o {name}.png",
-        says=picture["says"],
-        kept=f"gallery/{name}.png",
-        made=f"{name}.png",
-    )
-
-
-def of_the_paper() -> Iterator[Shown]:
-    """Yield the figures of the paper."""
-    for name, figure in FIGURES.items():
-        yield Shown(
-            title=f"Figure {name.removeprefix('fig')}: {figure['title'][0].lower()}{figure['title'][1:]}",
-            command=f"python tools/paper {name} -o figures --format png",
-            says=" ".join(figure["caption"].split()),
-            kept=f"paper/{name}.png",
-        )
-
-
-def rooms() -> Iterator[Room]:
-    """Yield the parts of the page."""
-    for room in tomllib.loads(ROOMS_FILE.read_text(encoding="utf-8"))["room"]:
-        pictures = of_the_paper() if room.get("paper") else map(shown, room["picture"])
-        yield Room(
-            title=room["title"],
-            begins=room["begins"],
-            before=tuple(room.get("before", ())),
-            pictures=tuple(pictures),
-        )
-
-
-ROOMS: Final = tuple(rooms())
-
-
-def page() -> Iterator[str]:
-    """Yield the lines of the page."""
-    yield "# Gallery"
-    yield ""
-    yield "Pictures that rubnoise draws, each with its command. Blue and black are simulated, orange is exact theory."
-    yield "`tools/generate_gallery.py` wrote this page."
-    for room in ROOMS:
-        yield from ("", f"## {room.title}", "", room.begins)
-        if room.before:
-            yield from ("", "```text", *room.before, "```")
-        for each in room.pictures:
-            alternative = each.title.partition(":")[0]
-            yield from ("", f"### {each.title}", "", f"![{alternative}](pictures/{each.kept})", "", each.says)
-            if each.made:
-                yield from ("", "```text", each.command, "```")
-
-
-def draw(folder: Path, pictures: Path) -> None:
-    """Call the commands in a folder, and keep their pictures in another."""
+def draw(folder: Path, pictures: Path, *pages: str) -> None:
+    """Call the commands of pages in a folder, and keep their pictures in another."""
     (folder / "scenarios").symlink_to(ROOT / "scenarios")
-    (pictures / "paper").mkdir(parents=True, exist_ok=True)
+    for name in ("paper", *pages):
+        (pictures / name).mkdir(parents=True, exist_ok=True)
     for name in FIGURES:
         (pictures / "paper" / f"{name}.png").write_bytes(small(paper_figure(name, ("png",), Sources())["png"]))
-    for room in ROOMS:
-        for command in room.before:
-            call(folder, command)
-        for each in room.pictures:
-            if each.made:
-                call(folder, each.command)
-                place = pictures / each.kept
-                place.parent.mkdir(parents=True, exist_ok=True)
-                place.write_bytes(kept(folder / each.made))
+    for page in pages:
+        for _, *words in commands(page):
+            call(folder, words)
+        for path in folder.glob("*.png"):
+            (pictures / page / path.name).write_bytes(small(path.read_bytes()))
+            path.unlink()
 
 
-def call(folder: Path, command: str) -> None:
+def call(folder: Path, words: list[str]) -> None:
     """Call a command in a folder; raises CalledProcessError where it fails."""
-    print(command, file=sys.stderr)
-    _, *words = split(command)
+    print("rubnoise", *words, file=sys.stderr)
     subprocess.run([sys.executable, "-m", "rubnoise", *words], cwd=folder, stdout=subprocess.DEVNULL, check=True)
 
 
-def kept(path: Path) -> bytes:
-    """Return a picture as the gallery has it."""
-    with Image.open(path) as picture:
-        stream = BytesIO()
-        picture.convert("RGB").save(stream, format="PNG")
-    return small(stream.getvalue())
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Draw everything and write the page; with --check only compare the page, and return 1 where it differs."""
-    text = "\n".join(page()) + "\n"
-    if "--check" in arguments:
-        stale = not PAGE.exists() or PAGE.read_text(encoding="utf-8") != text
-        print(f"docs/gallery.md {'is out of date' if stale else 'is up to date'}")
-        return int(stale)
-    with tempfile.TemporaryDirectory() as folder:
-        draw(Path(folder), PICTURES)
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    with tempfile.TemporaryDirectory() as place:
+        draw(Path(place), PICTURES, *PAGES)

@@ -1,15 +1,13 @@
-"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N]`.
+"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--jobs N]`.
 
 Each fault of tools/faults is put into a copy of the program, and the test that is named beside it runs there. It has
 to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
-has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
-it is. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
+has to pass. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
 import os
 import re
 import shutil
@@ -20,7 +18,6 @@ import time
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 from queue import SimpleQueue
@@ -31,7 +28,6 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEN = 8.0
-TENTHS = 10
 KINDS = (".py", ".js")
 """Files of the program in which a fault may be."""
 
@@ -180,22 +176,18 @@ def copy_into(folder: Path) -> Path:
 def tried(
     folder: Path,
     tests: Sequence[str],
-    compiled: str = "as it is",
     *,
     enough: bool = False,
     seconds: float | None = None,
 ) -> Trial:
-    """Run tests in a copy, up to the first failure if one is ``enough``; what takes more ``seconds`` fails.
-
-    ``compiled`` names the machine code that may be used again.
-    """
+    """Run tests in a copy, up to the first failure if one is ``enough``; what takes more ``seconds`` fails."""
     scores = folder / "scores.txt"
     scores.unlink(missing_ok=True)
     environment = os.environ | {
         "PYTHONPATH": str(folder / "src"),
         # Python tells a changed file by its time in seconds and its size, which one fault after another may share.
         "PYTHONDONTWRITEBYTECODE": "1",
-        "NUMBA_CACHE_DIR": str(folder / "machine code" / compiled),
+        "NUMBA_CACHE_DIR": str(folder / "machine code"),
         "RUBNOISE_SCORES": str(scores),
         "COLUMNS": "1000",
     }
@@ -221,13 +213,12 @@ def judged(mutant: Mutant, folder: Path) -> Verdict:
     package = folder / "src" / "rubnoise"
     before = sources(package)
     texts = applied(mutant, before)
-    compiled = mutant.name.replace("/", " ") if feeds_the_compiler(texts, package) else "as it is"
     times = {path: path.stat() for path in texts}
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     try:
         # Where faults are a matter of chance all cases are scored, and the largest score counts.
-        trial = tried(folder, [test_of(mutant, folder)], compiled, enough=not mutant.chance)
+        trial = tried(folder, [test_of(mutant, folder)], enough=not mutant.chance)
     finally:
         for path, status in times.items():
             path.write_text(before[path], encoding="utf-8")
@@ -235,14 +226,6 @@ def judged(mutant: Mutant, folder: Path) -> Verdict:
             os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
     killed, evidence = _evidence(mutant, trial)
     return Verdict(killed, evidence, time.monotonic() - begun)
-
-
-def feeds_the_compiler(paths: Iterable[Path], package: Path) -> bool:
-    """Whether compiled code has any of these files in it: one that is compiled, or of `rubnoise.compiling.SOURCES`."""
-    text = (package / "compiling.py").read_text(encoding="utf-8")
-    patterns = ast.literal_eval(text.partition("\nSOURCES = ")[2].partition("\n)\n")[0] + ")")
-    into_others = {path for pattern in patterns for path in package.glob(pattern)}
-    return any(path in into_others or "rubnoise.compiling" in path.read_text(encoding="utf-8") for path in paths)
 
 
 def _evidence(mutant: Mutant, trial: Trial) -> tuple[bool, str]:
@@ -282,25 +265,13 @@ def chosen(names: Sequence[str]) -> list[Mutant]:
     return [by_name[name] for name in names] if names else list(MUTANTS)
 
 
-def tenth(asked: str, mutants: Sequence[Mutant]) -> list[Mutant]:
-    """Return each tenth fault from the K-th on; "today" is the K of this day, so that all have their turn."""
-    today = datetime.now(UTC).toordinal() % TENTHS + 1
-    number = today if asked == "today" else int(asked) if asked.isdecimal() else 0
-    if not 1 <= number <= TENTHS:
-        raise SystemExit(f"--tenth: {asked!r} is no number from 1 to {TENTHS}, and not today")
-    return list(mutants[number - 1 :: TENTHS])
-
-
 def main() -> int:
     """Try the faults and print what noticed them."""
     parser = argparse.ArgumentParser(description="Faults that the tests have to notice.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults by name; all where none is given")
-    parser.add_argument("--tenth", metavar="K", help="only each tenth fault from the K-th on; or today")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
     asked = parser.parse_args()
     mutants = chosen(asked.names)
-    if asked.tenth is not None:
-        mutants = tenth(asked.tenth, mutants)
     with tempfile.TemporaryDirectory(prefix="rubnoise-mutants-") as place:
         folders = [copy_into(Path(tempfile.mkdtemp(dir=place))) for _ in range(max(asked.jobs, 1))]
         return _report(mutants, folders)

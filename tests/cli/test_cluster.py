@@ -1,20 +1,15 @@
-"""Sweeps on a cluster: the bits that a pool gives, and what docs/sweeps.md says of trust."""
+"""Sweeps on a cluster give the bits that a pool gives."""
 
-import os
-import re
-import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
-from shlex import split
 
 import pytest
 
 from rubnoise.runs import executors
-from tests.architecture.sources import ROOT
 from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, call, spawn
 
@@ -130,116 +125,3 @@ def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.M
     answer = call("sweep", file, "-o", "afar", "--cluster", "tcp://127.0.0.1:9")
     assert answer.code == 2
     assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
-
-
-# What docs/sweeps.md says of trust: where Dask listens after its commands.
-PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```text\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
-LINES = [line for block in BLOCKS for line in block.splitlines()]
-PROC = Path("/proc/self/net/tcp")
-
-
-def _command(beginning: str) -> list[str]:
-    """Return the words of a command of the page, for this machine and one worker."""
-    line = next(line for line in LINES if line.startswith(beginning) and "tls" not in line)
-    line = re.sub(r"\b10\.0\.0\.\d+", "127.0.0.1", line.removesuffix(" &"))
-    return split(line.replace("--nworkers 16", "--nworkers 1").replace("--port 8786", "--port 0"))
-
-
-@pytest.fixture
-def started(here: Path) -> Iterator["Dask"]:
-    (here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
-    with ExitStack() as ending:
-        yield Dask(ending)
-
-
-class Dask:
-    """Processes of Dask that end with a test."""
-
-    def __init__(self, ending: ExitStack) -> None:
-        self._ending = ending
-
-    def start(self, *words: str) -> int:
-        """Start `dask scheduler ...` or `dask worker ...`, and return its process number."""
-        program = [sys.executable, "-m", f"distributed.cli.dask_{words[1]}", *words[2:]]
-        process = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self._ending.callback(_end, process)
-        return process.pid
-
-    def cluster(self) -> list[int]:
-        """Start scheduler and workers by the page's commands; return the numbers of all processes."""
-        boss = self.start(*_command("dask scheduler"))
-        _until(Path("scheduler.json").exists)
-        worker = self.start(*_command("dask worker"))
-        _until(lambda: sum(bool(_listening([process])) for process in _family(worker)) >= 2)  # and its nanny
-        return [boss, *_family(worker)]
-
-
-def _end(process: "subprocess.Popen[bytes]") -> None:
-    """Ask a process to leave, so that a worker ends its own processes too; kill them all if it does not."""
-    family = _family(process.pid)
-    process.terminate()
-    try:
-        process.wait(60.0)
-    except subprocess.TimeoutExpired:
-        for number in reversed(family):
-            with suppress(ProcessLookupError):
-                os.kill(number, signal.SIGKILL)
-        process.wait()
-
-
-def _until(reached: Callable[[], bool]) -> None:
-    last = time.monotonic() + 120.0
-    while not reached():
-        assert time.monotonic() < last
-        time.sleep(0.5)
-
-
-def _family(process: int) -> list[int]:
-    """Return a process and all that it has started, as Linux lists them."""
-    own: list[str] = []
-    with suppress(OSError):  # a thread that ends meanwhile
-        for task in Path(f"/proc/{process}/task").iterdir():
-            own += (task / "children").read_text(encoding="ascii").split()
-    return [process, *(number for child in own for number in _family(int(child)))]
-
-
-def _listening(processes: list[int]) -> set[str]:
-    """Return the addresses on which processes listen, as hexadecimal numbers of the system."""
-    entries = [entry for process in processes for entry in _entries(process)]
-    sockets = {link[8:-1] for entry in entries if (link := _target(entry)).startswith("socket:[")}
-    found = set()
-    for table in ("tcp", "tcp6"):
-        for line in Path(f"/proc/self/net/{table}").read_text(encoding="ascii").splitlines()[1:]:
-            words = line.split()
-            if words[3] == "0A" and words[9] in sockets:
-                found.add(words[1].partition(":")[0])
-    return found
-
-
-def _entries(process: int) -> list[Path]:
-    try:
-        return list(Path(f"/proc/{process}/fd").iterdir())
-    except OSError:  # it has ended
-        return []
-
-
-def _target(entry: Path) -> str:
-    try:
-        return str(entry.readlink())
-    except OSError:
-        return ""
-
-
-LOOPBACK = "0100007F"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
-def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
-    processes = started.cluster()
-    names = {"fig7.toml": "s.toml", "/shared/fig7": "afar"}
-    answer = spawn(*(names.get(word, word) for word in _command("rubnoise sweep")[1:]))
-    assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
-    assert len(processes) >= 3
-    assert _listening(processes) == {LOOPBACK}

@@ -29,7 +29,8 @@ from tests.cli.terminal import (
 from tests.format.runs import attempt
 
 # What is printed ends where the terminal does, and is the same as ever where there is no terminal.
-SLIDER = Path("../given/slider.toml")
+CONTACT = Path("../given/contact.toml")
+"""Without a slider, whose kernels take longer to compile."""
 COLUMNS = "junction,diameter,birth_distance,death_distance,life_distance,max_area,state"
 READING = ["info", "junction", "junctions", "compare", "theory", "verify", "check"]
 
@@ -182,7 +183,7 @@ STEERING = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
 
 @pytest.mark.slow
 def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
-    arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=100 mm")
+    arguments = command("run", CONTACT, "--force", "--set", "sliding.distance=100 mm")
     began = time.monotonic()
     code, first = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))
     took = time.monotonic() - began

@@ -1,7 +1,6 @@
 """`rubnoise theory`: what is exact about a scenario, in words, as JSON, as a table, as a picture."""
 
 import csv
-import json
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -9,58 +8,17 @@ from typing import Any
 import pytest
 
 import rubnoise
-from tests.architecture.sources import ROOT
 from tests.cli.terminal import PAPER, call, names
 
 CONTACT = Path("../given/contact.toml")
 SLIDER = Path("../given/slider.toml")
 FIG5 = PAPER / "fig5.toml"
-REFERENCE = ROOT / "tests" / "reference"
 
 
 def told(*arguments: str | Path) -> Any:
     answer = call("theory", *arguments, "--json")
     assert (answer.code, answer.err) == (0, "")
     return answer.values()
-
-
-def _as_scenario(row: dict[str, Any]) -> list[str]:
-    spread = row["diameter_std"]
-    law = ["diameter.law=normal", f'diameter.spread="{spread} um"'] if spread else ["diameter.law=fixed"]
-    values = [
-        f'interface.mean_real_contact_area="{row["mean_real_contact_area_input"]} um^2"',
-        f"interface.mean_junction_count={row['mean_junction_count_input']}",
-        f"interface.calibration={row['calibration']}",
-        *law,
-    ]
-    return [word for value in values for word in ("--set", value)]
-
-
-def _rows(name: str, *, every: int = 1) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = json.loads((REFERENCE / name).read_text(encoding="utf-8"))["rows"]
-    return found[::every]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("row", [*_rows("moments.json", every=5), _rows("moments.json")[-1]])
-def test_moments_are_those_computed_elsewhere(here: Path, row: dict[str, Any]) -> None:
-    found = told(CONTACT, *_as_scenario(row), "--at-lag", "0", "--at-area", "1", "--at-wavenumber", "1")
-    assert found["count"]["mean"] == pytest.approx(row["junction_count_mean"], rel=1e-10)
-    assert found["count"]["variance"] == pytest.approx(row["junction_count_mean"], rel=1e-10)
-    for name in ("mean", "std", "skewness", "excess_kurtosis"):
-        assert found["area"][name] == pytest.approx(row[f"area_{name}"], rel=1e-10)
-    assert found["diameter"]["calibrated"] == pytest.approx(row["mean_diameter_calibrated"], rel=1e-10)
-    assert found["diameter"]["length_biased_mean"] == pytest.approx(row["length_biased_mean_diameter"], rel=1e-10)
-
-
-@pytest.mark.parametrize("row", _rows("spectrum.json"))
-def test_the_spectrum_is_the_one_computed_elsewhere(here: Path, row: dict[str, Any]) -> None:
-    points = row["wavenumber_rad_per_um"]
-    given = ",".join(str(k) for k in points)
-    found = told(CONTACT, *_as_scenario(row), "--at-wavenumber", given)["spectrum"]
-    assert found["wavenumber"] == points
-    assert found["density"] == pytest.approx(row["spectral_density_um4_per_rad_per_um"], rel=1e-6)
-    assert "two-sided" in found["convention"]
 
 
 def test_an_empty_start_is_told_of(here: Path) -> None:

@@ -18,7 +18,6 @@ from tests.frozen import frozen
 TEXT = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
 SECTION = TEXT.partition("## Where the constants come from")[2].partition("\n## ")[0]
 BOLD = set(re.findall(r"\*\*([^*]+)\*\*", " ".join(SECTION.split())))
-CLAIMED = {"21.91", "109.57", "21.60", "109.25", "65651", "23438", "6103", "4.5 %"}  # docs/paper.md has them
 
 
 @frozen
@@ -76,24 +75,6 @@ def contact(count: int, spread: str = "0.2 um", area: float = 200.0) -> Exact:
     return rubnoise.exact(rubnoise.build(values))
 
 
-def drop(area: float, spread: str) -> float:
-    return contact(10, spread, area).area.std - contact(50, spread, area).area.std
-
-
-def at_zero(count: int) -> float:
-    return float(contact(count).spectral_density(0.0))
-
-
-def farthest_apart() -> float:
-    """Return, in per cent, how far the scaled spectra of Figure 9 are apart at most up to k L_jm = 10."""
-    phase, scaled = np.linspace(0.0, 10.0, 1001), []
-    for count in (10, 20, 30, 40, 50):
-        exact = contact(count)
-        life = exact.model.mean_life_distance
-        scaled.append(exact.spectral_density(phase / life) / (exact.area.variance * life))
-    return 100.0 * float(np.max(np.max(scaled, axis=0) / np.min(scaled, axis=0)) - 1.0)
-
-
 def swing() -> float:
     """Return the largest distance of S from its mean tail in units of the tail over sqrt(k d), far out."""
     z = np.linspace(2000.0, 2100.0, 20_001)
@@ -135,20 +116,12 @@ def test_a_formula_holds(printed: str, expected: float, value: Callable[[], floa
     [
         ("1.2298", lambda: sqrt(2.0 * lens_integral(2)) / lens_integral(1)),
         ("1.1547", lambda: sqrt(2.0 * 2.0 / 3.0 * (pi / 4.0) ** 2) / (pi / 4.0)),
-        ("21.91", lambda: drop(100.0, "0 um")),
-        ("109.57", lambda: drop(500.0, "0 um")),
-        ("21.60", lambda: drop(100.0, "0.2 um")),
-        ("109.25", lambda: drop(500.0, "0.2 um")),
         ("0.887855", least_matched),
         ("1.609247", lambda: matched_at_least() / 3.0),
         ("0.967", lambda: lens(0.5) ** 2),
         ("0.251", lambda: lens(pi) ** 2),
         ("4.50", half_power),
         ("0.717", lambda: half_power() / (2.0 * pi)),
-        ("65651", lambda: at_zero(10)),
-        ("23438", lambda: at_zero(20)),
-        ("6103", lambda: at_zero(50)),
-        ("4.5 %", farthest_apart),
         ("2.5", swing),
         ("5.2 %", lambda: 100.0 * ripple(triangle, 2.5, 4000)),
         ("7.4 %", lambda: 100.0 * lens_ripple(2.0, 30)),
@@ -157,7 +130,7 @@ def test_a_formula_holds(printed: str, expected: float, value: Callable[[], floa
     ],
 )
 def test_a_number_is_right_to_its_last_digit(printed: str, value: Callable[[], float]) -> None:
-    assert printed in BOLD | CLAIMED
+    assert printed in BOLD
     digits = re.match(r"[\d.]+", printed)
     assert digits
     places = len(digits[0].partition(".")[2])
@@ -169,4 +142,4 @@ def test_nothing_else_stands_out_that_is_a_number() -> None:
               for mark in test.pytestmark for i in range(len(mark.args[1]))}  # fmt: skip
     headings = {text for text in BOLD if text.endswith(".")}
     # The origin of the paper's 0.327 is unknown.
-    assert BOLD - headings - {"0.327"} == tested - CLAIMED
+    assert BOLD - headings - {"0.327"} == tested

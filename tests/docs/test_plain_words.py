@@ -128,18 +128,6 @@ def test_generated_parts_are_those_of_the_code(page: str) -> None:
     assert generate_docs.generated(text) == text, "python tools/generate_docs.py"
 
 
-# A measured number has one place: pages draw it from there by name.
-
-
-def test_a_number_is_drawn_from_its_place() -> None:
-    page = "stuck <!-- number: time_stuck -->half<!-- / --> of it"
-    assert (
-        generate_docs.generated(page)
-        == f"stuck <!-- number: time_stuck -->{generate_docs.time_stuck()}<!-- / --> of it"
-    )
-    assert generate_docs.generated(generate_docs.read("model.md")) == generate_docs.read("model.md")
-
-
 def test_every_column_is_listed_under_its_group() -> None:
     text = generate_docs.read("data-format.md")
     for group in GROUPS:

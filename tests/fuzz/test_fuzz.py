@@ -8,11 +8,9 @@ from random import Random
 
 import numpy as np
 import pytest
-from fuzz.damage import DAMAGES, Damage
-from fuzz.hostile import CONSTRUCTIONS, Construction, make, watched
-from fuzz_results import COMMANDS, KINDS, MISSED, Judge, mutations, values
-from survival.child import called, isolated
-from survival.stories import NAME
+from child import Child, called
+from fuzz_results import COMMANDS, CONSTRUCTIONS, DAMAGES, KINDS, MISSED, Damage, Judge, mutations, values, watched
+from survive import NAME
 
 from rubnoise.storage.reader import open_run
 from tests.unit.tampering import tell
@@ -37,10 +35,10 @@ def test_damage_is_refused_or_found() -> None:
 
 
 @ON_LINUX
-@pytest.mark.parametrize("construction", CONSTRUCTIONS, ids=lambda each: each.__name__)
-def test_hostile_files_do_no_harm(judge: Judge, construction: Construction) -> None:
-    make(construction, judge.good["none"], judge.path, judge.canary)
-    assert list(judge.judged("none", CONSTRUCTIONS.index(construction), forged=True)) == []
+@pytest.mark.parametrize("name", CONSTRUCTIONS)
+def test_hostile_files_do_no_harm(judge: Judge, name: str) -> None:
+    judge.make(CONSTRUCTIONS[name])
+    assert list(judge.judged("none", list(CONSTRUCTIONS).index(name), forged=True)) == []
 
 
 @ON_LINUX
@@ -78,11 +76,11 @@ def _wait() -> int:
 
 @ON_LINUX
 def test_every_bad_ending_would_be_seen(tmp_path: Path) -> None:
-    assert isolated(_crash).fault(0) == "crashes (SIGSEGV)"
-    assert isolated(_wait, seconds=0.3).fault(0) == "hangs"
-    assert isolated(_fill).fault(0, 2, 3) == "exit code 99"
-    assert isolated(lambda: 1 // int(not tmp_path)).fault(0) == "exit code 99"
-    assert isolated(lambda: 2).fault(0, 2) == ""
+    assert Child(_crash).end().fault(0) == "crashes (SIGSEGV)"
+    assert Child(_wait).end(0.3).fault(0) == "hangs"
+    assert Child(_fill).end().fault(0, 2, 3) == "exit code 99"
+    assert Child(lambda: 1 // int(not tmp_path)).end().fault(0) == "exit code 99"
+    assert Child(lambda: 2).end().fault(0, 2) == ""
     missing = called(["info", "missing.h5"], tmp_path)
     assert (missing.code, missing.out, missing.err) == (2, "", "missing.h5: no such file or directory\n")
 

@@ -1,21 +1,17 @@
-"""A seed stands for the same rows under every setting: golden values, to 1e-10 of the largest of a column."""
+"""A seed stands for the same rows on every processor, under every setting: golden values."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
-import determinism
 import pytest
-from determinism import differing
+from determinism import SETTINGS, differing, made
 
 from rubnoise.contact.laws import LAWS
 from rubnoise.streams import STREAM_VERSION
-from tests.architecture.sources import ROOT
 from tests.golden.hashes import GOLDEN, GOLDEN_DRAWS, RUNS, SEED, SIZES, columns_of, draws
 from tests.models import contents, recorded
 
+# A seed stands for the same bits on every processor and with every version of the libraries.
 EXPECTED = json.loads(GOLDEN.read_text(encoding="utf-8"))
 BRIEF = "matched, relative spread, few"
 
@@ -56,42 +52,19 @@ def test_one_bit_changes_a_hash() -> None:
     assert changed == [("trace", "real_contact_area")]
 
 
+# What must not change a bit: hash seeds, threads and what else tools/determinism.py tries, here for one brief run.
+TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
+
+
 @pytest.mark.slow
 def test_kernels_for_a_plain_processor_give_the_same_values(tmp_path: Path) -> None:
     """Compiled without vectors of eight and without an instruction that multiplies and adds at once."""
-    plain = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(tmp_path)}
-    command = [sys.executable, "-m", "tests.golden.hashes", BRIEF]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=os.environ | plain)
-    assert differing(json.loads(done.stdout), {BRIEF: EXPECTED[BRIEF]}) == []
-
-
-# What must not change a bit: hash seeds, threads and what else tools/determinism.py tries, here for one brief run.
-HERE = determinism.Place("here", Path(sys.executable))
-HARMLESS = {
-    setting.name: setting
-    for setting in determinism.settings(determinism.features_of(HERE))
-    if setting.name.startswith(("PYTHONHASHSEED", "threads", "numpy"))
-}
-
-
-TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
-"""One setting of each kind, in one process every day; --all tries each setting alone."""
+    plain = SETTINGS["kernels for any processor"] | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    assert differing(made(BRIEF, **plain), {BRIEF: EXPECTED[BRIEF]}) == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "names",
-    [
-        [name for name in TOGETHER if name in HARMLESS],
-        *([name] for name in HARMLESS),
-    ],
-    ids=", ".join,
-)
-def test_a_brief_run_has_its_golden_bits(names: list[str]) -> None:
-    assert names
-    command = [sys.executable, "-m", "tests.golden.hashes", BRIEF]
-    environment = dict(os.environ)
-    for name in names:
-        environment |= HARMLESS[name].variables
-    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=environment)
-    assert differing(json.loads(done.stdout), {BRIEF: EXPECTED[BRIEF]}) == []
+def test_a_brief_run_has_its_golden_bits() -> None:
+    """One setting of each kind in one process; `dev.py check bits` tries each alone."""
+    variables = {name: value for each in TOGETHER for name, value in SETTINGS[each].items()}
+    assert differing(made(BRIEF, **variables), {BRIEF: EXPECTED[BRIEF]}) == []

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+import tomllib
 from dataclasses import dataclass
 from typing import Any
 
@@ -139,7 +140,7 @@ and fast sliding."""
 PAGE = ROOT / "docs" / "teaching.md"
 SECTION = re.compile(r"^## (\d+)\. (.+?)\n(.*?)(?=^## )", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"\*\*(\d[\d.]*)[^*]*\*\*")
-QUESTION = re.compile(r"^- \*[^*]+\?\* (.+?)\. Wrong: (.+?)\.$", re.MULTILINE | re.DOTALL)
+QUESTIONS = tomllib.loads((ROOT / "tests" / "lesson" / "answers.toml").read_text(encoding="utf-8"))["question"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,7 +164,7 @@ def lessons() -> list[Lesson]:
     """Return the lessons in order."""
     text = PAGE.read_text(encoding="utf-8")
     return [
-        Lesson(title=f"{number}. {title}", numbers=NUMBER.findall(body), rows=_rows(body))
+        Lesson(title=f"{number}. {title}", numbers=NUMBER.findall(body), rows=_rows(number, body))
         for number, title, body in SECTION.findall(text)
     ]
 
@@ -174,9 +175,9 @@ def minutes() -> list[int]:
     return [int(found) for found in re.findall(r"^\| (\d+) \|", plan, re.MULTILINE)]
 
 
-def _rows(body: str) -> list[Row]:
-    return [Row(right=_listed(right), wrong=_listed(wrong)) for right, wrong in QUESTION.findall(body)]
-
-
-def _listed(text: str) -> list[str]:
-    return [" ".join(each.split()) for each in text.split(";")]
+def _rows(number: str, body: str) -> list[Row]:
+    """Return the questions of a lesson, whose first right answers stand on the page."""
+    own = [each for each in QUESTIONS if each["lesson"] == int(number)]
+    flat = " ".join(body.split())
+    assert all(f"- *{each['asks']}* {each['right'][0]}." in flat for each in own), number
+    return [Row(right=each["right"], wrong=each["wrong"]) for each in own]

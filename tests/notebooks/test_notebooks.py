@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests.architecture.sources import ROOT
-from tools.export_notebooks import cells_of, plain_notebook
+from tools.export_notebooks import plain_notebook
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
 NEEDED = ("marimo", "matplotlib", "h5netcdf", "xarray", "SurfaceTopography")
@@ -40,7 +40,7 @@ def test_there_are_four() -> None:
 def test_the_plain_notebook_is_made_of_its_source(notebook: Path) -> None:
     """`dev.py generate notebooks` writes it."""
     text = notebook.with_suffix(".ipynb").read_text(encoding="utf-8")
-    assert text == plain_notebook(cells_of(notebook.read_text(encoding="utf-8")))
+    assert text == plain_notebook(notebook.read_text(encoding="utf-8"))
     cells = json.loads(text)["cells"]
     assert not any("marimo" in line or "mo." in line for cell in cells for line in code_of(cell))
     assert {cell["cell_type"] for cell in cells} == {"markdown", "code"}

@@ -3,8 +3,6 @@
 import json
 import math
 import tomllib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from math import inf, log, nan
 from pathlib import Path
@@ -19,10 +17,9 @@ from paper.ledger import LEDGERS, Claim, Claimed, Ledger, Number, Source, as_row
 import rubnoise
 from paper import pages
 from rubnoise.analysis.replicates import PooledEstimate
-from rubnoise.contact.laws import Lognormal
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.second_order import autocovariance, spectral_density
+from rubnoise.theory.second_order import spectral_density
 from tests.architecture.sources import ROOT
 
 DOCS = ROOT / "docs"
@@ -165,20 +162,6 @@ def test_scaled_spectra_agree_as_far_as_is_said() -> None:
     )
 
 
-@pytest.mark.slow
-def test_wide_sizes_enlarge_a_reading_by_autocorrelation_as_is_said() -> None:
-    model = rubnoise.load(shipped("paper/fig8.toml"), ["interface.calibration=exact"]).model()
-    mean = model.calibrated_diameter
-    widths = []
-    for spread in (1e-3, 0.3, 0.5):
-        wide = replace(model, sizes=Lognormal(mean=mean, std=spread * mean))
-        lags = np.linspace(0.0, 2.0 * mean, 20_001)
-        found = np.array([float(autocovariance(wide, lag)) for lag in lags[::100]])
-        widths.append(float(np.interp(-0.5 * found[0], -found, lags[::100])))
-    told = [f"{width / widths[0]:.2f}" for width in widths[1:]]
-    assert f"enlarge it {told[0]} and {told[1]} times" in _reason("field", "rabinowicz1956_diameter")
-
-
 def _reason(ledger: str, name: str) -> str:
     rows = tomllib.loads(LEDGERS[ledger].read_text(encoding="utf-8"))["claim"]
     return " ".join(next(row["because"] for row in rows if row["id"] == name).split())
@@ -214,7 +197,6 @@ def test_the_pages_are_what_the_claims_say(every: dict[str, list[Claim]], evalua
     for name, found in every.items():
         ledger = Ledger(LEDGERS[name])
         assert pages.place(ledger).read_text(encoding="utf-8") == pages.written(ledger, found)
-    assert program.main(["--check"]) == 0
 
 
 @pytest.mark.slow
@@ -233,15 +215,6 @@ def test_json_has_a_row_for_every_number(
     assert {row["id"]: row["exact"] for row in rows}["zouabi2016_fast"] is None
 
 
-@contextmanager
-def _pages_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str, str]]:
-    texts = {name: (DOCS / f"{name}.md").read_text(encoding="utf-8") for name in LEDGERS}
-    for name, text in texts.items():
-        (folder / f"{name}.md").write_text(text.replace("| holds |", "| stale |"), encoding="utf-8")
-    monkeypatch.setattr(pages, "DOCS", folder)
-    yield texts
-
-
 @pytest.mark.slow
 def test_no_page_is_written_where_a_verdict_is_another(
     every: dict[str, list[Claim]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -249,11 +222,10 @@ def test_no_page_is_written_where_a_verdict_is_another(
     wrong = replace(every["paper"][-1], expected="does not hold")
     changed = {**every, "paper": [*every["paper"][:-1], wrong]}
     monkeypatch.setattr(Ledger, "claims", lambda ledger: iter(changed[ledger.path.stem]))
-    with _pages_in(tmp_path, monkeypatch):
-        before = (tmp_path / "paper.md").read_bytes()
-        assert program.main([]) == 3
-        assert "paper: few_or_many: holds, expected: does not hold\n" in capsys.readouterr().err
-        assert (tmp_path / "paper.md").read_bytes() == before
+    monkeypatch.setattr(pages, "DOCS", tmp_path)
+    assert program.main([]) == 3
+    assert "paper: few_or_many: holds, expected: does not hold\n" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_exponents_under_a_load_are_judged_by_their_identity() -> None:

@@ -123,17 +123,17 @@ def test_two_paraboloids_make_one_parabolic_life():
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.03, 0.01, 0.003])
 def test_theory_holds_against_brute_force(share):
-    """24 pairs of maps: area, number, and variances within one run and between sliders; 6 of them for births."""
+    """12 pairs of maps: area, number, and variances within one run and between sliders; 4 of them for births."""
     rng = np.random.default_rng(20)
     exact, power = contact(0.8, share), spectrum(0.8)
     means, inside, counts, births = [], [], [], []
-    for pair in range(24):
+    for pair in range(12):
         a, b = surface(power, rng), surface(power, rng)
         areas = areas_at(a, b, exact.level, range(0, N, 8))
         means.append(areas.mean())
         inside.append(areas.var())
         counts.append(patch_counts(a, b, exact.level, range(0, N, 32)).mean())
-        if pair < 6:
+        if pair < 4:
             births.append(slid(a, b, exact.level, N).births / N)
     scatter = lambda values: np.std(values, ddof=1) / sqrt(len(values))  # noqa: E731
     lags = np.array([exact.ensemble_covariance(s) for s in range(0, N, 8)])

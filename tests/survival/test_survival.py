@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from survival import full, kills
-from survival.stories import FREE, SLIDER, SMALL, TWO_WAY, Story
+from survive import FREE, SLIDER, SMALL, TWO_WAY, Story, calls_of, failing, filling, kills, rivals
 
 from rubnoise.storage import output
 from rubnoise.storage.output import PartFile
@@ -30,7 +29,7 @@ BARE = Story(name="contact alone")
 
 
 def test_forty_kills_leave_no_incomplete_result_and_the_same_command_gives_the_bits() -> None:
-    outcome = kills.kills(40, seed=3, stories=KILLED)
+    outcome = kills(40, seed=3, stories=KILLED)
     assert outcome.findings == []
     assert outcome.counts["exit code -9"] > 8
     assert outcome.counts["left a part"] > 2
@@ -45,24 +44,24 @@ def test_a_final_name_before_the_end_is_found_by_kills(monkeypatch: pytest.Monke
         time.sleep(2.0)  # most of the run, so that a kill finds it on a busy machine too
 
     monkeypatch.setattr(RunWriter, "_begin", early)
-    findings = kills.kills(4, seed=3, stories=KILLED[:1]).findings
+    findings = kills(4, seed=3, stories=KILLED[:1]).findings
     assert any("under the final name: unreadable" in finding for finding in findings)
 
 
 def test_rivals_are_refused_while_the_first_continues() -> None:
-    outcome = kills.rivals(8, seed=3, stories=KILLED)
+    outcome = rivals(8, seed=3, stories=KILLED)
     assert outcome.findings == []
     assert outcome.counts["second refused"] > 4
 
 
 def test_two_writers_at_once_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(output, "_wait_for_lock", lambda _descriptor: None)
-    assert kills.rivals(3, seed=3, stories=KILLED[:1]).findings
+    assert rivals(3, seed=3, stories=KILLED[:1]).findings
 
 
 @pytest.mark.parametrize("story", [BARE, *SMALL], ids=lambda story: story.name)
 def test_a_call_that_fails_leaves_one_line_and_the_older_result(story: Story) -> None:
-    outcome = full.failing((story,), every=examples(41, 7))
+    outcome = failing((story,), every=examples(41, 7))
     assert outcome.findings == []
     assert outcome.counts["exit code 2"] > 2 < outcome.counts["exit code 1"]
 
@@ -75,13 +74,13 @@ def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.Monkey
         finish(self, durable=durable)
 
     monkeypatch.setattr(PartFile, "finish", removing)
-    calls = full.calls_of(BARE, older=True)
-    outcome = full.failing((BARE,), every=len(calls), first=calls.index("fsync"))
+    calls = calls_of(BARE, older=True)
+    outcome = failing((BARE,), every=len(calls), first=calls.index("fsync"))
     assert any("the older result is gone" in finding for finding in outcome.findings)
 
 
 def test_a_disk_that_fills_up_leaves_one_line_and_the_older_result() -> None:
-    outcome = full.filling(12, seed=3)
+    outcome = filling(12, seed=3)
     assert outcome.findings == []
     if "filled up: exit code 0" in outcome.counts:
         assert outcome.counts["filled up: exit code 1"] + outcome.counts["filled up: exit code 2"] > 0

@@ -23,7 +23,6 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import count_noise
 from tests.models import bare
@@ -88,18 +87,6 @@ def measured(model: Model, seed: int) -> Figures:
         "area_skewness": area.skewness,
         "area_excess_kurtosis": area.excess_kurtosis,
         "junction_count_mean": count.mean,
-    }
-
-
-def expected(model: Model) -> Figures:
-    """Return what theory says about the same figures."""
-    area = area_cumulants(model)
-    return {
-        "area_mean": area.mean,
-        "area_std": area.std,
-        "area_skewness": area.skewness,
-        "area_excess_kurtosis": area.excess_kurtosis,
-        "junction_count_mean": model.mean_live_junctions,
     }
 
 
@@ -286,8 +273,3 @@ def correlation(one: Doubles, other: Doubles) -> float:
     if one.std() == 0.0 or other.std() == 0.0:
         return 0.0
     return float(np.corrcoef(one, other)[0, 1] * np.sqrt(one.size))
-
-
-def mean_score(values: list[float], value: float, error: float) -> float:
-    """Return the score of the mean of independent values, each with a standard error."""
-    return (sum(values) / len(values) - value) / (error / sqrt(len(values)))

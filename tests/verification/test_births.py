@@ -155,7 +155,7 @@ def test_engines_give_equal_bits(births: str) -> None:
     assert contents(recorded(run, 3, engine="events")) == contents(recorded(run, 3, engine="batch"))
 
 
-# Sizes of a mixture and of measured values: exact moments, their areas, and 200 runs beside them.
+# Sizes of a mixture and of measured values: exact moments, their areas, and 100 runs beside them.
 TWO = 'law = "mixture"\nweights = [0.7, 0.3]\nparts = [{law = "fixed", mean = 4}, {law = "fixed", mean = "9 um"}]\n'
 SMOOTH = (
     'law = "mixture"\nweights = [7, 3]\n'
@@ -181,14 +181,14 @@ def test_two_sizes_have_their_published_moments() -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_200_runs_have_the_exact_moments(name: str) -> None:
+def test_100_runs_have_the_exact_moments(name: str) -> None:
     made = scenario(CASES[name])
     run, theory = made.model(), exact(made.model())
     assert theory.area.mean == pytest.approx(200.0, rel=1e-12)
     assert build(made.resolved()).model() == run
     assert loads(text_of(made.resolved())).model() == run
     assert contents(recorded(run, 3, engine="events")) == contents(recorded(run, 3, engine="batch"))
-    traces = [recorded(run, seed, engine="batch")["trace"] for seed in range(200)]
+    traces = [recorded(run, seed, engine="batch")["trace"] for seed in range(100)]
     area = np.array([each["real_contact_area"] for each in traces])
     first = np.array([each["junction_count"][0] for each in traces])
 

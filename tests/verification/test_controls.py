@@ -1,24 +1,19 @@
-"""Right runs are called outside as rarely as is promised, wrong ones always; areas against their distribution."""
+"""Right runs are called outside as rarely as is promised, wrong ones always."""
 
 import sys
 from collections.abc import Callable
 from functools import cache
-from math import ceil, sqrt
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.special import ndtr, pdtr
 
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.pulses import TRIANGLE, junction_area
+from rubnoise.contact.pulses import junction_area
 from rubnoise.model import Model
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants
-from tests.models import bare, recorded
+from tests.models import bare
 from tests.verification.scores import REJECTED, Made, made, seed_of
 from tools import right_runs
 
@@ -157,12 +152,25 @@ def test_sparse_contact_of_another_size_law_is_rejected_by_the_areas_in_contact(
 FEW_AT_ONCE = right_runs.KINDS["sparse"]
 
 
+RIGHT = [(kind, name) for kind, cases in right_runs.KINDS.items() for name in cases if "exponential" not in name]
+"""Exponential sizes have to run for long."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "name"), RIGHT[::2])
+def test_a_right_run_of_every_kind_is_accepted(kind: str, name: str) -> None:
+    """Births, sizes, ages at the start, areas, spectra and motion of the engine, each against its law."""
+    count = right_runs.counted(right_runs.KINDS[kind][name], [seed_of(f"right/{name}")])
+    assert count.alarms == {}
+    assert count.scores >= 5
+
+
 def test_a_wrong_run_is_an_alarm(monkeypatch: pytest.MonkeyPatch) -> None:
     spoil(monkeypatch, lambda model: right_runs.model_of([*FEW_AT_ONCE["1 over 100 mm"], OTHER]))
     count = right_runs.counted(FEW_AT_ONCE["1 over 100 mm"], [1, 2])
     assert set(count.alarms) == {1, 2}
     assert "birth_count" in count.alarms[1]
-    assert count.far["birth_count"] == 2
+    assert count.far >= 2
 
 
 OTHER = "interface.mean_junction_count=1.2"
@@ -197,107 +205,3 @@ def test_too_many_alarms_are_an_exit_code(
     told = capsys.readouterr().out
     assert f"{2 * wrong} alarms in 2 right runs" in told
     assert "other" not in told
-
-
-# How often each real contact area is found in long runs, against its exact distribution.
-Law = Callable[[Doubles], Doubles]
-
-KS_BOUND = 2.28
-CASES: dict[str, tuple[int, dict[str, Any]]] = {
-    "fig5": (1_000_000, {}),
-    "half a junction": (1_000_000, {"count": 0.5, "spread": Spread(), "calibration": "exact"}),
-    "hardly a junction": (100_000, {"count": 0.05, "spread": Spread(relative=0.2), "calibration": "exact"}),
-    "five, widely spread": (500_000, {"count": 5.0, "spread": Spread(relative=1.5), "calibration": "exact"}),
-    "fifty": (1_000_000, {"count": 50.0, "spread": Spread(relative=0.2), "calibration": "exact"}),
-    "three triangles": (300_000, {"count": 3.0, "spread": Spread(absolute=0.2), "pulse": TRIANGLE}),
-}
-
-
-def spaced(junctions: int, contact: dict[str, Any]) -> Model:
-    """Return a contact run for so many junctions, its ticks further apart than its longest life."""
-    sizes = bare(**contact).sizes
-    tick = ceil(2.02 * sizes.support[1])
-    ticks = ceil(junctions / (bare(**contact).birth_rate * tick))
-    return bare(distance=float(tick * ticks), tick=float(tick), **contact)
-
-
-@cache
-def run(name: str) -> tuple[Model, Doubles]:
-    """Return a case's model, and its areas at the ticks in order of size."""
-    model = spaced(*CASES[name])
-    trace = recorded(model, seed_of(f"distribution/{name}"))["trace"]
-    return model, np.sort(np.asarray(trace["real_contact_area"]))
-
-
-def distance(areas: Doubles, law: Law) -> float:
-    """Return D sqrt(n) of sorted areas from a law that is continuous but for an atom at 0."""
-    at_zero = int(np.searchsorted(areas, 0.0, side="right"))
-    heights, steps = law(areas[at_zero:]), np.arange(at_zero, areas.size + 1) / areas.size
-    apart = [abs(steps[0] - float(law(np.zeros(1))[0])), np.max(steps[1:] - heights), np.max(heights - steps[:-1])]
-    return float(max(apart) * sqrt(areas.size))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_areas_of_a_long_run_have_the_exact_distribution(name: str) -> None:
-    model, areas = run(name)
-    law = distribution(model)
-    assert areas.size > 7_000
-    assert distance(areas, law.cdf) < KS_BOUND
-
-
-def normal_of(model: Model) -> Law:
-    """Return the normal law of the same mean and variance."""
-    exact = area_cumulants(model)
-    return lambda area: ndtr((area - exact.mean) / exact.std)
-
-
-def squares_of(model: Model) -> Law:
-    """Return the law of pulses that are as long, and have their mean area all the time."""
-    count = model.mean_live_junctions
-    height = area_cumulants(model).mean / count
-    return lambda area: pdtr(np.floor(area / height), count)
-
-
-def without_atom(model: Model) -> Law:
-    """Return the law of the area where there is any."""
-    law = distribution(model)
-    return lambda area: (law.cdf(area) - law.atom_at_zero) / (1.0 - law.atom_at_zero)
-
-
-def as_the_paper_has_it(model: Model) -> Law:
-    """Return the law scaled to a mean of A_rm, as 0.327 in place of 1/3 would have it."""
-    law = distribution(model)
-    ratio = area_cumulants(model).mean / model.mean_real_contact_area
-    return lambda area: law.cdf(area * ratio)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "wrong"),
-    [
-        ("fig5", normal_of),
-        ("fig5", squares_of),
-        ("fig5", as_the_paper_has_it),
-        ("half a junction", normal_of),
-        ("half a junction", squares_of),
-        ("half a junction", without_atom),
-        ("hardly a junction", without_atom),
-        ("five, widely spread", normal_of),
-        ("three triangles", squares_of),
-        ("fifty", as_the_paper_has_it),
-    ],
-)
-def test_a_wrong_law_is_found_out(name: str, wrong: Callable[[Model], Law]) -> None:
-    model, areas = run(name)
-    assert distance(areas, wrong(model)) > 1.5 * KS_BOUND
-
-
-@pytest.mark.slow
-def test_lenses_are_no_triangles() -> None:
-    """Of the same mean and count, a run of lenses is told from triangles, which vary less."""
-    model, areas = run("half a junction")
-    triangles = spaced(1000, {"count": 0.5, "spread": Spread(), "pulse": TRIANGLE})
-    law = distribution(triangles)
-    assert area_cumulants(triangles).mean == pytest.approx(area_cumulants(model).mean, rel=1e-12)
-    assert distance(areas, law.cdf) > 1.5 * KS_BOUND

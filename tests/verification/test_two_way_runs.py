@@ -18,7 +18,7 @@ from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
 from tests.architecture.sources import ROOT
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
-from tools.studies import two_way_reference as reference
+from tools.studies import two_way as reference
 
 # A two-way slider in whole runs: the contact of the one-way run, equal bits from both engines and after every cut.
 TIMES = {("junctions", "birth_time"), ("junctions", "death_time")}

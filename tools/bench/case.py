@@ -82,7 +82,8 @@ class Case:
 class Draws(Protocol):
     """Where the junctions of a run come from; ``seed`` is for who draws them itself."""
 
-    seed: int
+    @property
+    def seed(self) -> int: ...  # noqa: D102
 
     def rows(self) -> tuple[Doubles, Doubles]:
         """Return births and diameters in um of every junction of the run, in order of birth."""
@@ -108,27 +109,14 @@ class Drawn:
         return birth, diameter
 
 
-@dataclass
-class Given:
-    """Junctions that rubnoise has drawn from a seed (um), so that all tools can make the same run."""
-
-    birth: Doubles
-    diameter: Doubles
-    seed: int = SEED
-
-    def rows(self) -> tuple[Doubles, Doubles]:
-        """Return all rows."""
-        return self.birth, self.diameter
-
-
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """The result of one tool for a run, as far as requested: at the ticks (um^2, um), and by junction (um)."""
+    """What a tool has left in its file: area and displacement at the ticks (um^2, um), and junctions (um)."""
 
-    area: Doubles | None = None
-    displacement: Doubles | None = None
-    birth: Doubles | None = None
-    death: Doubles | None = None
+    area: Doubles
+    displacement: Doubles
+    birth: Doubles
+    death: Doubles
 
 
 def doubles(values: Any) -> Doubles:

@@ -6,7 +6,6 @@ These are the slow references of tests/oracle, which share no code with rubnoise
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from types import ModuleType
 
@@ -14,7 +13,7 @@ import h5py
 import numpy as np
 
 from bench import ours
-from bench.case import DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Case, Doubles, Given, Output, doubles
+from bench.case import DAMPING, MASS, SEED, SPEED, STIFFNESS, STRENGTH, Case, Doubles, Output, doubles
 
 if "tests" not in sys.modules:
     # A peer's package brings a folder of this name into the environment, which would hide the project's.
@@ -51,9 +50,11 @@ class Truth:
     area: Doubles
     displacement: Doubles
 
-    def given(self) -> Given:
-        """Return the junctions as a tool gets them."""
-        return Given(self.birth, self.diameter)
+    seed: int = SEED
+
+    def rows(self) -> tuple[Doubles, Doubles]:
+        """Return births and diameters, so that a tool can make this run."""
+        return self.birth, self.diameter
 
 
 class Wrong(Exception):  # noqa: N818  (a message for a person, printed as it is)
@@ -62,31 +63,22 @@ class Wrong(Exception):  # noqa: N818  (a message for a person, printed as it is
 
 @dataclass(frozen=True)
 class Verdict:
-    """Relative errors of one tool on one case; ``part`` is "runs" or "areas", which have no motion."""
+    """Relative errors of one tool on one case."""
 
-    part: str
     name: str
-    area: float | None = None
-    motion: float | None = None
-    life: float | None = None
+    area: float
+    motion: float
+    life: float
     case: Case = SMALL
 
     def faults(self) -> Iterator[str]:
-        """Yield a sentence for each answer that is missing, or off by more than its bound, or not a number."""
+        """Yield a sentence for each answer that is off by more than its bound, or not a number."""
         motion = OUR_MOTION_BOUND if self.name.startswith(OURS) else MOTION_BOUND
-        answers = [("area", self.area, AREA_BOUND), ("life", self.life, LIFE_BOUND)]
-        answers += [("motion", self.motion, motion)] if self.part == "runs" else []
-        who = f"{self.part}, {self.name}, {self.case.mean_count:g} junctions, {self.case.ticks_per_life:g} ticks a life"
-        for what, error, bound in answers:
-            if error is None:
-                yield f"{who}: the {what} was never checked"
-            elif not error <= bound:
+        who = f"{self.name}, {self.case.ticks_per_life:g} ticks a life"
+        for what, bound in (("area", AREA_BOUND), ("life", LIFE_BOUND), ("motion", motion)):
+            error = getattr(self, what)
+            if not error <= bound:
                 yield f"{who}: the {what} is off by {error:.1e}, more than {bound:.0e}"
-
-    @property
-    def passed(self) -> bool:
-        """Whether every answer is there and within its bound."""
-        return not any(self.faults())
 
 
 def truth(case: Case = SMALL) -> Truth:
@@ -104,27 +96,19 @@ def truth(case: Case = SMALL) -> Truth:
     )
 
 
-def cases(counts: Iterable[float], ticks: Iterable[float]) -> tuple[Case, ...]:
-    """Return the cases on which whole runs are checked: the small one, and one for each point that is timed."""
-    points = [*product(counts, [SMALL.ticks_per_life]), *product([SMALL.mean_count], ticks)]
-    return (SMALL, *(_small(*point) for point in points))
+def cases(ticks: Iterable[float]) -> tuple[Case, ...]:
+    """Return the cases on which whole runs are checked: the small one, and one for each number of ticks in a life."""
+    found = []
+    for each in ticks:
+        lives = max(3.0, min(150.0 / SMALL.mean_count, MOST_TICKS / each))
+        found.append(Case(ticks_per_life=each, junctions=round(lives * SMALL.mean_count)))
+    return (SMALL, *found)
 
 
-def _small(mean_count: float, ticks_per_life: float) -> Case:
-    lives = max(3.0, min(150.0 / mean_count, MOST_TICKS / ticks_per_life))
-    return Case(mean_count, ticks_per_life, round(lives * mean_count))
-
-
-def judged(part: str, name: str, made: Output, known: Truth) -> Verdict:
+def judged(name: str, made: Output, known: Truth) -> Verdict:
     """Return the errors of what a tool has made of the junctions of the truth."""
-    return Verdict(
-        part,
-        name,
-        area=None if made.area is None else relative_error(made.area, known.area),
-        motion=None if made.displacement is None else relative_error(made.displacement, known.displacement),
-        life=life_error(made, known),
-        case=known.case,
-    )
+    area, motion = relative_error(made.area, known.area), relative_error(made.displacement, known.displacement)
+    return Verdict(name, area, motion, life_error(made, known), known.case)
 
 
 def relative_error(found: Doubles, right: Doubles) -> float:
@@ -134,10 +118,8 @@ def relative_error(found: Doubles, right: Doubles) -> float:
     return float(np.abs(found - right).max() / np.abs(right).max())
 
 
-def life_error(made: Output, known: Truth) -> float | None:
+def life_error(made: Output, known: Truth) -> float:
     """Return the largest error of births and deaths over the distance; inf if their number is another."""
-    if made.birth is None or made.death is None:
-        return None
     if made.birth.size != known.birth.size:
         return float("inf")
     errors = np.abs(made.birth - known.birth), np.abs(made.death - known.birth - 2.0 * known.diameter)
@@ -147,4 +129,4 @@ def life_error(made: Output, known: Truth) -> float | None:
 def written(path: Path) -> Output:
     """Return what a whole run has left in its file: that counts, not what it returns."""
     with h5py.File(path) as file:
-        return ours.output(file, slider=True)
+        return ours.output(file)

@@ -1,5 +1,6 @@
 """What the benchmark measures: CPU time, memory and start-up, each after every tool's runs were found right."""
 
+import gc
 import json
 import os
 import platform
@@ -8,19 +9,18 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from itertools import count
-from math import inf
 from pathlib import Path
+from statistics import median
 
 from bench import checks
-from bench.case import Case, Drawn, Draws, Output
+from bench.case import Case, Drawn, Draws
 from bench.checks import OURS, Verdict, Wrong
-from bench.clock import Task, Timing, interleaved
 
 PACKAGES = ("numpy", "scipy", "numba", "simpy", "h5py", "superposed-pulses")
 FIGURE_5 = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -31,52 +31,87 @@ LONGEST = 1_000_000
 """Junctions beyond which only rubnoise is asked for memory: what holds everything at once would need gigabytes."""
 
 
+def cpu_time() -> float:
+    """Return the CPU time in s that this process and its ended children have used."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+@dataclass(frozen=True)
+class Timing:
+    """CPU times of the repeats of one task in s, and how many units (junctions, ticks) each repeat worked on."""
+
+    seconds: tuple[float, ...]
+    units: float
+
+    @property
+    def each(self) -> float:
+        """Median CPU time in s of one unit."""
+        return median(self.seconds) / self.units
+
+    @property
+    def spread(self) -> float:
+        """Half the range of the repeats over their median."""
+        return (max(self.seconds) - min(self.seconds)) / (2.0 * median(self.seconds))
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something to be timed, its number of units, and what is done before it and not timed."""
+
+    call: Callable[[], object]
+    units: float
+    prepare: Callable[[], object] = lambda: None
+
+
+def interleaved(tasks: Mapping[str, Task], repeats: int) -> dict[str, Timing]:
+    """Return the timings of tasks that take turns, A B C A B C ..., so that a slow minute hits all of them."""
+    seconds: dict[str, list[float]] = {name: [] for name in tasks}
+    for _ in range(repeats):
+        for name, task in tasks.items():
+            task.prepare()
+            seconds[name].append(_timed(task.call))
+    return {name: Timing(tuple(taken), tasks[name].units) for name, taken in seconds.items()}
+
+
+def _timed(call: Callable[[], object]) -> float:
+    gc.collect()
+    begin = cpu_time()
+    call()
+    return cpu_time() - begin
+
+
 @dataclass(frozen=True)
 class Entrant:
-    """One way to do it: its name, its function in a module of bench, how many junctions it is given in one repeat.
+    """A tool that makes whole runs: its name, its module of bench, how many junctions it is given in one repeat.
 
-    most: the junctions of the longest run that it is asked for; engine: of ours.
+    engine: of ours.
     """
 
     name: str
     module: str
-    function: str
     junctions: int
-    most: float = inf
     engine: str = ""
 
-    def call(self, case: Case, draws: Draws, *path: Path) -> Output | None:
-        """Make a run, into a file where there is a path; its library is loaded here and not before."""
-        function = getattr(import_module(f"bench.{self.module}"), self.function)
-        return function(case, draws, *path, **({"engine": self.engine} if self.engine else {}))
+    def call(self, case: Case, draws: Draws, path: Path) -> None:
+        """Make a run, into a file; its library is loaded here and not before."""
+        run = import_module(f"bench.{self.module}").run
+        run(case, draws, path, **({"engine": self.engine} if self.engine else {}))
 
-    def case(self, share: float, mean_count: float = 20.0, ticks_per_life: float = 221.0) -> Case:
-        """Return a case of at most twice the ticks that it has at 20 junctions and 221 ticks a life."""
+    def case(self, share: float, ticks_per_life: float = 221.0) -> Case:
+        """Return a case of at most twice the ticks that it has at 221 ticks a life."""
         junctions = round(share * self.junctions)
-        ticks = junctions * 221.0 / 20.0
-        return Case(mean_count, ticks_per_life, min(junctions, round(2.0 * ticks * mean_count / ticks_per_life)))
-
-
-def _ours(function: str) -> tuple[Entrant, ...]:
-    return tuple(Entrant(f"{OURS}{engine}", "ours", function, 100_000, engine=engine) for engine in ("batch", "events"))
+        return Case(20.0, ticks_per_life, min(junctions, round(2.0 * junctions * 221.0 / ticks_per_life)))
 
 
 RUNS = (
-    *_ours("run"),
-    Entrant("numba loops, RK4", "peers.numba_loops", "run", 100_000),
-    Entrant("superposed-pulses, lsim", "peers.superposed", "run", 10_000, 100_000),
-    Entrant("naive NumPy, lsim", "peers.naive_numpy", "run", 10_000, 100_000),
-    Entrant("naive SimPy, RK4", "peers.naive_simpy", "run", 5_000, 10_000),
+    *(Entrant(f"{OURS}{engine}", "ours", 100_000, engine) for engine in ("batch", "events")),
+    Entrant("numba loops, RK4", "peers.numba_loops", 100_000),
+    Entrant("superposed-pulses, lsim", "peers.superposed", 10_000),
+    Entrant("naive NumPy, lsim", "peers.naive_numpy", 10_000),
+    Entrant("naive SimPy, RK4", "peers.naive_simpy", 5_000),
 )
-"""Tools that make a whole run: births, area, force, slider, and a file of it all."""
-
-AREAS = (
-    *_ours("area_alone"),
-    Entrant("numba loops", "peers.numba_loops", "area_alone", 100_000),
-    Entrant("superposed-pulses", "peers.superposed", "area_alone", 20_000),
-    Entrant("naive NumPy", "peers.naive_numpy", "area_alone", 20_000),
-)
-"""Tools that make births and the trace of the area, in memory."""
+"""Tools, each of which makes births, area, force, slider, and a file of it all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,9 +121,7 @@ class Plan:
     repeats: int
     growth_repeats: int
     share: float
-    counts: tuple[float, ...]
     ticks: tuple[float, ...]
-    lengths: tuple[int, ...]
     memory: tuple[int, ...]
 
 
@@ -96,18 +129,14 @@ FULL = Plan(
     repeats=21,
     growth_repeats=3,
     share=1.0,
-    counts=(10.0, 100.0, 1000.0),
     ticks=(10.0, 30.0, 220.0, 2200.0),
-    lengths=(10_000, 100_000, 1_000_000),
     memory=(100, 100_000, 1_000_000, 10_000_000),
 )
 QUICK = Plan(
     repeats=3,
     growth_repeats=1,
     share=0.2,
-    counts=(10.0, 100.0),
     ticks=(30.0, 220.0),
-    lengths=(1_000, 10_000),
     memory=(100_000,),
 )
 
@@ -122,8 +151,7 @@ class Results:
     machine: tuple[str, str]
     verdicts: tuple[Verdict, ...]
     runs: dict[str, Timing]
-    areas: dict[str, Timing]
-    growth: dict[str, Growth]
+    growth: Growth
     memory: dict[str, dict[int, float]]
     waits: dict[str, tuple[float, float]]
 
@@ -131,27 +159,21 @@ class Results:
         """Yield a sentence for everything that was computed wrong, or was timed and never checked."""
         for verdict in self.verdicts:
             yield from verdict.faults()
-        checked = {(verdict.part, verdict.name) for verdict in self.verdicts}
-        for part, timings in (("runs", self.runs), ("areas", self.areas)):
-            yield from (f"{part}, {name}: never checked" for name in timings if (part, name) not in checked)
+        checked = {verdict.name for verdict in self.verdicts}
+        yield from (f"{name}: never checked" for name in self.runs if name not in checked)
 
 
 def measured(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Results:
     """Measure everything, in a folder for files; raises Wrong before any time is taken if a tool is wrong."""
     path = folder / "run.h5"
     tell("correctness: each tool makes small runs")
-    verdicts = tuple(_verdicts(folder, checks.cases(plan.counts, plan.ticks)))
+    verdicts = tuple(_verdicts(folder, checks.cases(plan.ticks)))
     if faults := [fault for verdict in verdicts for fault in verdict.faults()]:
         raise Wrong(*faults)
-    tell("whole runs, and the area alone")
-    whole, bare = timed(RUNS, plan, path), timed(AREAS, plan)
+    tell("whole runs")
+    whole = timed(RUNS, plan, path)
     tell("growth")
-    grow = partial(_growth, plan, path)
-    growth = {
-        "count": grow(plan.counts, lambda each, count: each.case(plan.share, mean_count=count)),
-        "ticks": grow(plan.ticks, lambda each, ticks: each.case(plan.share, ticks_per_life=ticks)),
-        "length": grow(plan.lengths, lambda each, length: Case(junctions=int(length)) if length <= each.most else None),
-    }
+    growth = _growth(plan, path)
     tell("memory and start-up")
     memory = {
         each.name: {n: _peak(each, n, folder) for n in plan.memory if n <= LONGEST or each.name.startswith(OURS)}
@@ -161,7 +183,6 @@ def measured(plan: Plan, folder: Path, tell: Callable[[str], None]) -> Results:
         machine=machine(),
         verdicts=verdicts,
         runs=whole,
-        areas=bare,
         growth=growth,
         memory=memory,
         waits=waits(folder, min(plan.repeats, 5)),
@@ -172,40 +193,33 @@ def _verdicts(folder: Path, wanted: Sequence[Case]) -> Iterator[Verdict]:
     for case in wanted:
         known = checks.truth(case)
         for entrant in RUNS:
-            entrant.call(case, known.given(), folder / "check.h5")
-            yield checks.judged("runs", entrant.name, checks.written(folder / "check.h5"), known)
-    known = checks.truth(wanted[0])
-    for entrant in AREAS:
-        made = entrant.call(known.case, known.given()) or Output()
-        yield checks.judged("areas", entrant.name, made, known)
+            entrant.call(case, known, folder / "check.h5")
+            yield checks.judged(entrant.name, checks.written(folder / "check.h5"), known)
 
 
-def _task(entrant: Entrant, case: Case, path: Path | None) -> Task:
+def _task(entrant: Entrant, case: Case, path: Path) -> Task:
     """Return a run as a task, in units of junctions; each repeat has a seed of its own and writes a new file."""
     seeds = count(1)
 
     def call() -> None:
-        entrant.call(case, Drawn(case, seed=next(seeds)), *([path] if path else []))
+        entrant.call(case, Drawn(case, seed=next(seeds)), path)
 
-    return Task(call, case.junctions, partial(path.unlink, missing_ok=True) if path else lambda: None)
+    return Task(call, case.junctions, partial(path.unlink, missing_ok=True))
 
 
-def timed(entrants: Sequence[Entrant], plan: Plan, path: Path | None = None) -> dict[str, Timing]:
+def timed(entrants: Sequence[Entrant], plan: Plan, path: Path) -> dict[str, Timing]:
     """Return the timings of all tools on the contact of Figure 5, each after a run that loads and compiles."""
     for each in entrants:
         _task(each, Case(junctions=100), path).call()
     return interleaved({each.name: _task(each, each.case(plan.share), path) for each in entrants}, plan.repeats)
 
 
-def _growth(
-    plan: Plan, path: Path, points: Sequence[float], case_of: Callable[[Entrant, float], Case | None]
-) -> Growth:
+def _growth(plan: Plan, path: Path) -> Growth:
     found: Growth = {each.name: {} for each in RUNS}
-    for point in points:
-        cases = {each: case_of(each, point) for each in RUNS}
-        tasks = {each.name: _task(each, case, path) for each, case in cases.items() if case}
+    for ticks in plan.ticks:
+        tasks = {each.name: _task(each, each.case(plan.share, ticks), path) for each in RUNS}
         for name, timing in interleaved(tasks, plan.growth_repeats).items():
-            found[name][point] = timing
+            found[name][ticks] = timing
     return found
 
 
@@ -238,7 +252,10 @@ def waits(folder: Path, repeats: int) -> dict[str, tuple[float, float]]:
     subprocess.run(run, check=True, env=plain)
     wanted: dict[str, tuple[list[str], dict[str, str]]] = {
         "rubnoise --help": ([program, "--help"], plain),
-        "rubnoise report, Figure 5": ([program, "report", whole, "--force", f"--output={folder / 'page.html'}"], plain),
+        "rubnoise page --as report, Figure 5": (
+            [program, "page", "--as", "report", whole, "--force", f"--output={folder / 'page.html'}"],
+            plain,
+        ),
         "rubnoise run, 0.1 mm of Figure 5": (short, plain),
     }
     found = {name: min(_waited(*each) for _ in range(repeats)) for name, each in wanted.items()}

@@ -7,47 +7,41 @@ import rubnoise
 from bench.case import AREA, DAMPING, MASS, SEED, SPEED, STIFFNESS, STRENGTH, Case, Draws, Output, doubles
 
 
-def scenario(case: Case, engine: str, *, slider: bool = True, seed: int = SEED) -> rubnoise.Scenario:
+def scenario(case: Case, engine: str, seed: int = SEED) -> rubnoise.Scenario:
     """Return a case as a scenario."""
-    found: dict[str, Any] = {
-        "format": 1,
-        "title": "Benchmark",
-        "interface": {
-            "mean_real_contact_area": AREA,
-            "mean_junction_count": case.mean_count,
-            "calibration": "paper",
-        },
-        "diameter": {"law": "normal", "spread": case.diameter_std},
-        "sliding": {"distance": case.distance, "start": "empty"},
-        "output": {"tick": case.tick},
-        "run": {"seed": seed, "engine": engine},
-    }
-    if slider:
-        found["strength"] = {"law": "constant", "mean": STRENGTH}
-        found["sliding"]["speed"] = SPEED
-        found["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
-    return rubnoise.build(found)
+    return rubnoise.build(
+        {
+            "format": 1,
+            "title": "Benchmark",
+            "interface": {
+                "mean_real_contact_area": AREA,
+                "mean_junction_count": case.mean_count,
+                "calibration": "paper",
+            },
+            "diameter": {"law": "normal", "spread": case.diameter_std},
+            "strength": {"law": "constant", "mean": STRENGTH},
+            "sliding": {"distance": case.distance, "speed": SPEED, "start": "empty"},
+            "slider": {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"},
+            "output": {"tick": case.tick},
+            "run": {"seed": seed, "engine": engine},
+        }
+    )
 
 
-def output(record: Any, *, slider: bool) -> Output:
+def output(record: Any) -> Output:
     """Return what a record or an opened result holds."""
     junctions, trace = record["junctions"], record["trace"]
     return Output(
         area=doubles(trace["real_contact_area"]),
-        displacement=doubles(record["slider"]["displacement"]) if slider else None,
+        displacement=doubles(record["slider"]["displacement"]),
         birth=doubles(junctions["birth_distance"]),
         death=doubles(junctions["death_distance"]),
     )
 
 
-def area_alone(case: Case, draws: Draws, engine: str) -> Output:
-    """Return births and the trace of the area, kept in memory, of junctions drawn from the seed."""
-    return output(rubnoise.simulate(scenario(case, engine, slider=False, seed=draws.seed)), slider=False)
-
-
 def run(case: Case, draws: Draws, path: Path, engine: str) -> None:
     """Make a whole run: every table, the summary beside theory and the hashes, on disk."""
-    rubnoise.run(scenario(case, engine, seed=draws.seed), path, force=True, command=["bench"]).close()
+    rubnoise.run(scenario(case, engine, draws.seed), path, force=True, command=["bench"]).close()
 
 
 def in_memory(case: Case, engine: str) -> rubnoise.Record:

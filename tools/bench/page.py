@@ -6,8 +6,7 @@ from datetime import date
 from pathlib import Path
 
 from bench.checks import OUR_MOTION_BOUND, OURS, SMALL, Wrong
-from bench.clock import Timing
-from bench.measure import Growth, Results
+from bench.measure import Growth, Results, Timing
 
 TEXT = Path(__file__).with_suffix(".md")
 GAP = re.compile(r"\[\[([\w -]+)\]\]")
@@ -19,20 +18,13 @@ def page(found: Results, today: date) -> str:
     if faults := list(found.faults()):
         raise Wrong(*faults)
     hardware, software = found.machine
-    small = {(each.part, each.name): each for each in found.verdicts if each.case == SMALL}
-    whole = {name: f"{_error(small['runs', name].area)}, {_error(small['runs', name].motion)}" for name in found.runs}
-    areas = {name: _error(small["areas", name].area) for name in found.areas}
-    ours = [max(peaks.values()) for name, peaks in found.memory.items() if name.startswith(OURS)]
+    small = {each.name: f"{_error(each.area)}, {_error(each.motion)}" for each in found.verdicts if each.case == SMALL}
     parts = {
         "measured": f"Measured on {today:%d %B %Y}: {hardware}.\n{software}.",
         "closest": next(name for name, _ in _by_speed(found.runs) if not name.startswith(OURS)),
         "motion bound": f"{OUR_MOTION_BOUND:.0e}",
-        "largest memory": f"{max(ours):.0f}",
-        "whole runs": table((*SPEED, "error of area, motion"), list(_speeds(found.runs, whole))),
-        "areas": table((*SPEED, "error"), list(_speeds(found.areas, areas))),
-        "growth by count": _growth("mean number of junctions $N_{jm}$", found.growth["count"]),
-        "growth by ticks": _growth("ticks in a mean life", found.growth["ticks"]),
-        "growth by length": _growth("junctions in a run", found.growth["length"]),
+        "whole runs": table((*SPEED, "error of area, motion"), list(_speeds(found.runs, small))),
+        "growth by ticks": _growth("ticks in a mean life", found.growth),
         "errors by ticks": _errors_by_ticks(found),
         "memory": _memory(found),
         "starting": table(
@@ -58,8 +50,8 @@ def _by_speed(timings: Mapping[str, Timing]) -> list[tuple[str, Timing]]:
     return sorted(timings.items(), key=lambda item: item[1].each)
 
 
-def _error(value: float | None) -> str:
-    return "-" if value is None else f"{value:.0e}" if value else "0"
+def _error(value: float) -> str:
+    return f"{value:.0e}" if value else "0"
 
 
 def _speeds(timings: Mapping[str, Timing], errors: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
@@ -70,32 +62,23 @@ def _speeds(timings: Mapping[str, Timing], errors: Mapping[str, str]) -> Iterato
         yield name, f"{1e6 * timing.each:.3g}", spread, ratio, grouped(timing.units), errors[name]
 
 
-def _points(growth: Growth) -> list[float]:
-    return sorted({point for timings in growth.values() for point in timings})
-
-
 def _growth(what: str, growth: Growth) -> str:
-    points = _points(growth)
-    rows = [
-        (name, *(f"{1e6 * timings[point].each:.3g}" if point in timings else "-" for point in points))
-        for name, timings in growth.items()
-    ]
+    points = list(next(iter(growth.values())))
+    rows = [(name, *(f"{1e6 * timings[each].each:.3g}" for each in points)) for name, timings in growth.items()]
     return table((what, *map(grouped, points)), rows)
 
 
 def _errors_by_ticks(found: Results) -> str:
-    """Return by number of ticks the error of each tool's motion that was made in those times; equal rows are one."""
-    points = _points(found.growth["ticks"])
-    errors = {
-        (each.name, each.case.ticks_per_life): each.motion
-        for each in found.verdicts
-        if each.part == "runs" and each.case.mean_count == SMALL.mean_count and each.case != SMALL
-    }
+    """Return by number of ticks the error of each tool's motion; equal rows are one."""
+    growth = found.growth
+    points = list(next(iter(growth.values())))
+    errors = {(each.name, each.case.ticks_per_life): _error(each.motion) for each in found.verdicts}
     alike: dict[tuple[str, ...], list[str]] = {}
-    for name in found.growth["ticks"]:
-        alike.setdefault(tuple(_error(errors.get((name, point))) for point in points), []).append(name)
-    rows = [("; ".join(names), *cells) for cells, names in alike.items()]
-    return table(("ticks in a mean life", *map(grouped, points)), rows)
+    for name in growth:
+        alike.setdefault(tuple(errors[name, point] for point in points), []).append(name)
+    return table(
+        ("ticks in a mean life", *map(grouped, points)), [("; ".join(who), *row) for row, who in alike.items()]
+    )
 
 
 def _memory(found: Results) -> str:

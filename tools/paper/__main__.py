@@ -9,24 +9,24 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # above this package, as its modules name it
 
 from paper.figures import FIGURES, Sources, draw
-from paper.ledger import LEDGERS, Claim, Ledger, as_row, unexpected
+from paper.ledger import LEDGERS, Ledger, as_row, unexpected
 from paper.pages import place, written
 from rubnoise.errors import RubnoiseError
 from rubnoise.figures.style import FORMATS
 
 EPILOG = """Without options every claim is tested, and docs/paper.md and docs/field.md are written. With -o the figures
-are drawn and no claim is tested. Exit code 1: a page is out of date; 2: refused; 3: a verdict is not as expected."""
+are drawn and no claim is tested. Exit code 2: refused; 3: a verdict is not as expected, and no page is written."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Draw figures, or settle every claim and write the pages, print the rows or compare the pages with them."""
+    """Draw figures, or settle every claim and write the pages, or print the rows."""
     asked = _parser().parse_args(arguments)
     try:
         if asked.figures or asked.output:
             sources = Sources(folder=asked.scenarios, tell=_tell)
             draw(asked.figures, asked.output or Path("figures"), asked.format or (), sources, force=asked.force)
             return 0
-        return _claims(as_json=asked.json, check=asked.check)
+        return _claims(as_json=asked.json)
     except RubnoiseError as problem:
         print(f"paper: {problem}", file=sys.stderr)
         return 2
@@ -40,11 +40,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--scenarios", type=Path, metavar="DIR", help="a folder with scenarios of the same names")
     parser.add_argument("--force", action="store_true", help="replace existing pictures")
     parser.add_argument("--json", action="store_true", help="print a row for every number of a claim; write nothing")
-    parser.add_argument("--check", action="store_true", help="say which page is out of date; write nothing")
     return parser
 
 
-def _claims(*, as_json: bool, check: bool) -> int:
+def _claims(*, as_json: bool) -> int:
     ledgers = [Ledger(path, _tell) for path in LEDGERS.values()]
     settled = [(ledger, list(ledger.claims())) for ledger in ledgers]
     claims = [claim for _, own in settled for claim in own]
@@ -54,22 +53,9 @@ def _claims(*, as_json: bool, check: bool) -> int:
     if as_json:
         print(json.dumps({"claims": [as_row(claim, each) for claim in claims for each in claim.numbers]}))
     elif not wrong:
-        return _pages(settled, check=check)
+        for ledger, own in settled:
+            place(ledger).write_text(written(ledger, own), encoding="utf-8")
     return 3 if wrong else 0
-
-
-def _pages(settled: Sequence[tuple[Ledger, Sequence[Claim]]], *, check: bool) -> int:
-    """Write each page that is out of date, or only say so; return 1 for one that was found so."""
-    stale = 0
-    for ledger, claims in settled:
-        path, text = place(ledger), written(ledger, claims)
-        if text == path.read_text(encoding="utf-8"):
-            continue
-        stale += 1
-        if not check:
-            path.write_text(text, encoding="utf-8")
-        print(f"docs/{path.name}", "is out of date" if check else "written")
-    return int(check and stale > 0)
 
 
 def _tell(text: str) -> None:

@@ -1,6 +1,5 @@
 """The figures of the paper by name, what they are drawn from, and their files."""
 
-import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -20,10 +19,12 @@ from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.storage.output import check_output, whole_file
 
-FIGURES: Final[dict[str, dict[str, Any]]] = tomllib.loads(
-    Path(__file__).with_name("figures.toml").read_text(encoding="utf-8")
-)
-"""Title and caption of each figure, and the module that draws it."""
+FIGURES: Final = {
+    **dict.fromkeys(("fig2", "fig3"), "junction"),
+    **dict.fromkeys(("fig4", "fig5", "fig6"), "traces"),
+    **dict.fromkeys(("fig7", "fig8", "fig9"), "spectra"),
+}
+"""The figures, and the module that draws each; docs/gallery.md has their captions."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +63,7 @@ def chosen(names: Iterable[str]) -> tuple[str, ...]:
 
 def paper_figure(name: str, formats: Iterable[Format], sources: Sources) -> dict[Format, bytes]:
     """Return a figure as the bytes of its files, which are equal at each call."""
-    draw = getattr(import_module(f"paper.{FIGURES[name]['drawn_by']}"), f"draw_{name}")
+    draw = getattr(import_module(f"paper.{FIGURES[name]}"), f"draw_{name}")
     with house_style():
         figure = draw(sources)
         # Once for all formats, so that none depends on which others are wanted.

@@ -29,9 +29,8 @@ def place(ledger: Ledger) -> Path:
 
 
 def paper_parts(_ledger: Ledger, claims: Sequence[Claim]) -> dict[str, str]:
-    """Return the index of the paper's claims, and each with its numbers."""
-    rows = ((f"[{claim.id}](#{claim.id})", claim.source.label, claim.verdict) for claim in claims)
-    return {"index": table(("claim", "where", "verdict"), rows), "claims": "\n".join(map(_section, claims))}
+    """Return each claim of the paper with its numbers."""
+    return {"claims": "\n".join(map(_section, claims))}
 
 
 def _section(claim: Claim) -> str:
@@ -40,7 +39,7 @@ def _section(claim: Claim) -> str:
         for each in claim.numbers
     )
     numbers = table(("quantity", "printed", "simulated (95 %)", "exact"), rows)
-    verdict = f"**Verdict: {claim.verdict}.** {claim.because} Runs: `scenarios/claims/{claim.scenario}.toml`."
+    verdict = f"**Verdict: {claim.verdict}.** {claim.because}"
     return f"### {claim.id}\n\n**{claim.source.label}.** {claim.statement}\n\n{numbers}\n{verdict}\n"
 
 

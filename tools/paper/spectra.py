@@ -1,16 +1,15 @@
 """Figures 7 to 9 of the paper: the spread of the real contact area, and its spectral density."""
 
 from itertools import cycle
-from math import pi, sqrt
+from math import sqrt
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from paper.figures import Sources
-from rubnoise.analysis.spectra import Spectrum, hann, welch
+from rubnoise.analysis.spectra import Spectrum, welch
 from rubnoise.api.running import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.figures.style import BLUE, CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
@@ -18,15 +17,8 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.runs.measuring import Measurement
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.periodogram import expected_periodogram
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import spectral_density
-
-LAW: Final = 1.5 * sqrt(2.0 * pi / 3.0 - 64.0 / 45.0)
-"""std/mean times sqrt(N) for lenses of one size: sqrt(c_2) / (c_1 sqrt(2 / N)) with c_1 = 2/3, c_2 = pi/3 - 32/45."""
-
-APART: Final = 0.018
-"""How far points of one number of junctions are set apart, as a part of it, so that none hides another."""
 
 Spot = tuple[Model, float, float]
 """A model, the standard deviation of its runs, and the standard error of that from theory."""
@@ -48,50 +40,26 @@ def spreads_of(sources: Sources) -> list[list[Spot]]:
 
 
 def draw_fig7(sources: Sources) -> Figure:
-    """Draw the standard deviation for each mean area, and all of them over their mean on logarithmic axes."""
+    """Draw the standard deviation for each mean area, simulated with 95 % intervals and exact."""
     figure = new_figure(7.2, 3.8)
-    absolute, relative = figure.subplots(1, 2, width_ratios=[1.2, 1.0])
-    lines = spreads_of(sources)
-    for number, (spots, (colour, marker)) in enumerate(zip(lines, cycle(SERIES), strict=False)):
+    axes = figure.subplots()
+    for spots, (colour, marker) in zip(spreads_of(sources), cycle(SERIES), strict=False):
         count = np.array([model.mean_junction_count for model, _, _ in spots])
         seen, error = np.array([numbers for _, *numbers in spots]).T
-        exact = [area_cumulants(model) for model, _, _ in spots]
-        mean, law = (np.array([getattr(each, name) for each in exact]) for name in ("mean", "std"))
-        look: dict[str, Any] = {"color": colour, "fmt": marker, "ms": 4.5, "capsize": 2.0, "zorder": 3}
-        label = f"{spots[0][0].mean_real_contact_area:g} µm²"
-        absolute.errorbar(count, seen, CONFIDENCE * error, **look)
+        law = np.array([area_cumulants(model).std for model, _, _ in spots])
+        axes.errorbar(count, seen, CONFIDENCE * error, color=colour, fmt=marker, ms=4.5, capsize=2.0, zorder=3)
         # Between the points by 1/sqrt(N), from which the law hardly departs.
         fine = np.linspace(count[0], count[-1], 201)
-        absolute.plot(fine, np.interp(fine, count, law * np.sqrt(count)) / np.sqrt(fine), color=VERMILION, lw=1.2)
-        absolute.annotate(label, (count[-1], law[-1]), xytext=(7.0, 0.0), textcoords="offset points", va="center")
-        # A little beside their places, so that none hides another.
-        beside = (1.0 + APART * (number - 2.0)) * count
-        relative.errorbar(beside, seen / mean, CONFIDENCE * error / mean, label=label, **look)
-    _draw_law(relative, np.array([0.9 * count[0], 1.1 * count[-1]]))
-    absolute.errorbar([], [], [], label="simulated, 95 % interval", color=INK, fmt="o", ms=4.5, capsize=2.0)
-    absolute.plot([], [], color=VERMILION, lw=1.2, label="exact")
-    absolute.legend(loc="upper right")
-    absolute.set(title="For five mean areas", xlabel="mean number of junctions")
-    absolute.set_ylabel("standard deviation of\nthe real contact area (µm²)")
-    absolute.set_ylim(bottom=0.0)
+        axes.plot(fine, np.interp(fine, count, law * np.sqrt(count)) / np.sqrt(fine), color=VERMILION, lw=1.2)
+        label = f"{spots[0][0].mean_real_contact_area:g} µm²"
+        axes.annotate(label, (count[-1], law[-1]), xytext=(7.0, 0.0), textcoords="offset points", va="center")
+    axes.errorbar([], [], [], label="simulated, 95 % interval", color=INK, fmt="o", ms=4.5, capsize=2.0)
+    axes.plot([], [], color=VERMILION, lw=1.2, label="exact")
+    axes.legend(loc="upper right")
+    axes.set(title="For five mean areas", xlabel="mean number of junctions")
+    axes.set_ylabel("standard deviation of\nthe real contact area (µm²)")
+    axes.set_ylim(bottom=0.0)
     return figure
-
-
-def _draw_law(axes: Axes, counts: Doubles) -> None:
-    """Draw the law for sizes that are all the same, which no mean area enters, and finish its axes."""
-    axes.plot(counts, LAW / np.sqrt(counts), color=VERMILION, lw=1.2, zorder=2)
-    middle = float(np.sqrt(counts.prod()))
-    place = (middle, LAW / sqrt(middle))
-    axes.annotate(f"exact, one size:\n{LAW:.5g}/√N", place, xytext=(8.0, 8.0), textcoords="offset points")
-    logarithmic(axes.xaxis, axes.yaxis)
-    for axis in (axes.xaxis, axes.yaxis):
-        # By its own numbers, not by powers of ten, of which so short an axis has one.
-        axis.set_major_locator(FixedLocator([0.1, 0.15, 0.2, 0.3, 0.4, 10.0, 20.0, 30.0, 40.0, 50.0]))
-        axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set(title="Over their mean: one law", ylabel="standard deviation over mean")
-    axes.set_xlabel("mean number of junctions\n(points of one number side by side)")
-    axes.legend(loc="lower left", title="simulated", alignment="left")
 
 
 SEGMENT: Final = 1024.0
@@ -125,14 +93,12 @@ def merged_bins(spectrum: Spectrum) -> tuple[Doubles, Doubles]:
 
 
 def draw_fig8(sources: Sources) -> Figure:
-    """Draw Welch's estimate and S(k), the mean of its tail, and near the end the ratio of both, with the aliases."""
+    """Draw Welch's estimate and S(k), on linear axes and on logarithmic ones with the mean of its tail."""
     scenario = sources.scenario("fig8")
     model = scenario.model()
-    seen = spectrum_of(model, simulate(scenario).reader())
-    wavenumber, density = merged_bins(seen)
-    figure = new_figure(7.2, 4.6)
-    panes: Any = figure.subplot_mosaic([["linear", "tail"], ["linear", "ratio"]], height_ratios=[2.2, 1.0])
-    linear, tail = panes["linear"], panes["tail"]
+    wavenumber, density = merged_bins(spectrum_of(model, simulate(scenario).reader()))
+    figure = new_figure(7.2, 3.8)
+    linear, tail = figure.subplots(1, 2)
     ends = {linear: (0.0, 12.0 / model.mean_life_distance), tail: (float(wavenumber[0]), float(wavenumber[-1]))}
     for axes, (low, high) in ends.items():
         shown = wavenumber <= high
@@ -141,7 +107,6 @@ def draw_fig8(sources: Sources) -> Figure:
         axes.plot(exact, spectral_density(model, exact), color=VERMILION, lw=1.0, label="exact", zorder=3)
         axes.set_xlim(low, high)
     _draw_tail(tail, model, float(wavenumber[-1]))
-    _draw_aliased(panes["ratio"], model, seen)
     linear.set(title="As the paper has it", xlabel=WAVENUMBER, ylabel=DENSITY)
     linear.set_ylim(bottom=0.0)
     linear.legend(loc="upper right")
@@ -156,21 +121,6 @@ def _draw_tail(axes: Axes, model: Model, highest: float) -> None:
     logarithmic(axes.xaxis, axes.yaxis)
     axes.set_title("On logarithmic axes: a tail, no floor")
     axes.legend(loc="lower left")
-
-
-def _draw_aliased(axes: Axes, model: Model, seen: Spectrum) -> None:
-    """Draw the estimate over S(k) near the last wavenumber, and its expectation with the aliases of the ticks."""
-    wavenumber, density = merged_bins(seen)
-    bins, level = expected_periodogram(model, model.tick, hann(seen.ticks))
-    shown, lifted = wavenumber > 0.1 * wavenumber[-1], bins > 0.1 * bins[-1]
-    ratio = density[shown] / spectral_density(model, wavenumber[shown])
-    axes.plot(wavenumber[shown], ratio, color=BLUE, alpha=0.55, **SIMULATED)
-    axes.axhline(1.0, color=VERMILION, lw=1.0)
-    expected = level[lifted] / spectral_density(model, bins[lifted])
-    axes.plot(bins[lifted], expected, color=INK, lw=1.2, ls=(0, (3, 1.5)), label="with the ticks' aliases")
-    axes.set(xlim=(bins[lifted][0], bins[-1]), ylim=(0.0, 1.15 * float(expected[-1])))
-    axes.set(xlabel=WAVENUMBER, ylabel="ratio to exact")
-    axes.legend(loc="upper left")
 
 
 def draw_fig9(sources: Sources) -> Figure:

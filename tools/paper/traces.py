@@ -3,15 +3,14 @@
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.figures import Sources
 from rubnoise.analysis.selection import neighbours
 from rubnoise.figures.area import draw_lives
-from rubnoise.figures.motion import Motion, shade_sticks
+from rubnoise.figures.motion import Motion
 from rubnoise.figures.slider import MILLI, draw_in_time
-from rubnoise.figures.style import BLUE, FAINT, INK, STUCK, VERMILION, legend_above, new_figure
+from rubnoise.figures.style import BLUE, VERMILION, legend_above, new_figure
 from rubnoise.theory.distribution import distribution
 
 
@@ -28,8 +27,8 @@ COLUMNS: Final = {
     "displacement": (1.0, "displacement (µm)"),
     "velocity": (MILLI, "velocity (mm/s)"),
 }
-SECONDS, NEAR_SECONDS, NEAR_SPEEDS = 1.0, 0.2, 6.0
-"""How much is shown, some forty periods of the slider; how much of the velocity again, to how many sliding speeds."""
+SECONDS: Final = 1.0
+"""How much is shown, some forty periods of the slider."""
 
 
 def draw_fig5(sources: Sources) -> Figure:
@@ -38,36 +37,18 @@ def draw_fig5(sources: Sources) -> Figure:
     These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
     """
     motion = Motion.of(sources.stretch("fig5"))
-    figure = new_figure(7.2, 7.0)
-    panes = figure.subplots(4, 1)
-    for axes, (name, (scale, label)) in zip(panes, COLUMNS.items(), strict=False):
+    figure = new_figure(7.2, 5.4)
+    panes = figure.subplots(3, 1)
+    for axes, (name, (scale, label)) in zip(panes, COLUMNS.items(), strict=True):
         draw_in_time(axes, [motion.between(0.0, SECONDS)], name, scale)
         axes.set_ylabel(label)
         axes.tick_params(labelbottom=name == "velocity")
     # A two-way slider that runs back feels the force from the other side.
     panes[0].set_ylim(bottom=min(0.0, panes[0].get_ylim()[0]) if panes[0].dataLim.y0 < 0.0 else 0.0)
     panes[2].set_xlabel("time (s)")
-    _draw_near_zero(panes[3], motion.between(0.0, NEAR_SECONDS))
     legend_above(panes[0])
     figure.align_ylabels()
     return figure
-
-
-def _draw_near_zero(axes: Axes, motion: Motion) -> None:
-    """Draw the velocity again near zero and the drive's speed, and shade where it is above that, or sticks."""
-    (time, velocity), speed = motion.curve("velocity"), MILLI * motion.speed
-    if motion.model.is_two_way:
-        shade_sticks(axes, motion)
-    else:
-        look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": STUCK, "lw": 0.0, "zorder": 0}
-        faster = MILLI * velocity > speed
-        axes.fill_between(time, 0.0, 1.0, where=faster, label="slider faster than the drive", **look)
-    axes.plot(time, MILLI * velocity, color=BLUE, lw=1.2)
-    axes.axhline(0.0, color=FAINT, lw=0.8)
-    axes.axhline(speed, color=INK, lw=1.2, ls=(0, (5, 2)), label=f"sliding speed, {speed:.3g} mm/s")
-    axes.set(xlim=(0.0, time[-1]), ylim=(-NEAR_SPEEDS * speed, NEAR_SPEEDS * speed))
-    axes.set(ylabel="velocity near\nzero (mm/s)", xlabel="time (s), the beginning of the curves above")
-    legend_above(axes)
 
 
 COUNTS: Final = (10, 20, 30, 40, 50)

@@ -19,20 +19,10 @@ from parts import fill, table
 from rubnoise.analysis.agreement import Agreement, family_wise_bound
 from rubnoise.analysis.births import central_moments
 from rubnoise.analysis.comparison import compare
-from rubnoise.analysis.findings import (
-    NORMAL,
-    Finding,
-    judged,
-    judged_mean,
-    poisson_figure,
-)
+from rubnoise.analysis.findings import NORMAL, Finding, judged, judged_mean, poisson_figure
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.contact.births import PoissonBirths, RegularBirths
-from rubnoise.contact.laws import (
-    Fixed,
-    Spread,
-    law_for,
-)
+from rubnoise.contact.laws import Fixed, Spread, law_for
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import load
@@ -40,11 +30,7 @@ from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import Response, response
-from rubnoise.theory.sampling import (
-    mean_displacement_error,
-    motion_errors,
-    standard_errors,
-)
+from rubnoise.theory.sampling import mean_displacement_error, motion_errors, standard_errors
 from tests.verification.scores import Held
 
 ROOT: Final = Path(__file__).resolve().parents[2]

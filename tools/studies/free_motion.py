@@ -83,7 +83,7 @@ class Level:
     shocks: float
     load: float
     load_error: float
-    peaks: tuple[float, ...] | None
+    peaks: Sequence[float] | None
 
     @property
     def decibels(self) -> float:
@@ -247,37 +247,21 @@ def deviate(value: float, error: float) -> float:
 def tables(contacts: Sequence[Contact]) -> dict[str, str]:
     """Return the tables of the page by name."""
     speeds = [f"{each.speed:.0f} mm/s" for each in contacts[0].levels]
-    spans = [f"{SPEEDS[step]:g} to {SPEEDS[step + 1]:g}" for step in STEPS]
     first, last = STEPS[0], STEPS[-1] + 1
-    whole = f"{SPEEDS[first]:g} to {SPEEDS[last]:g}"
     return {
         "free levels": table(
             ("N", "loss", *speeds),
             (_row(each, (_decibels(level) for level in each.levels)) for each in contacts),
         ),
         "free slopes": table(
-            ("N", "loss", *(f"n; m, v = {span}" for span in spans), f"n; m, {whole}", f"m - (1 + n)/2, {whole}"),
+            ("N", "loss", "n", "m", "m - (1 + n)/2"),
             (
                 _row(
                     each,
                     (
-                        *("{:.2f}; {:.2f}".format(*_exponents(each, step, step + 1)) for step in STEPS),
-                        _both(each, first, last),
+                        "{:.3f} ± {:.3f}".format(*each.speed_exponent(first, last)),
+                        "{:.3f} ± {:.3f}".format(*each.height_exponent(first, last)),
                         "{:+.3f} ± {:.3f}".format(*each.miss(first, last)),
-                    ),
-                )
-                for each in contacts
-            ),
-        ),
-        "free shocks": table(
-            ("N", "loss", "apart, %", "shocks per 1/omega_c", "peaks below W, 10 W, 100 W, %, at v = 3"),
-            (
-                _row(
-                    each,
-                    (
-                        ", ".join(f"{100.0 * level.apart:.3g}" for level in each.levels),
-                        ", ".join(f"{level.shocks:.2g}" for level in each.levels),
-                        _peaks(each.levels[3]),
                     ),
                 )
                 for each in contacts
@@ -295,19 +279,6 @@ def _decibels(level: Level) -> str:
     return f"{level.decibels:.1f}"
 
 
-def _exponents(each: Contact, first: int, last: int) -> tuple[float, float]:
-    return each.speed_exponent(first, last)[0], each.height_exponent(first, last)[0]
-
-
-def _both(each: Contact, first: int, last: int) -> str:
-    """Return n and m with their standard errors."""
-    return "; ".join("{:.3f} ± {:.3f}".format(*of(first, last)) for of in (each.speed_exponent, each.height_exponent))
-
-
-def _peaks(level: Level) -> str:
-    return "" if level.peaks is None else ", ".join(f"{100.0 * share:.0f}" for share in level.peaks)
-
-
 def made() -> Iterator[Contact]:
     """Yield what is found of each contact, and print it, since all of them take long."""
     for number in range(len(CONTACTS)):
@@ -322,12 +293,8 @@ def kept() -> list[Contact]:
 
 
 def _contact(*, levels: list[dict[str, Any]], heights: list[list[dict[str, Any]]], **about: Any) -> Contact:
-    pairs = tuple((_level(low), _level(high)) for low, high in heights)
-    return Contact(levels=tuple(map(_level, levels)), heights=pairs, **about)
-
-
-def _level(row: dict[str, Any]) -> Level:
-    return Level(**{**row, "peaks": row["peaks"] and tuple(row["peaks"])})
+    pairs = tuple((Level(**low), Level(**high)) for low, high in heights)
+    return Contact(levels=tuple(Level(**each) for each in levels), heights=pairs, **about)
 
 
 def main() -> int:

@@ -4,10 +4,9 @@
     .venv/bin/python tools/studies inference docs FOLDER
 
 `run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `docs`
-writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
-colon: right:, clean:, long:, drift:, auto:, unknown:, wrong:, round trip:, outside:. Traces of `outside:` are those of
-right_traces.py, read as a user would; `docs` keeps what they showed in docs/right_traces.json, and what every cell
-showed in docs/coverage.json.
+keeps what every cell showed in docs/coverage.json, and writes the tables of docs/inference.md. Texts for --only: a law
+such as normal, or a kind with a colon: right:, drift:, auto:, unknown:, wrong:, outside:. Traces of `outside:` are
+those of right_traces.py, read as a user would.
 """
 
 from __future__ import annotations
@@ -16,9 +15,8 @@ import argparse
 import json
 import os
 import sys
-import time
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,7 +30,6 @@ import numpy as np
 from parts import fill
 from parts import table as markdown
 
-from rubnoise.api.fit import Inference
 from rubnoise.api.inferring import infer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
@@ -40,27 +37,25 @@ from rubnoise.contact.laws import LAWS
 from rubnoise.inference.inference import InferenceResult, infer_signal
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model, Slider
-from rubnoise.scenario import build
 from studies.right_traces import Contact, trace
 from tests.inference.traces import contact as contact_of
 from tests.models import recorded
 
-PER_LIFE = 64
+PER_LIFE, LIVES, NOISE = 64, 450, 0.05
+"""Samples in a mean life, mean lives in a trace, and white noise over the spread of the trace."""
+
 DIAMETER = 5.5
-COUNTS = (5, 20, 100)
 WORDS: dict[str, Any] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 POPULATIONS: dict[str, float] = WORDS["populations"]
+KINDS: dict[str, dict[str, Any]] = WORDS["kinds"]
 WRONG: dict[str, str] = WORDS["wrong"]
 ZEROS: tuple[Literal["known", "unknown"], ...] = ("known", "unknown")
-DRIFT = 0.02
-"""Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
-
 JUDGED, SHOWN = 200, 60
 """Traces of a case that judges, and of one that shows something."""
 CYCLES = (5, 10, 15, 20, 40)
 
 PAGE = Path(__file__).parents[2] / "docs" / "inference.md"
-DATA, COVERAGE = PAGE.with_name("right_traces.json"), PAGE.with_name("coverage.json")
+COVERAGE = PAGE.with_name("coverage.json")
 ALL = "all of these"
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
@@ -72,8 +67,6 @@ class Cell:
     name: str
     law: str = ""
     count: int = 20
-    lives: int = 450
-    noise: float = 0.05
     fitted: str = ""
     zero: Literal["known", "unknown"] = "known"
     kind: str = "right"
@@ -83,56 +76,39 @@ class Cell:
     most: int = 10**9
 
 
-def outside() -> list[Cell]:
-    """Return the cells whose traces are made outside the package: with an option, and without it."""
+def cells() -> Iterator[Cell]:
+    """Yield every cell of the study."""
+    for kind, about in KINDS.items():
+        for law in about.get("laws", POPULATIONS):
+            for count in about.get("counts", (20,)):
+                own = {key: about[key] for key in ("zero", "drift") if key in about}
+                fitted = about.get("fitted", law)
+                yield Cell(name=f"{kind} {law} {count}", law=law, count=count, fitted=fitted, kind=kind, **own)
+    for law in WRONG:
+        for zero in ZEROS:
+            yield Cell(name=f"wrong {law} (zero {zero})", law=law, fitted="auto", zero=zero, kind="wrong")
+    yield from outside()
 
-    def cell(
-        name: str,
-        contact: Mapping[str, Any] | None = None,
-        options: Mapping[str, str] | None = None,
-        law: str = "fixed",
-        *,
-        judges: bool = False,
-    ) -> Cell:
-        made, given = Contact(**(contact or {})), tuple((options or {}).items())
-        most = JUDGED if judges else SHOWN
-        return Cell(name=f"outside {name}", kind="outside", contact=made, fitted=law, options=given, most=most)
 
-    found = [cell(name, **about) for name, about in WORDS["outside"].items()]
+def outside() -> Iterator[Cell]:
+    """Yield the cells whose traces are made outside the package: with an option, and without it."""
+    cases = dict(WORDS["outside"])
     for cycles in CYCLES:
-        found.append(cell(f"{cycles} cycles without", {"bandwidth": cycles}))
-        found.append(cell(f"{cycles} cycles with", {"bandwidth": cycles}, {"bandwidth": f"{cycles}"}))
-    return found
+        pole = {"contact": {"bandwidth": cycles}}
+        cases |= {
+            f"{cycles} cycles without": pole,
+            f"{cycles} cycles with": pole | {"options": {"bandwidth": f"{cycles}"}},
+        }
+    for name, about in cases.items():
+        options = tuple(about.get("options", {}).items())
+        most = JUDGED if about.get("judges") else SHOWN
+        made, law = Contact(**about.get("contact", {})), about.get("law", "fixed")
+        yield Cell(name=f"outside {name}", kind="outside", contact=made, fitted=law, options=options, most=most)
 
 
-def cells() -> list[Cell]:
-    """Return every cell of the study."""
-    found = [Cell(name=f"{law} {n}", law=law, count=n, fitted=law) for law in POPULATIONS for n in COUNTS]
-    found += [Cell(name=f"clean {law}", law=law, noise=0.0, fitted=law, kind="clean") for law in POPULATIONS]
-    found += [Cell(name="long normal", law="normal", lives=5000, fitted="normal", kind="long")]
-    found += [
-        Cell(name=f"drift {law}", law=law, fitted=law, drift=DRIFT, zero="unknown", kind="drift")
-        for law in ("normal", "lognormal")
-    ]
-    found += [Cell(name=f"auto {law}", law=law, fitted="auto", kind="auto") for law in POPULATIONS]
-    found += [
-        Cell(name=f"unknown {law}", law=law, fitted="auto", zero="unknown", kind="unknown") for law in POPULATIONS
-    ]
-    found += [
-        Cell(name=f"wrong {law} (zero {zero})", law=law, fitted="auto", zero=zero, kind="wrong")
-        for law in WRONG
-        for zero in ZEROS
-    ]
-    found += [
-        Cell(name=f"round trip {law}", law=law, fitted="auto", kind="round trip")
-        for law in ("normal", "lognormal", "exponential")
-    ]
-    return found + outside()
-
-
-def model(law: str, count: float, lives: int) -> Model:
-    """Return a contact of mean diameter 5.5 um, 64 ticks a mean life."""
-    return contact_of(law, POPULATIONS[law], count, lives, mean=DIAMETER)
+def model(law: str, count: float) -> Model:
+    """Return a contact of mean diameter 5.5 um over 450 mean lives of 64 ticks."""
+    return contact_of(law, POPULATIONS[law], count, LIVES, mean=DIAMETER)
 
 
 def force_of(contact: Model, seed: int) -> Doubles:
@@ -142,25 +118,25 @@ def force_of(contact: Model, seed: int) -> Doubles:
 
 def right(cell: Cell, seed: int) -> Signal:
     """Return a trace of the model, with white noise."""
-    contact = model(cell.law, cell.count, cell.lives)
+    contact = model(cell.law, cell.count)
     # Cells of one seed share no junctions, so that they can be pooled.
     own = crc32(f"{cell.name} {seed}".encode())
     values = force_of(contact, own)
     spread = values.std()
-    values += cell.noise * spread * np.random.default_rng([own, 1]).standard_normal(values.size)
+    values += NOISE * spread * np.random.default_rng([own, 1]).standard_normal(values.size)
     if cell.drift:
         steps = np.random.default_rng([own, 3]).standard_normal(values.size)
         values += cell.drift * spread * np.cumsum(steps)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
 
 
-def wrong(kind: str, cell: Cell, seed: int) -> Signal:
+def wrong(kind: str, seed: int) -> Signal:
     """Return a trace of something else, with noise of 5 % of its spread."""
     from scipy.signal import lfilter
 
     rng = np.random.default_rng([seed, 2])
-    n, life = cell.lives * PER_LIFE, float(PER_LIFE)
-    contact = model("normal", 20, cell.lives)
+    n, life = LIVES * PER_LIFE, float(PER_LIFE)
+    contact = model("normal", 20)
     if kind == "stick-slip":
         slider = Slider(mass=0.005, stiffness=300.0, damping=0.05, coupling="two-way")
         contact = replace(contact, slider=slider)
@@ -176,17 +152,8 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
         values = 50.0 + np.sin(2.0 * np.pi * (np.arange(n) / life + rng.random()))
     else:
         values = 50.0 + rng.standard_normal(n)
-    values = values + 0.05 * values.std() * rng.standard_normal(values.size)
+    values = values + NOISE * values.std() * rng.standard_normal(values.size)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
-
-
-def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
-    """Return a run of the scenario that was found in a trace, and the numbers found."""
-    found = infer_signal(signal, zero="known", tests=False)
-    contact = build(tomllib.loads(Inference.of(found, name="trace", speed="1 mm/s", strength=None).to_toml())).model()
-    force = force_of(contact, seed + 1_000_000)
-    values = {name: each.value for name, each in found.estimates.items()}
-    return Signal(values=force, tick=contact.tick, unit="uN", scale=1.0), values
 
 
 def read_outside(cell: Cell, seed: int) -> InferenceResult:
@@ -208,25 +175,17 @@ def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     """Make one trace and fit it; return what was found beside what is true."""
     cell, seed = job
     if cell.contact is not None:
-        begun = time.process_time()
         true = {"junction_count": 20.0, "diameter": 5.5, "shear_strength": 250.0}
-        return _answer(cell, seed, begun, read_outside(cell, seed), true)
-    signal = wrong(cell.law, cell, seed) if cell.kind == "wrong" else right(cell, seed)
+        return _answer(cell, seed, read_outside(cell, seed), true)
+    signal = wrong(cell.law, seed) if cell.kind == "wrong" else right(cell, seed)
     true = truth(cell) if cell.kind != "wrong" else {}
-    if cell.kind == "round trip":
-        signal, true = again(signal, seed)
-    begun = time.process_time()
-    return _answer(
-        cell, seed, begun, infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0), true
-    )
+    return _answer(cell, seed, infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0), true)
 
 
-def _answer(cell: Cell, seed: int, begun: float, found: InferenceResult, true: dict[str, float]) -> dict[str, Any]:
-    answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
+def _answer(cell: Cell, seed: int, found: InferenceResult, true: dict[str, float]) -> dict[str, Any]:
+    answer: dict[str, Any] = {"cell": cell.name, "seed": seed}
     answer["refused"] = found.refused_because
     answer["flags"] = [test.name for test in found.tests if test.flagged]
-    answer["p"] = {test.name: float(f"{test.p:.3g}") for test in found.tests}
-    answer["law"] = found.law
     answer["true"] = true
     answer["estimates"] = {
         name: [each.value, each.standard_error, *each.interval] for name, each in found.estimates.items()
@@ -294,120 +253,96 @@ def stopped(rows: list[dict[str, Any]]) -> int:
 
 
 def document(folder: Path) -> None:
-    """Write the tables of the study into docs/inference.md."""
-    found = read(folder)
-    if seen := seen_outside(found):
-        DATA.write_text(json.dumps(seen, indent=1) + "\n", encoding="utf-8")
-    tables = {"wrong": _wrong(found)}
-    if covered := covered_by_cell(found):
-        COVERAGE.write_text(json.dumps(covered, indent=1) + "\n", encoding="utf-8")
-        tables["coverage"] = coverage_table(covered)
-    if DATA.exists():
-        data = json.loads(DATA.read_text(encoding="utf-8"))
-        tables |= {"outside": outside_table(data), "bandwidth": bandwidth_table(data)}
+    """Keep what every cell has shown, and write the tables of docs/inference.md."""
+    found, kept = read(folder), json.loads(COVERAGE.read_text(encoding="utf-8"))
+    whole = [row for cell in cells() if cell.kind == "right" for row in found.get(cell.name, [])]
+    seen = {cell.name: found[cell.name] for cell in cells() if cell.name in found} | ({ALL: whole} if whole else {})
     # What was not made again stays as it is.
-    fill(PAGE, {name: part for name, part in tables.items() if part})
-
-
-def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
-    """Return of each case made outside how many intervals held the truth, of how many, and the median error."""
-    seen: dict[str, Any] = {}
-    for cell in outside():
-        rows = found.get(cell.name, [])
-        if rows:
-            held = {name: score for name in QUANTITIES if (score := scores(rows, name)) is not None}
-            # Tests may have been made of fewer traces than intervals.
-            tested = [row for row in rows if row["flags"] is not None]
-            warned = sum(bool(row["flags"] or row["refused"]) or _holds(row, "junction_count") for row in tested)
-            seen[cell.name.removeprefix("outside ")] = {
-                "law": cell.fitted,
-                "traces": len(rows),
-                "tested": len(tested),
-                "flagged_or_refused": stopped(tested),
-                "flagged_or_number_held": warned,
-                "held": {name: {"held": a, "of": b, "median_error": round(c, 5)} for name, (a, b, c) in held.items()},
-            }
-    return seen
-
-
-def _holds(row: dict[str, Any], name: str) -> bool:
-    low, high = row["estimates"].get(name, [0.0, 0.0, 0.0, 0.0])[2:]
-    return bool(low <= row["true"][name] <= high)
-
-
-def _held(case: dict[str, Any], name: str) -> str:
-    each = case["held"].get(name)
-    return "" if each is None else f"{each['held']} of {each['of']}, {100.0 * each['median_error']:.1f} %"
-
-
-def outside_table(data: dict[str, Any]) -> str:
-    """Return the table of traces made outside the package."""
-    rows = []
-    for cell in outside():
-        case = data.get(cell.name.removeprefix("outside "))
-        if case is None or cell.name.split()[2:3] == ["cycles"]:
-            continue
-        option = " ".join(f"--{key.replace('_', '-')} {_SAID.get(key, value)}" for key, value in cell.options)
-        shown = [_held(case, name) for name in ("junction_count", "diameter", "shear_strength")]
-        name = cell.name.removeprefix("outside ").removesuffix(", not said")
-        stops = f"{case['flagged_or_refused']} of {case['tested']}"
-        rows.append((name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
-    return markdown(("trace", "law", "option", "N", "diameter", "strength", "flagged or refused"), rows)
-
-
-_SAID = {"bandwidth": "F", "strength_spread": '"50 %"', "strokes": '"5 %"'}
-
-
-def bandwidth_table(data: dict[str, Any]) -> str:
-    """Return the table of one pole at some cycles a life, with and without its corner given."""
-    rows = []
-    for cycles in CYCLES:
-        pair = [data[name] for which in ("without", "with") if (name := f"{cycles} cycles {which}") in data]
-        if len(pair) == len(("without", "with")):
-            shown = [_held(case, name) for case in pair for name in ("junction_count", "shear_strength")]
-            rows.append((str(cycles), *shown))
-    return markdown(("cycles a life", "N without", "strength without", "N with", "strength with"), rows)
-
-
-def covered_by_cell(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
-    """Return of each cell, and of all right ones, the traces, and of each quantity [share held, median error]."""
-    right = {cell.name: rows for cell in cells() if cell.kind == "right" and (rows := found.get(cell.name))}
-    others = {cell.name: rows for cell in cells() if cell.kind in WORDS["others"] and (rows := found.get(cell.name))}
-    whole = {ALL: [row for rows in right.values() for row in rows]} if right else {}
-    return {name: _covered(rows) for name, rows in (right | whole | others).items()}
+    kept |= {name: _covered(rows) for name, rows in seen.items()}
+    COVERAGE.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    fill(PAGE, tables(kept))
 
 
 def _covered(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return how many traces there were and how many were stopped, and of each quantity [share held, median error]."""
     found = {name: score for name in QUANTITIES if (score := scores(rows, name)) is not None}
     held = {name: [round(a / b, 3), round(error, 3)] for name, (a, b, error) in found.items()}
     return {"traces": len(rows), "flagged_or_refused": stopped(rows), "held": held}
 
 
-def coverage_table(data: dict[str, Any]) -> str:
+def tables(data: dict[str, Any]) -> dict[str, str]:
+    """Return the tables of the page by name."""
+    return {
+        "coverage": _coverage(data),
+        "outside": _outside(data),
+        "bandwidth": _bandwidth(data),
+        "wrong": _wrong(data),
+    }
+
+
+def _coverage(data: dict[str, Any]) -> str:
     """Return the table of the lowest share and the largest median error in the cells of each law and each kind."""
-    others, labels = WORDS["others"], WORDS["labels"]
-    kinds = {cell.name: others.get(cell.kind, labels.get(cell.law, cell.law)) for cell in cells()} | {ALL: ALL}
     groups: dict[str, list[dict[str, Any]]] = {}
-    for name, each in data.items():
-        groups.setdefault(kinds[name], []).append(each)
+    for cell in cells():
+        if cell.kind in KINDS and cell.name in data:
+            label = KINDS[cell.kind].get("label") or WORDS["labels"].get(cell.law, cell.law)
+            groups.setdefault(label, []).append(data[cell.name])
+    groups[ALL] = [data[ALL]]
     lines = []
     for label, group in groups.items():
         worst = []
         for name in QUANTITIES:
             held = [each["held"][name] for each in group if name in each["held"]]
-            shares, errors = zip(*held, strict=True) if held else ((), ())
-            worst.append(f"{100.0 * min(shares):.1f} %, {100.0 * max(errors):.1f} %" if held else "")
+            worst.append(_shown(min(share for share, _ in held), max(error for _, error in held)) if held else "")
         lines.append((label, str(sum(each["traces"] for each in group)), *worst))
     return markdown(("traces", "number", "N", "diameter", "spread", "strength"), lines)
 
 
-def _wrong(found: dict[str, list[dict[str, Any]]]) -> str:
+def _shown(share: float, error: float) -> str:
+    return f"{100.0 * share:.1f} %, {100.0 * error:.1f} %"
+
+
+def _held(case: dict[str, Any], *names: str) -> list[str]:
+    return [_shown(*case["held"][name]) if name in case["held"] else "" for name in names]
+
+
+def _outside(data: dict[str, Any]) -> str:
+    """Return the table of traces made outside the package."""
+    rows = []
+    for cell in outside():
+        name = cell.name.removeprefix("outside ")
+        if name in WORDS["outside"]:
+            case = data[cell.name]
+            option = " ".join(f"--{key.replace('_', '-')} {_SAID.get(key, value)}" for key, value in cell.options)
+            shown = _held(case, "junction_count", "diameter", "shear_strength")
+            option = f"`{option}`" if option else ""
+            rows.append(
+                (name.removesuffix(", not said"), cell.fitted, option, str(case["traces"]), *shown, _stops(case))
+            )
+    return markdown(("trace", "law", "option", "number", "N", "diameter", "strength", "flagged or refused"), rows)
+
+
+_SAID = {"bandwidth": "F", "strength_spread": '"50 %"', "strokes": '"5 %"'}
+
+
+def _stops(case: dict[str, Any]) -> str:
+    return f"{case['flagged_or_refused']} of {case.get('tested', case['traces'])}"
+
+
+def _bandwidth(data: dict[str, Any]) -> str:
+    """Return the table of one pole at some cycles a life, with and without its corner given."""
+    rows = []
+    for cycles in CYCLES:
+        pair = [data[f"outside {cycles} cycles {which}"] for which in ("without", "with")]
+        rows.append((str(cycles), *(cell for case in pair for cell in _held(case, "junction_count", "shear_strength"))))
+    return markdown(("cycles a life", "N without", "strength without", "N with", "strength with"), rows)
+
+
+def _wrong(data: dict[str, Any]) -> str:
     lines = []
     for law, words in WRONG.items():
-        both = [found.get(f"wrong {law} (zero {zero})", []) for zero in reversed(ZEROS)]
-        if any(both):
-            lines.append((words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
-    return markdown(("trace of", "zero unknown", "zero known"), lines) if lines else ""
+        lines.append((words, *(_stops(data[f"wrong {law} (zero {zero})"]) for zero in reversed(ZEROS))))
+    return markdown(("trace of", "zero unknown", "zero known"), lines)
 
 
 def main() -> int:

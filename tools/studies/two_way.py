@@ -1,38 +1,34 @@
-"""Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/studies two_way`.
+"""Write the measured parts of docs/two-way.md: `.venv/bin/python tools/studies two_way`.
 
-Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which
-`--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their cells alone.
-With `--reference DIR`, a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are
-taken from there and written, unless another program disagrees with them.
+Needs some minutes: Figure 5 both ways, and pairs of runs that differ in their cells alone. With `--reference DIR`,
+a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and
+written, unless another program disagrees with them.
 """
 
 import argparse
+import json
 import sys
 import tempfile
-from collections.abc import Callable
-from math import inf
+from collections.abc import Iterator, Mapping, Sequence
+from math import floor, hypot, inf, log10
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from parts import fill, table
-from small_png import small
 
 import rubnoise
 from rubnoise.analysis.landmarks import StickSlip
-from rubnoise.figures.catalogue import picture
+from rubnoise.analysis.replicates import PooledEstimate
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study import study_of_sweep
-from rubnoise.figures.study_picture import study_picture
 from rubnoise.storage.reader import RunFile, open_run
-from studies import two_way_reference
+from rubnoise.theory.coupling import coupling
+from rubnoise.theory.motion import response
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / "docs" / "two-way.md"
-PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
 FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
-STUDY: Final = SCENARIOS / "studies" / "rise.toml"
 
 CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
 """How far the pairs of runs slide, by sliding speed in mm/s."""
@@ -41,14 +37,9 @@ SEEDS: Final = (11, 12, 13)
 APART: Final = 0.1
 """Displacements in um between two runs from which they have parted."""
 
-PARTING: Final = (1500.0, 5000.0)
-"""Sliding distances in um between which the runs of the picture part."""
-
-Report = Callable[[str], None]
-
 
 def figures(one: RunFile, two: RunFile) -> str:
-    """Return Figure 5 both ways: what was measured, and its pictures."""
+    """Return Figure 5 both ways: what was measured."""
     found = StickSlip.of(two, 0.0, inf)
     longer = int((found.slip_lengths > Stretch.of(two).model.calibrated_diameter).sum())
     ends = (run.column("slider", "time", run.rows("slider") - 1)[0] for run in (one, two))
@@ -61,32 +52,7 @@ def figures(one: RunFile, two: RunFile) -> str:
         ("slips longer than a mean diameter", "", f"{longer} of {found.slip_lengths.size}"),
         ("duration (s)", *(f"{end:.4g}" for end in ends)),
     ]
-    shown = (
-        f"\n![{(parts := says.partition('. '))[0]}](pictures/two-way/{name}.png)\n\n{parts[2]}\n"
-        for name, says in CAPTIONS.items()
-    )
-    return table(("of the run with seed 1", "one-way", "two-way"), rows) + "".join(shown)
-
-
-CAPTIONS: Final = {
-    "motion": (
-        "Figure 5 both ways, on the same junctions. The one-way slider (pale) swings at its natural frequency. The "
-        "two-way slider (dark) sticks while the drive stretches its spring (shaded), and slips when the contact can "
-        "bear no more."
-    ),
-    "phase": (
-        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. The two-way "
-        "slider is faster only when it runs back, the one-way slider in every swing."
-    ),
-    "landmarks": (
-        "How far it slips and how long it sticks. Most values are short or long. Many slips "
-        "end within a junction's diameter; long ones pass many junctions."
-    ),
-    "spectrum": (
-        "The spectrum of the velocity. One-way, it has a line at the natural frequency, and follows the exact curve. "
-        "Two-way, it is nearly flat from the frequency of long slips up to the natural frequency."
-    ),
-}
+    return table(("of the run with seed 1", "one-way", "two-way"), rows)
 
 
 def _counts(run: RunFile) -> str:
@@ -102,7 +68,7 @@ def chaos() -> str:
         found = [parted(speed, distance, seed) for seed in SEEDS]
         times = ", ".join("never" if time is None else f"{time:.3g}" for time, _ in found)
         rows.append((str(speed), times, f"{min(duration for _, duration in found):.3g}"))
-    return f"{table(head, rows)}\n![Two runs whose cells differ, where they part](pictures/two-way/chaos.png)\n"
+    return table(head, rows)
 
 
 def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
@@ -122,67 +88,123 @@ def _record(speed: float, distance: str, seed: int, cells: int) -> dict[str, np.
     return {name: motion[name] for name in ("time", "displacement")}
 
 
+# The reference values: taken from a sweep, held against another program's, and as a table.
+STUDY: Final = SCENARIOS / "studies" / "coupling_reference.toml"
+FOLDER: Final = ROOT / "tests" / "reference"
+KEPT: Final = FOLDER / "coupling.json"
+ANOTHER: Final = FOLDER / "two_way.json"
+"""What another program found, with an integrator of its own."""
+
+SOURCE: Final = "rubnoise sweep scenarios/studies/coupling_reference.toml: of each figure value and standard error"
+
+FIGURES: Final = {
+    "stick_fraction": ("stuck", "stick_fraction"),
+    "displacement_mean": ("", "mean_x"),
+    "displacement_std": ("std x", "std_x"),
+    "velocity_std": ("std x'", "std_v"),
+    "sticks_per_s": ("sticks", "sticks_per_s"),
+    "slips_longer_than_d_per_s": ("", ""),
+}
+"""Figures of the reference, what heads their columns on the page if they have one, and the other program's names."""
+
+RATIO: Final = "over_one_way"
+"""The standard deviation of the displacement over that of one-way coupling on the same junctions."""
+
+_AGREE: Final = 4.0
+"""Joint standard errors by which both programs may differ."""
+
+
+def reference_of(folder: Path) -> list[dict[str, Any]]:
+    """Return the two-way points of a sweep over both couplings, each figure with its standard error."""
+    with rubnoise.open_sweep(folder) as sweep:
+        told = {name: sweep.estimates(name) for name in FIGURES}
+        ratios = sweep.ratios("displacement_std", "slider.coupling", "one-way")
+        distance, speed = (sweep.points[f"sliding.{key}"][:] for key in ("distance", "speed"))
+        return [
+            {
+                "speed": float(speed[number]),
+                "junctions": values["interface.mean_junction_count"],
+                "runs": ratios[number].runs,
+                "seconds": float(f"{ratios[number].runs * distance[number] / speed[number]:.6g}"),
+                **{name: _kept(each[number]) for name, each in told.items()},
+                RATIO: _kept(ratios[number]),
+            }
+            for number, values in enumerate(sweep.values)
+            if values["slider.coupling"] == "two-way"
+        ]
+
+
+def _kept(estimate: PooledEstimate) -> list[float]:
+    return [float(f"{estimate.value:.10g}"), float(f"{estimate.standard_error:.4g}")]
+
+
+def keep(points: Sequence[Mapping[str, Any]]) -> None:
+    """Write the reference; raises ValueError with every figure in which the other program disagrees."""
+    if wrong := list(disagreements(points)):
+        raise ValueError("two programs disagree: " + "; ".join(wrong))
+    KEPT.write_text(json.dumps({"_source": SOURCE, "points": points}, indent=1) + "\n", encoding="utf-8")
+
+
+def kept() -> list[dict[str, Any]]:
+    """Return the points of the reference: speed in um/s, junctions, and each figure with its standard error."""
+    return list(json.loads(KEPT.read_text(encoding="utf-8"))["points"])
+
+
+def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield every figure in which the other program differs by more than its and our standard errors allow."""
+    others = [other for name, other in json.loads(ANOTHER.read_text(encoding="utf-8")).items() if name[0] != "_"]
+    for point in points:
+        where = (point["speed"], point["junctions"])
+        for other in (other for other in others if (other["V_um_s"], other["N_jm"]) == where):
+            for name, (_, theirs) in FIGURES.items():
+                if theirs:
+                    value, error = point[name]
+                    joint = hypot(error, other[f"{theirs}_se"])
+                    if abs(value - other[theirs]) > _AGREE * joint:
+                        yield f"{name} at {where}: {value:g} and {other[theirs]:g}, joint standard error {joint:.2g}"
+
+
+def shown(points: Sequence[Mapping[str, Any]]) -> str:
+    """Return the reference as a table, standard errors in the last digits; r and Pi are exact."""
+    columns = {name: words for name, (words, _) in FIGURES.items() if words} | {RATIO: "change"}
+    heads = ("V", "N_jm", "r", "Pi", *columns.values())
+    models = [point.scenario.model() for point in rubnoise.expand(rubnoise.load_sweep(STUDY))]
+    exact = {(model.sliding_speed, model.mean_junction_count): model for model in models if model.is_two_way}
+
+    def cells(point: Mapping[str, Any]) -> tuple[str, ...]:
+        model = exact[point["speed"], point["junctions"]]
+        told = f"{response(model).one_way_validity:.3g}", f"{coupling(model).strength:.3g}"
+        figures = (in_digits(*point[name]) for name in columns)
+        return (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", *told, *figures)
+
+    return table(heads, map(cells, points))
+
+
+def in_digits(value: float, error: float) -> str:
+    """Return a value with its standard error in its last two digits, as 0.7413(15)."""
+    if error <= 0.0:
+        return f"{value:g}"
+    places = max(1 - floor(log10(error)), 0)
+    return f"{value:.{places}f}({round(error * 10.0**places)})"
+
+
 def main() -> int:
-    """Run everything, draw the pictures, and write the generated parts of the page."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sweep", type=Path, help="a folder that holds the sweep already")
+    """Take a new reference, or run everything, and write the measured parts of the page; 1 if programs disagree."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--reference", type=Path, help="a folder that holds the sweep of reference values")
-    wishes = parser.parse_args()
-    if wishes.reference is not None:
-        return take_reference(wishes.reference)
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
-        parts = made(Path(folder), wishes.sweep, lambda text: print(text, file=sys.stderr))
-    fill(PAGE, parts)
+    folder = parser.parse_args().reference
+    if folder is not None:
+        try:
+            keep(reference_of(folder))
+        except ValueError as problem:
+            print(f"two_way: {problem}", file=sys.stderr)
+            return 1
+    fill(PAGE, {"reference": f"\n{shown(kept())}\n"})
+    if folder is None:
+        with tempfile.TemporaryDirectory() as place:
+            paths = {path: Path(place) / f"{path.stem}.h5" for path in (FIG5, TWO_WAY)}
+            for scenario, result in paths.items():
+                rubnoise.run(rubnoise.load(scenario), result).close()
+            with open_run(paths[FIG5]) as one, open_run(paths[TWO_WAY]) as two:
+                fill(PAGE, {"figures": figures(one, two), "chaos": chaos()})
     return 0
-
-
-def take_reference(folder: Path) -> int:
-    """Take reference values from a sweep and write their table; if another program disagrees, say so and return 1."""
-    try:
-        two_way_reference.keep(two_way_reference.reference_of(folder))
-    except ValueError as problem:
-        print(f"two_way: {problem}", file=sys.stderr)
-        return 1
-    fill(PAGE, {"reference": reference()})
-    return 0
-
-
-def reference() -> str:
-    """Return the table of the reference values."""
-    return f"\n{two_way_reference.shown(two_way_reference.kept())}\n"
-
-
-def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, str]:
-    """Make the pictures, and return every part by its name."""
-    tell("Figure 5")
-    runs = {"one-way": (FIG5, []), "two-way": (TWO_WAY, []), "finer": (TWO_WAY, ["slider.cells=100"])}
-    for name, (path, changes) in runs.items():
-        rubnoise.run(rubnoise.load(path, changes), folder / f"{name}.h5").close()
-    with (
-        open_run(folder / "one-way.h5") as one,
-        open_run(folder / "two-way.h5") as two,
-        open_run(folder / "finer.h5") as finer,
-    ):
-        draw(one, two, finer)
-        parts = {"figures": figures(one, two)}
-    tell("chaos")
-    parts["chaos"] = chaos()
-    tell("the sweep")
-    with rubnoise.sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
-        (PICTURES / "speeds.png").write_bytes(small(study_picture(study_of_sweep(found, "displacement_std"), "png")))
-    parts["reference"] = reference()
-    return parts
-
-
-def draw(one: RunFile, two: RunFile, finer: RunFile) -> None:
-    """Draw the pictures of Figure 5."""
-    both, pushed = Stretch.of(one), Stretch.of(two)
-    for name, png in (
-        ("motion", picture("slider", both, "png", beside=pushed)),
-        ("phase", picture("phase", both, "png", beside=pushed)),
-        ("landmarks", picture("landmarks", pushed, "png")),
-        ("spectrum", picture("psd", both, "png", heard="velocity", beside=pushed)),
-        ("chaos", picture("slider", Stretch.of(two, *PARTING), "png", beside=Stretch.of(finer))),
-    ):
-        (PICTURES / f"{name}.png").write_bytes(small(png))

@@ -28,4 +28,4 @@ def move(case: Case, area: Doubles) -> tuple[Doubles, Doubles]:
     return motion[:, 0], motion[:, 1]
 
 
-area_alone, run = maker(superpose, move)
+run = maker(superpose, move)

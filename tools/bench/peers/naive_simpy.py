@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import simpy
 
-from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Draws, Output, doubles
+from bench.case import DAMPING, MASS, STIFFNESS, STRENGTH, Case, Draws, doubles
 from bench.peers.tables import write
 
 
@@ -79,7 +79,7 @@ class Contact:
             yield self.env.timeout(n * self.case.tick - now)
 
 
-def run(case: Case, draws: Draws, path: Path) -> Output:
+def run(case: Case, draws: Draws, path: Path) -> None:
     """Simulate births, lives, area and slider, and write them."""
     contact = Contact(case, draws)
     contact.env.process(contact.births())
@@ -90,4 +90,3 @@ def run(case: Case, draws: Draws, path: Path) -> Output:
         (contact.birth, contact.diameter, contact.area, contact.count, contact.displacement, contact.velocity),
     )
     write(path, case, birth, diameter, area, count, displacement, velocity)
-    return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)

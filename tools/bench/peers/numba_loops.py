@@ -54,4 +54,4 @@ def slider(case: Case, area: Doubles) -> tuple[Doubles, Doubles]:
     return displacement, velocity
 
 
-area_alone, run = maker(superpose, slider)
+run = maker(superpose, slider)

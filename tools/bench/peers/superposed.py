@@ -54,4 +54,4 @@ def superpose(case: Case, birth: Doubles, diameter: Doubles) -> tuple[Doubles, D
     return model.make_realization()[1], (born - dead).astype(np.float64)
 
 
-area_alone, run = maker(superpose, move)
+run = maker(superpose, move)

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.case import SPEED, STRENGTH, Case, Doubles, Draws, Output
+from bench.case import SPEED, STRENGTH, Case, Doubles, Draws
 
 Superpose = Callable[[Case, Doubles, Doubles], tuple[Doubles, Doubles]]
 """Area (um^2) and number of junctions at the ticks, from births and diameters."""
@@ -44,18 +44,12 @@ def write(
                 file[f"{group}/{name}"] = values
 
 
-def maker(superpose: Superpose, move: Move) -> tuple[Callable[..., Output], Callable[..., Output]]:
-    """Return what makes births and the area alone, and what makes area and motion and writes them."""
+def maker(superpose: Superpose, move: Move) -> Callable[[Case, Draws, Path], None]:
+    """Return what makes births, area and motion, and writes them."""
 
-    def area_alone(case: Case, draws: Draws) -> Output:
-        birth, diameter = draws.rows()
-        return Output(area=superpose(case, birth, diameter)[0], birth=birth, death=birth + 2.0 * diameter)
-
-    def run(case: Case, draws: Draws, path: Path) -> Output:
+    def run(case: Case, draws: Draws, path: Path) -> None:
         birth, diameter = draws.rows()
         area, count = superpose(case, birth, diameter)
-        displacement, velocity = move(case, area)
-        write(path, case, birth, diameter, area, count, displacement, velocity)
-        return Output(area=area, displacement=displacement, birth=birth, death=birth + 2.0 * diameter)
+        write(path, case, birth, diameter, area, count, *move(case, area))
 
-    return area_alone, run
+    return run

@@ -1,1 +1,0 @@
-"""Damaged and hostile files to throw at the program."""
