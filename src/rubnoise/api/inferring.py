@@ -27,8 +27,7 @@ from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source, along_of, listed, measured
-from rubnoise.storage.text_heads import Head
+from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured
 from rubnoise.units import SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
@@ -158,9 +157,10 @@ def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Source:
     if asked.column is None and ours:
         asked = replace(asked, column="friction_force" if "friction_force" in others else "real_contact_area")
     if asked.column is None and len(others) > 1:
-        raise Refused(f'trace: column= is needed, one of {listed(others)}; right form: column="{others[0]}"')
+        there = ", ".join(others)
+        raise Refused(f'trace: column= is needed, one of {there}; right form: column="{others[0]}"')
     chosen = (asked.place, asked.time, asked.rate) != (None, None, None)
-    if not chosen and along_of(source.heads[0], named=True):
+    if not chosen and source.heads[0].along(named=True):
         asked = replace(asked, place="1")
     return measured(source, asked)
 

@@ -2,7 +2,6 @@
 
 import re
 from collections import Counter
-from contextlib import suppress
 from itertools import dropwhile
 from pathlib import Path
 from typing import Final
@@ -11,8 +10,8 @@ import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
-from rubnoise.storage.text_heads import head_of, is_unit
-from rubnoise.storage.text_table import ENCODINGS, encoding_of, lines_of
+from rubnoise.storage.measured import head_of, is_unit, spelled
+from rubnoise.storage.text_table import ENCODINGS, begin_of
 
 MOST_VALUES: Final = 1 << 26  # points of a map that is read
 _NEAR: Final = 0.1  # of a step: how far a point may lie off the grid
@@ -22,10 +21,9 @@ _ROW: Final = re.compile(r"(?=.*(?:\d|nan))[\s\d.,;+-]*(?:(?:[eEdD](?=[+-]?\d)|n
 
 def text_of(path: Path) -> tuple[str | None, tuple[str, ...]]:
     """Return a text in UTF-8, UTF-16 or Windows-1252, with a note on the last two; None for other files."""
-    encoding = encoding_of(path)
-    with suppress(Refused):
-        return "\n".join(line for _, line in lines_of(path, encoding)), ENCODINGS[encoding]
-    return None, ()
+    encoding, lines = begin_of(path)
+    text = "\n".join(line for _, line in lines)
+    return (None, ()) if "\0" in text else (text, ENCODINGS[encoding])
 
 
 def table_of(text: str, name: str) -> tuple[str, Doubles, str]:
@@ -61,7 +59,7 @@ def points_of(head: str, values: Doubles) -> tuple[Doubles, str, str] | None:
     width = values.shape[1]
     lines = [line.strip("#% \t").replace('"', "") for line in reversed(head.splitlines())]
     cells = [each for line in lines for each in (re.split(r"[;,\t]|\s{2,}", line), line.split()) if len(each) == width]
-    if len(cells) > 1 and all(is_unit(unit.strip("[] ")) for unit in cells[0]):
+    if len(cells) > 1 and all(is_unit(spelled(unit.strip("[] "))) for unit in cells[0]):
         cells[0] = [f"{name} [{unit.strip('[] ')}]" for name, unit in zip(cells[1], cells[0], strict=True)]
     heads = [head_of(cell) for cell in cells[0]] if cells else []
     names = [each.name.lower() for each in heads]
