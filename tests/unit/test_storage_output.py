@@ -177,21 +177,6 @@ def test_of_many_writers_one_has_the_part_and_no_result_is_cut(tmp_path: Path) -
     assert (tmp_path / "run.h5").read_bytes() == b"whole"
 
 
-def test_a_result_with_both_names_is_not_cut(tmp_path: Path) -> None:
-    """A kill may leave a result with the name of its part, too."""
-    attempt(tmp_path / "run.h5")
-    before = (tmp_path / "run.h5").read_bytes()
-    os.link(tmp_path / "run.h5", tmp_path / "run.h5.part")
-    with pytest.raises(KeyboardInterrupt):
-        attempt(tmp_path / "run.h5", force=True, meanwhile=interrupt)
-    assert names(tmp_path) == ["run.h5"]
-    assert (tmp_path / "run.h5").read_bytes() == before
-
-
-def interrupt() -> None:
-    raise KeyboardInterrupt
-
-
 def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Column
+from rubnoise.api.columns import Column, Table
 from rubnoise.api.keywords import shown
-from rubnoise.api.table import Table
 from rubnoise.arrays import slices
 from rubnoise.errors import Refused
 from rubnoise.record.reader import Rows
@@ -65,6 +64,7 @@ class Columns(Table, dict[str, Column]):
         self._columns = dict(columns)
         self._length, self._read = rows, read
 
+    _titled = False
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
 

@@ -15,10 +15,9 @@ from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.api import keywords
-from rubnoise.api.columns import Column, with_units
+from rubnoise.api.columns import Column, Table, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.api.given_columns import given_columns, source_of
-from rubnoise.api.table import Table
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
@@ -262,10 +261,6 @@ class Trace(Table):
 
     def _described(self, name: str) -> Column:
         return with_units(self[name], name, self.units[name])
-
-    @property
-    def _title(self) -> str:
-        return self.name
 
     def _length(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number if the place has no known unit."""

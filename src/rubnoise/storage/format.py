@@ -19,9 +19,8 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.storage.disk import read_into, write_all
-from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, grows, package_version, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
-from rubnoise.storage.provenance import package_version
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
