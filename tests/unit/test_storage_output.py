@@ -181,6 +181,7 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "run.h5.part").write_bytes(b"whole")
+    os.link(tmp_path / "run.h5.part", tmp_path / "kept")
     waited = []
 
     def lock(descriptor: int) -> None:
@@ -192,8 +193,11 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     with pytest.raises(OutputRefused, match="exists already"):
         attempt(tmp_path / "run.h5")
     assert waited
-    assert names(tmp_path) == ["run.h5"]
-    assert (tmp_path / "run.h5").read_bytes() == b"whole"
+    assert names(tmp_path) == ["kept", "run.h5"]
+    (tmp_path / "run.h5").rename(tmp_path / "run.h5.part")
+    waited.clear()
+    attempt(tmp_path / "run.h5", force=True)
+    assert (tmp_path / "kept").read_bytes() == b"whole"
 
 
 def replaced(path: Path, content: bytes) -> None:

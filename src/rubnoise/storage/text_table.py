@@ -156,8 +156,7 @@ class TextTable(Source):
         if not unplaced and text.count(self.form.separator) == len(self.heads) - 1 and '"' not in text:
             return True
         cells = self.form.cells(text)
-        spare = any(cells[len(self.heads) :]) or (unplaced and cells[0])
-        return max(self.usable) < len(cells) and not spare
+        return max(self.usable) < len(cells) and not any([*cells[len(self.heads) :], *cells[:unplaced]])
 
     def _row(self, row: int) -> Line:
         return next(islice(self._rows(), self.begin + row, None))
