@@ -73,7 +73,7 @@ class Trace(Table):
         Of a file or a table all columns of numbers are kept, or ``column`` and its places alone; ``unit`` replaces the
         unit that a file gives it.
         ``time`` and ``place`` name the column of times or distances, which must be even; without them it is the first
-        one of times that grows, or of distances, or the first one. ``rate``, such as "10 kHz", stands for the times.
+        one of times, or of distances that grow, or the first one. ``rate``, such as "10 kHz", stands for the times.
         ``from_`` and ``to`` are the first and last sample, from 1 on, or times. Raises Refused, with line and column,
         for a cell that is not a number, for an unknown unit of the one column, for a file without names, and for gaps
         and uneven steps. Source: docs/your-data.md.
