@@ -12,9 +12,8 @@ if TYPE_CHECKING:
     from rubnoise.api.fit import Inference
     from rubnoise.api.inferring import infer
     from rubnoise.api.junction import Junction
-    from rubnoise.api.record import Record
     from rubnoise.api.run import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
-    from rubnoise.api.running import exact, run, simulate
+    from rubnoise.api.running import Record, exact, run, simulate
     from rubnoise.api.scenarios import build, example, examples, load, load_sweep
     from rubnoise.api.surface import Surface
     from rubnoise.api.sweep_result import SweepResult, open_sweep
@@ -81,9 +80,8 @@ HOMES: Final = {
     "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.junction": ("Junction",),
-    "rubnoise.api.record": ("Record",),
     "rubnoise.api.run": ("Run", "open"),
-    "rubnoise.api.running": ("exact", "run", "simulate"),
+    "rubnoise.api.running": ("Record", "exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("build", "example", "examples", "load", "load_sweep"),
     "rubnoise.api.surface": ("Surface",),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.record.sink import Extent
-from rubnoise.storage.layout import RunDescription, row_count, stored_groups
-from rubnoise.storage.provenance import Provenance
+from rubnoise.storage.layout import Provenance, RunDescription, row_count, stored_groups
 from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Dataset, Feature
 from rubnoise.storage.writer import RunWriter
 

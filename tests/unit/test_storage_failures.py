@@ -11,12 +11,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+from shlex import join
 
 import h5py
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage.provenance import gather, package_version
+from rubnoise.storage.layout import Provenance, package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import attempt, describe, names
@@ -70,11 +71,11 @@ def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: py
 @pytest.fixture(name="origin")
 def gathered() -> dict[str, object]:
     return asdict(
-        gather(
+        Provenance(
             seed=12,
             calibrated_diameter=5.53,
             propagator_constants={"decay": 0.1},
-            command=["rubnoise", "run", "my run.toml", "--seed", "12"],
+            command=join(["rubnoise", "run", "my run.toml", "--seed", "12"]),
         )
     )
 

@@ -177,25 +177,11 @@ def test_of_many_writers_one_has_the_part_and_no_result_is_cut(tmp_path: Path) -
     assert (tmp_path / "run.h5").read_bytes() == b"whole"
 
 
-def test_a_result_with_both_names_is_not_cut(tmp_path: Path) -> None:
-    """A kill may leave a result with the name of its part, too."""
-    attempt(tmp_path / "run.h5")
-    before = (tmp_path / "run.h5").read_bytes()
-    os.link(tmp_path / "run.h5", tmp_path / "run.h5.part")
-    with pytest.raises(KeyboardInterrupt):
-        attempt(tmp_path / "run.h5", force=True, meanwhile=interrupt)
-    assert names(tmp_path) == ["run.h5"]
-    assert (tmp_path / "run.h5").read_bytes() == before
-
-
-def interrupt() -> None:
-    raise KeyboardInterrupt
-
-
 def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "run.h5.part").write_bytes(b"whole")
+    os.link(tmp_path / "run.h5.part", tmp_path / "kept")
     waited = []
 
     def lock(descriptor: int) -> None:
@@ -207,8 +193,11 @@ def test_a_part_that_gets_its_final_name_while_another_waits_is_not_cut(
     with pytest.raises(OutputRefused, match="exists already"):
         attempt(tmp_path / "run.h5")
     assert waited
-    assert names(tmp_path) == ["run.h5"]
-    assert (tmp_path / "run.h5").read_bytes() == b"whole"
+    assert names(tmp_path) == ["kept", "run.h5"]
+    (tmp_path / "run.h5").rename(tmp_path / "run.h5.part")
+    waited.clear()
+    attempt(tmp_path / "run.h5", force=True)
+    assert (tmp_path / "kept").read_bytes() == b"whole"
 
 
 def replaced(path: Path, content: bytes) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.api.record import Record
+from rubnoise.api.running import Record
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import junction_area

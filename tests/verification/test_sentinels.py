@@ -10,7 +10,7 @@ import pytest
 from scipy.special import ndtri
 
 import rubnoise
-from rubnoise.api.record import Record
+from rubnoise.api.running import Record
 from rubnoise.scenario import Scenario
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import count_noise

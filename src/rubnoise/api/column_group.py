@@ -1,18 +1,16 @@
 """The columns of one group of a result, by name."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Column
+from rubnoise.api.columns import Column, Table
 from rubnoise.api.keywords import shown
-from rubnoise.api.table import Table
 from rubnoise.arrays import slices
 from rubnoise.errors import Refused
 from rubnoise.record.reader import Rows
@@ -22,27 +20,16 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
 
 
-class Read(Protocol):
-    """Reads rows of a column by its name, all of them without ends, as an array of their own."""
-
-    def __call__(self, name: str, start: int = 0, stop: int | None = None, /) -> NDArray[Any]:
-        """Return the rows."""
-        ...
+Read = Callable[..., NDArray[Any]]
+"""Returns rows of a column by its name, all of them or from a first one to a last one, as an array of their own."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ChosenRows:
-    """Reads rows of a group that were chosen, in ascending order."""
-
-    read: Read
-    numbers: NDArray[np.int64]
-
-    def __call__(self, name: str, start: int = 0, stop: int | None = None, /) -> NDArray[Any]:
-        """Return chosen rows ``start`` to ``stop`` of a column, from the stretch that has them."""
-        numbers = self.numbers[start:stop]
-        first, last = (int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else (0, 0)
-        rows: NDArray[Any] = self.read(name, first, last)[numbers - first]
-        return rows
+def _chosen(read: Read, numbers: NDArray[np.int64], name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+    """Return rows of a column that were chosen, in ascending order, from the stretch that has them."""
+    numbers = numbers[start:stop]
+    first, last = (int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else (0, 0)
+    rows: NDArray[Any] = read(name, first, last)[numbers - first]
+    return rows
 
 
 class Columns(Table, dict[str, Column]):
@@ -65,6 +52,7 @@ class Columns(Table, dict[str, Column]):
         self._columns = dict(columns)
         self._length, self._read = rows, read
 
+    _titled = False
     __eq__ = object.__eq__
     __hash__ = object.__hash__  # type: ignore[assignment]
 
@@ -137,8 +125,8 @@ class Columns(Table, dict[str, Column]):
 
     def head(self, rows: int = 5) -> "pd.DataFrame":
         """Return the first rows as a pandas DataFrame; raises ExtraMissing without pandas."""
-        first = ChosenRows(self._read, np.arange(min(max(rows, 0), len(self))))
-        return Columns(self._about, self._columns, first.numbers.size, first).to_pandas()
+        first = np.arange(min(max(rows, 0), len(self)))
+        return Columns(self._about, self._columns, first.size, partial(_chosen, self._read, first)).to_pandas()
 
     @property
     def iloc(self) -> Any:
@@ -182,7 +170,7 @@ class Columns(Table, dict[str, Column]):
             right = node.chosen({name: self._read(name, part.start, part.stop) for name in node.columns})
             rows.append(part.start + np.flatnonzero(right))
         chosen = np.concatenate(rows)
-        return Columns(self._about, self._columns, chosen.size, ChosenRows(self._read, chosen))
+        return Columns(self._about, self._columns, chosen.size, partial(_chosen, self._read, chosen))
 
     @property
     def _heading(self) -> str:

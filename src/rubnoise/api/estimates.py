@@ -12,8 +12,7 @@ import numpy as np
 
 from rubnoise.analysis.spectra import SEGMENTS, WelchSum
 from rubnoise.api.column_group import SHORT
-from rubnoise.api.columns import Column, with_units
-from rubnoise.api.table import Table
+from rubnoise.api.columns import Column, Table, with_units
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -58,16 +57,16 @@ class PowerSpectrum(Table):
     @property
     def frequency(self) -> Doubles:
         """Frequencies in Hz; raises Refused for a record along the distance, which has wavenumbers."""
-        return self._places("Hz", "wavenumber")
+        return self._places("frequency")
 
     @property
     def wavenumber(self) -> Doubles:
         """Wavenumbers in rad/um; raises Refused for a record in time, which has frequencies."""
-        return self._places("rad/um", "frequency")
+        return self._places("wavenumber")
 
-    def _places(self, units: str, other: str) -> Doubles:
-        if self.place_units != units:
-            raise Refused(f"this spectrum is over {self.place_units}: it has .{other}")
+    def _places(self, name: str) -> Doubles:
+        if self.names[0] != name:
+            raise Refused(f"this spectrum is over {self.place_units}: it has .{self.names[0]}")
         return self.place
 
     @property
@@ -79,12 +78,8 @@ class PowerSpectrum(Table):
     def _described(self, name: str) -> Column:
         if name not in self.names:
             raise KeyError(f"this spectrum has {', '.join(self.names)}, not {name!r}")
-        first = name == self.names[0]
-        return with_units(self.place if first else getattr(self, name), name, self.place_units if first else self.units)
-
-    @property
-    def _title(self) -> str:
-        return self.name
+        units = self.place_units if name == self.names[0] else self.units
+        return with_units(getattr(self, name), name, units)
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw a column, or density and exact density on logarithmic axes without a name, and return the figure."""
@@ -130,10 +125,6 @@ class Autocovariance(Table):
     def _described(self, name: str) -> Column:
         units = {"lag": self.lag_units, "covariance": self.units, "correlation": "1"}
         return with_units(getattr(self, name), name, units[name])
-
-    @property
-    def _title(self) -> str:
-        return self.name
 
     @property
     def _heading(self) -> str:

@@ -11,8 +11,7 @@ from rubnoise.api.column_group import Columns
 from rubnoise.api.columns import Column
 from rubnoise.errors import Refused
 from rubnoise.real_numbers import with_unit
-from rubnoise.storage.measured import Source
-from rubnoise.storage.text_heads import NONE, head_of
+from rubnoise.storage.measured import NONE, Source, head_of
 
 _NANOSECONDS: Final = 1e-9
 _PLACES: Final = ("s", "um")

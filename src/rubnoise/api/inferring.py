@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -10,15 +10,16 @@ import numpy as np
 from rubnoise.api import keywords
 from rubnoise.api.fit import Inference
 from rubnoise.api.given_columns import given_columns, source_of
-from rubnoise.api.infer_options import MOST_OF_AN_END, bandwidth_of, pulse_of, share, strength_spread_of
 from rubnoise.arrays import Doubles
+from rubnoise.contact import pulses
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused, refusing_files
 from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
-from rubnoise.inference.inference import infer_signal
+from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES, infer_signal
 from rubnoise.inference.signal import Signal, clipped, digits
 from rubnoise.inference.strokes import joined
 from rubnoise.model import Model
@@ -27,9 +28,8 @@ from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.foreign import opened as opened_file
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import LARGEST_VALUE, Asked, Source, along_of, listed, measured
-from rubnoise.storage.text_heads import Head
-from rubnoise.units import SPEED, STRESS
+from rubnoise.storage.measured import LARGEST_VALUE, Asked, Head, Source, measured
+from rubnoise.units import FREQUENCY, RATIO, SPEED, STRESS, QuantityError, quantity_of
 
 MOST_BOOTSTRAPS: Final = 10_000
 STROKE_END: Final = "5 %"
@@ -158,9 +158,10 @@ def _of_columns(columns: dict[str, Any], asked: Asked, *, ours: bool) -> Source:
     if asked.column is None and ours:
         asked = replace(asked, column="friction_force" if "friction_force" in others else "real_contact_area")
     if asked.column is None and len(others) > 1:
-        raise Refused(f'trace: column= is needed, one of {listed(others)}; right form: column="{others[0]}"')
+        there = ", ".join(others)
+        raise Refused(f'trace: column= is needed, one of {there}; right form: column="{others[0]}"')
     chosen = (asked.place, asked.time, asked.rate) != (None, None, None)
-    if not chosen and along_of(source.heads[0], named=True):
+    if not chosen and source.heads[0].along(named=True):
         asked = replace(asked, place="1")
     return measured(source, asked)
 
@@ -312,3 +313,50 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
     return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
+
+
+_WIDEST: Final = 3.0
+MOST_OF_AN_END: Final = 0.45
+
+
+def share(keyword: str, value: Any, most: float) -> float:
+    """Return a share from 0 % to ``most`` as a part of 1."""
+    try:
+        number = float(quantity_of(value, RATIO))
+    except QuantityError as problem:
+        form = f'right form: {keyword}="{RATIO.example}"'
+        raise Refused(f"{keyword}=: {keywords.shown(value)}: {problem}; {form}") from problem
+    if not 0.0 <= number <= most:
+        raise Refused(f"{keyword}=: {keywords.shown(value)} is not from 0 % to {100.0 * most:g} %")
+    return number
+
+
+def strength_spread_of(value: Any, signal: Signal, *, both_known: bool) -> float:
+    """Return the assumed spread of strengths; 0 if none is given."""
+    if value is None:
+        return 0.0
+    if signal.is_area:
+        raise Refused("strength_spread=: a trace of area has no strengths")
+    if both_known:
+        raise Refused("strength_spread=: with a known zero and a known strength the trace tells the spread itself")
+    return share("strength_spread", value, _WIDEST)
+
+
+def pulse_of(shape: str, offset: str) -> Pulse:
+    """Return the pulse of a junction's area."""
+    keywords.choice("pulse", shape, tuple(OTHER_SHAPES))
+    keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
+    return pulses.pulse_of(shape, offset)
+
+
+def bandwidth_of(value: Any, poles: int, speed: float | None, along: str) -> float:
+    """Return the corner of the sensor in cycles per um; inf without one."""
+    keywords.choice("poles", poles, (1, 2))
+    hertz = keywords.quantity("bandwidth", value, FREQUENCY)
+    if hertz is None:
+        if poles != 1:
+            raise Refused('poles=: the poles of a filter need its corner, as in bandwidth="200 Hz"')
+        return inf
+    if along != "time" or speed is None:
+        raise Refused("bandwidth=: frequencies are of a trace over time")
+    return hertz / speed

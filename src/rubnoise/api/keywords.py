@@ -10,8 +10,7 @@ from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.errors import Refused
-from rubnoise.storage.measured import Asked, Source
-from rubnoise.storage.text_heads import spelled
+from rubnoise.storage.measured import Asked, Source, spelled
 from rubnoise.units import (
     AREA,
     FORCE,

@@ -62,9 +62,9 @@ class SweepResult:
     (('interface.mean_junction_count',), 5)
     """
 
-    def __init__(self, path: Path, index: Index, temporary: object = None) -> None:
-        """Take over what was read; ``temporary`` owns a folder that lasts as long as the result and its copies."""
-        self.path, self.temporary = path, temporary
+    def __init__(self, path: Path, index: Index) -> None:
+        """Take over what was read."""
+        self.path = path
         self._index: Final = index
         self.runs = _columns("runs", index.runs)
         self.points = _columns("points", index.points)

@@ -2,11 +2,10 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from shutil import rmtree
-from tempfile import mkdtemp
-from typing import Any, ClassVar, Self
-from weakref import finalize
+from tempfile import TemporaryDirectory, mkdtemp
+from typing import Any
 
 import numpy as np
 
@@ -42,10 +41,10 @@ def sweep(
     ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
     (1 by default) make many runs of; a key of only one table needs no dots. Further keywords change keys of that
     scenario, as in `Scenario.replace`; several values, ``speed=["0.5 mm/s", "1 mm/s"]``, belong to the grid. Without a
-    folder its runs lie in a temporary one, which goes with the last copy of the result, or with this process if it was
-    pickled. ``jobs`` processes share the work, by default one for each processor. Or an ``executor`` makes the runs:
-    the client of a Dask cluster, or anything with ``submit(function, *arguments)`` that returns a Future, which gets
-    ``jobs`` calls at a time. ``shard`` "2/8" makes the second eighth.
+    folder its runs lie in a temporary one, which goes with this process. ``jobs`` processes share the work, by default
+    one for each processor. Or an ``executor`` makes the runs: the client of a Dask cluster, or anything with
+    ``submit(function, *arguments)`` that returns a Future, which gets ``jobs`` calls at a time. ``shard`` "2/8" makes
+    the second eighth.
     After a failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder
     of something else, or that holds the runs of another scenario, which ``force`` leaves there, or that has no room on
     its disk. Raises Refused if memory is too small for so many runs at once.
@@ -75,41 +74,15 @@ def run_sweep(
 
 
 def _into(sweep: Sweep, folder: str | os.PathLike[str] | None, **options: Any) -> SweepResult:
-    place = Path(mkdtemp(prefix="rubnoise-sweep-")) if folder is None else Path(folder)
-    owner = TemporaryFolder(place) if folder is None else None
-    try:
-        carry_out(sweep, place, **options)
-        result = open_sweep(place)
-    except BaseException:
-        if owner is not None:  # which a traceback may hold for long
-            rmtree(place, ignore_errors=True)
-        raise
-    result.temporary = owner
-    return result
+    place = Path(mkdtemp(dir=_temporary().name)) if folder is None else Path(folder)
+    carry_out(sweep, place, **options)
+    return open_sweep(place)
 
 
-class TemporaryFolder:
-    """Removes a folder when the last reference to it is gone, at the latest when the process ends."""
-
-    PICKLED: ClassVar[list["TemporaryFolder"]] = []
-    """Those of pickles, which may be read as long as the process runs."""
-
-    def __init__(self, path: Path) -> None:
-        """Take over a folder."""
-        self.path = path
-        finalize(self, _removed, path, os.getpid())
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return self
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        self.PICKLED.append(self)
-        return Path, (self.path,)
-
-
-def _removed(path: Path, process: int) -> None:
-    if os.getpid() == process:  # and no copy of it, which ends earlier
-        rmtree(path, ignore_errors=True)
+@cache
+def _temporary() -> "TemporaryDirectory[str]":
+    """Return the folder of sweeps that were given none, which goes with this process."""
+    return TemporaryDirectory(prefix="rubnoise-sweep-")
 
 
 def _sweep_of(

@@ -15,17 +15,15 @@ from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.api import keywords
-from rubnoise.api.columns import Column, with_units
+from rubnoise.api.columns import Column, Table, with_units
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.api.given_columns import given_columns, source_of
-from rubnoise.api.table import Table
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import Asked, Source, measured
-from rubnoise.storage.text_heads import NONE, OTHERS, check_unit
+from rubnoise.storage.measured import NONE, OTHERS, Asked, Source, check_unit, measured
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)
@@ -75,7 +73,7 @@ class Trace(Table):
         Of a file or a table all columns of numbers are kept, or ``column`` and its places alone; ``unit`` replaces the
         unit that a file gives it.
         ``time`` and ``place`` name the column of times or distances, which must be even; without them it is the first
-        one of times that grows, or of distances, or the first one. ``rate``, such as "10 kHz", stands for the times.
+        one of times, or of distances that grow, or the first one. ``rate``, such as "10 kHz", stands for the times.
         ``from_`` and ``to`` are the first and last sample, from 1 on, or times. Raises Refused, with line and column,
         for a cell that is not a number, for an unknown unit of the one column, for a file without names, and for gaps
         and uneven steps. Source: docs/your-data.md.
@@ -263,10 +261,6 @@ class Trace(Table):
 
     def _described(self, name: str) -> Column:
         return with_units(self[name], name, self.units[name])
-
-    @property
-    def _title(self) -> str:
-        return self.name
 
     def _length(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number if the place has no known unit."""

@@ -20,7 +20,7 @@ from threading import Thread
 from typing import Any, Final
 
 from rubnoise.errors import Refused, RubnoiseError, needing
-from rubnoise.storage.provenance import package_version
+from rubnoise.storage.layout import package_version
 from rubnoise.storage.schema import FORMAT_VERSION
 from rubnoise.streams import STREAM_VERSION
 

@@ -23,7 +23,7 @@ from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_keys import Keep
 from rubnoise.storage.index import Filled, Index, read_index
-from rubnoise.storage.provenance import now, package_version
+from rubnoise.storage.layout import now, package_version
 from rubnoise.storage.schema import Dataset
 from rubnoise.units import RATIO, Quantity
 

@@ -5,6 +5,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import join
 from typing import cast
 
 from rubnoise.analysis.figures import summarise
@@ -22,9 +23,8 @@ from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.forecast import check_disk_space, expected
-from rubnoise.storage.layout import RunDescription, features_of
+from rubnoise.storage.layout import Provenance, RunDescription, features_of, this_command
 from rubnoise.storage.output import check_output
-from rubnoise.storage.provenance import gather, this_command
 from rubnoise.storage.writer import RunWriter
 
 
@@ -84,11 +84,11 @@ def describe(
         compression="gzip" if scenario.output.compression == "gzip" else "none",
         scenario_toml=scenario.text,
         scenario_resolved=scenario.resolved(),
-        provenance=gather(
+        provenance=Provenance(
             seed=seed,
             calibrated_diameter=model.calibrated_diameter,
             propagator_constants=named_constants(model),
-            command=command,
+            command=join(command),
             intervention=intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene),
         ),
     )

@@ -26,8 +26,8 @@ from rubnoise.runs.stopping_rule import AdaptiveReplicates, Unmet
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import index_bytes
+from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import OutputInUse, reason_of, whole_file
-from rubnoise.storage.provenance import this_command
 from rubnoise.storage.reader import InUse
 
 EVERY: Final = 5.0

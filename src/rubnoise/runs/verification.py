@@ -31,8 +31,8 @@ from rubnoise.simulation.batch import Ended
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.inventory import OF_HDF5, expected_inventory
+from rubnoise.storage.layout import environment
 from rubnoise.storage.life_curve import life_tables
-from rubnoise.storage.provenance import environment
 from rubnoise.storage.schema import HASH, INTERVENTION
 from rubnoise.streams import STREAM_VERSION
 

@@ -1,6 +1,6 @@
 """Export of results as CSV, Parquet or netCDF: a group is a table, written chunk by chunk."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import disk_usage
@@ -106,8 +106,7 @@ def _write_parquet(part: PartFile, file: RunFile, groups: Sequence[Group], betwe
             between()
 
 
-Write = Callable[[PartFile, RunFile, Sequence[Group], Callable[[], None]], None]
-WRITERS: Final[Mapping[Kind, Write]] = {"csv": _write_csv, "parquet": _write_parquet, "netcdf": _write_netcdf}
+WRITERS: Final = {"csv": _write_csv, "parquet": _write_parquet, "netcdf": _write_netcdf}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,25 +4,21 @@ Soft links of HDF5 lead on within the file; links and storage in other files are
 """
 
 import os
-import posixpath
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
 import h5py
 import numpy as np
 
-from rubnoise.errors import UNFINISHED, NoColumn, Refused, RunFileRefused
-from rubnoise.regular_file import open_stream, read_at_most, size_of
-from rubnoise.storage.measured import Asked, Source, listed, measured
-from rubnoise.storage.objects import opened_by_hdf5
+from rubnoise.errors import NoColumn, Refused
+from rubnoise.regular_file import open_stream, read_at_most
+from rubnoise.storage.measured import Asked, Head, Source, measured, spelled
+from rubnoise.storage.objects import linked, opened_by_hdf5
 from rubnoise.storage.schema import FORMAT
-from rubnoise.storage.text_heads import Head, spelled
 from rubnoise.storage.text_table import read_table
-
-LARGEST: Final = 2 * 1024**3
-"""Bytes of a file of text, sound, MATLAB or netCDF-3."""
 
 MOST_UNPACKED: Final = 10_000_000
 """Values of a vector of MATLAB: a file says how many it has before they are unpacked."""
@@ -43,14 +39,10 @@ def read_measured(trace: str | os.PathLike[str], asked: Asked = Asked(), *, ever
 def opened(trace: str | os.PathLike[str], column: str | None = None) -> Source:
     """Return the columns of a file by its kind; raises Refused for a file of none. ``column`` names one of MATLAB."""
     text = os.fspath(trace)
-    if "\0" in text:
-        raise Refused(f"{text[:40]!r}: no file has a zero byte in its name")
     begin, _, name = text.rpartition(":")
-    inside = bool(begin) and not Path(text).exists() and Path(begin).exists()
+    inside = not os.path.exists(text) and os.path.exists(begin)  # noqa: PTH110  (of any text, also of no path)
     path, name = (Path(begin), name) if inside else (Path(text), "")
     kind = {b"\x89HD": "HDF", b"CDF": "CDF"}.get(read_at_most(path, 3), path.suffix.lower())
-    if (held := size_of(path)) > LARGEST and kind != "HDF":
-        raise Refused(f"{path}: has {held:,} bytes; traces of up to {LARGEST:,} are read")
     if kind not in _KINDS:
         return read_table(path)
     what, remedy, read = _KINDS[kind]
@@ -59,8 +51,6 @@ def opened(trace: str | os.PathLike[str], column: str | None = None) -> Source:
         arrays = {n: np.ascontiguousarray(np.ravel(values), dtype=np.float64) for n, (_, values) in enumerate(columns)}
     except Refused as refused:
         raise type(refused)(f"{path}: {refused}") from refused
-    except MemoryError as problem:
-        raise Refused(f"{path}: is damaged, or there is no memory to unpack it; save fewer values") from problem
     except Exception as problem:  # what a library raises on a damaged file, which may be any error
         said = " ".join(str(problem).split())[:200].rstrip(".")
         why = said if isinstance(problem, ValueError | OSError | Warning) else "it is cut or damaged"
@@ -91,19 +81,18 @@ def _of_matlab(path: Path, wanted: str) -> Columns:
 
     with open_stream(path) as stream:
         shapes = {name: shape for name, shape, kind in whosmat(stream) if kind in _NUMBERS}
-    sizes = {name: max(shape) for name, shape in shapes.items() if np.prod(shape, dtype=object) == max(shape) > 1}
-    if not sizes:
-        there = listed([f"{name} {'x'.join(map(str, shape))}" for name, shape in shapes.items()])
+        sizes = {name: max(shape) for name, shape in shapes.items() if np.prod(shape, dtype=object) == max(shape) > 1}
+        size = sizes.get(wanted, max(sizes.values(), default=0))
+        if size > MOST_UNPACKED:
+            raise Refused(f"has vectors of {size:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
+        stream.seek(0)
+        found = loadmat(stream, squeeze_me=True, variable_names=[name for name in sizes if sizes[name] == size])
+    alike = {name: found[name] for name in sizes if name in found and found[name].shape == (size,)}
+    real = {name: values for name, values in alike.items() if values.dtype.kind in "fiu"}
+    if not real:
+        there = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in shapes.items())
         raise Refused(f"has no vector of real numbers; it has {there or 'no numbers'}")
-    size = sizes.get(wanted, max(sizes.values()))
-    if size > MOST_UNPACKED:
-        raise Refused(f"has vectors of {size:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
-    alike = [name for name in sizes if sizes[name] == size]
-    with open_stream(path) as stream:
-        found = loadmat(stream, squeeze_me=True, variable_names=alike)
-    if bad := [name for name in alike if found[name].dtype.kind not in "fiu" or found[name].shape != (size,)]:
-        raise Refused(f"{bad[0]} is no vector of real numbers")
-    return [(Head(name, "s" if name.lower() in {"t", "time"} else "", name), found[name]) for name in alike], 0.0
+    return [(Head(name, "s" if name.lower() in {"t", "time"} else "", name), each) for name, each in real.items()], 0.0
 
 
 def _of_netcdf(path: Path, name: str) -> Columns:
@@ -111,52 +100,38 @@ def _of_netcdf(path: Path, name: str) -> Columns:
     from scipy.io import netcdf_file
 
     with open_stream(path) as stream, netcdf_file(stream, "r", mmap=False) as file:
-        found = file.variables.get(name.strip("/"))
-        if found is None:
-            raise NoColumn(f"which variable? FILE:NAME takes one of: {listed(list(file.variables)) or 'none'}")
-        long = [dimension for dimension, side in zip(found.dimensions, found.shape, strict=True) if side != 1]
-        scale = file.variables.get(long[0]) if len(long) == 1 else None
-        parts = [(name, found)] if scale is None or scale is found else [(name, found), (long[0], scale)]
-        return [_unpacked(each, part.data.copy(), vars(part)) for each, part in parts], 0.0
+        if name.strip("/") not in file.variables:
+            raise NoColumn(f"which variable? FILE:NAME takes one of: {', '.join(file.variables) or 'none'}")
+        found = file.variables[name.strip("/")]
+        axes = [axis for axis, side in zip(found.dimensions, found.shape, strict=True) if side != 1]
+        scales = {axis: file.variables[axis] for axis in axes if axis in file.variables}
+        return [_unpacked(each, part.data, vars(part)) for each, part in ({name: found} | scales).items()], 0.0
 
 
 def _of_hdf5(path: Path, name: str) -> Columns:
     """Return a dataset of HDF5, at the places of its dimension scale."""
     with open_stream(path) as stream, opened_by_hdf5(path, stream.fileno()) as file:
-        origin, dataset = _linked(file, "provenance"), _linked(file, name)
-        if _text(file.attrs.get("format")) == FORMAT:
-            if origin is None or not _text(origin.attrs.get("finished", "unknown")):
-                raise RunFileRefused(UNFINISHED)  # whose last rows were never computed
-            if not name:
-                raise NoColumn(f'is a result of rubnoise; of a result, Trace(rubnoise.open("{path}")) takes the trace')
+        dataset = linked(file, name, soft=_MOST_LINKS)
         if not isinstance(dataset, h5py.Dataset):
+            if not name and _text(file.attrs.get("format")) == FORMAT:
+                raise NoColumn(f'is a result of rubnoise; of a result, Trace(rubnoise.open("{path}")) takes the trace')
             there: list[str] = []
             file.visititems(lambda each, item: there.append(each) if isinstance(item, h5py.Dataset) else None)
             wrong = f"{name} is no dataset in it; it has" if name else "which dataset? FILE:PATH takes one of:"
-            raise NoColumn(f"{wrong} {listed(there) or 'none'}")
+            raise NoColumn(f"{wrong} {', '.join(there) or 'none'}")
         axis = dataset.dims[int(np.argmax(dataset.shape))] if dataset.shape else ()
         scales = [axis[number] for number in range(len(axis)) if axis[number].size == dataset.size]
-        parts = [(name, dataset), *((each.name or "scale", each) for each in scales[:1])]
-        for each, part in parts:
-            creation = part.id.get_create_plist()
-            if creation.get_layout() == h5py.h5d.VIRTUAL or creation.get_external_count():
-                raise NoColumn(f"{each} has its values in other files, which are not read")
-            if part.size is not None and part.size > MOST_VALUES:
-                raise NoColumn(f"{each} has {part.size:,} values; up to {MOST_VALUES:,} are read from a file of others")
-        return [_unpacked(each, part[()], part.attrs) for each, part in parts], 0.0
+        return [_stored(name, dataset), *(_stored(each.name or "scale", each) for each in scales[:1])], 0.0
 
 
-def _linked(file: h5py.File, path: str, links: int = _MOST_LINKS) -> h5py.HLObject | None:
-    """Return the object at a path, reached by hard and soft links within the file; None if there is none."""
-    owner, parts = file["/"], [part for part in path.split("/") if part]
-    for number, part in enumerate(parts, 1):
-        link = owner.get(part, getlink=True) if isinstance(owner, h5py.Group) else None
-        if isinstance(link, h5py.SoftLink) and links:
-            return _linked(file, posixpath.join(owner.name, link.path, *parts[number:]), links - 1)
-        if not isinstance(link, h5py.HardLink):
-            return None
-        owner = owner[part]
-    return owner
+def _stored(name: str, dataset: h5py.Dataset) -> tuple[Head, Any]:
+    """Return the values of a dataset, all of them in the file itself."""
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() == h5py.h5d.VIRTUAL or creation.get_external_count():
+        raise NoColumn(f"{name} has its values in other files, which are not read")
+    if dataset.size is not None and dataset.size > MOST_VALUES:
+        raise NoColumn(f"{name} has {dataset.size:,} values; up to {MOST_VALUES:,} are read from a file of others")
+    return _unpacked(name, dataset[()], dataset.attrs)
 
 
 def _unpacked(name: str, raw: Any, about: Mapping[str, Any]) -> tuple[Head, Any]:
@@ -174,14 +149,11 @@ def _unpacked(name: str, raw: Any, about: Mapping[str, Any]) -> tuple[Head, Any]
 
 
 def _text(attribute: Any) -> str:
-    """Return an attribute as a text: one, an array of one, or bytes in UTF-8 or Latin-1."""
-    found = np.ravel(attribute)[:1].tolist() if not isinstance(attribute, h5py.Empty) else []
-    if found and isinstance(found[0], bytes):
-        try:
-            return found[0].decode()
-        except UnicodeDecodeError:
-            return found[0].decode("latin-1")
-    return str(found[0]) if found and found[0] is not None else ""
+    """Return an attribute as a text: one, an array of one, or bytes in UTF-8 or Latin-1; empty for none."""
+    text: Any = next(iter(np.ravel(attribute).tolist()), "")
+    with suppress(UnicodeDecodeError, AttributeError):
+        return str(text.decode())
+    return text.decode("latin-1") if isinstance(text, bytes) else text if isinstance(text, str) else ""
 
 
 _KINDS: Final[Mapping[str, tuple[str, str, Callable[[Path, str], Columns]]]] = {

@@ -10,7 +10,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache, lru_cache
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 import h5py
@@ -19,9 +19,8 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.storage.disk import read_into, write_all
-from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, grows, package_version, row_count, stored_groups
 from rubnoise.storage.life_curve import JUNCTION_AREA_FORMULAS, TOUCH_AREA_FORMULA, pulse_of
-from rubnoise.storage.provenance import package_version
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -259,31 +258,21 @@ def put_attribute(
     else:
         stored = value if isinstance(value, np.ndarray) else np.array(value, "<i8" if isinstance(value, int) else "<f8")
         kind = _number_kind(stored.dtype.str)
-    space = h5py.h5s.create_simple(stored.shape) if stored.ndim else _scalar_space()
+    space = h5py.h5s.create_simple(stored.shape) if stored.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
     h5py.h5a.create(owner, name.encode(), kind, space).write(stored, kind)
 
 
-@lru_cache(maxsize=256)
 def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
     """Return one text or a list of texts, at least two bytes long, since h5netcdf does not decode single bytes."""
     raw = [text_bytes(item) for item in ([text] if isinstance(text, str) else text)]
     size = max(2, *map(len, raw))
-    return np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}"), _text_kind(size)
-
-
-@lru_cache(maxsize=256)
-def _text_kind(size: int) -> h5py.h5t.TypeID:
-    return h5py.h5t.py_create(h5py.string_dtype("utf-8", size), logical=True)
+    kind = h5py.h5t.py_create(h5py.string_dtype("utf-8", size), logical=True)
+    return np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}"), kind
 
 
 @cache
 def _number_kind(dtype: str) -> h5py.h5t.TypeID:
     return h5py.h5t.py_create(np.dtype(dtype), logical=True)
-
-
-@cache
-def _scalar_space() -> h5py.h5s.SpaceID:
-    return h5py.h5s.create(h5py.h5s.SCALAR)
 
 
 def _as_stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:

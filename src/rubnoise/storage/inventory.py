@@ -27,7 +27,7 @@ Inventory = Mapping[str, Mapping[str, Any]]
 """What there is, by path: its kind, of a dataset also type, shape and storage, and its attributes by name."""
 
 OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
-"""Attributes that HDF5 writes itself, in types of its own choice."""
+"""Attributes that HDF5 writes itself, in types of its own choice: which scale a dataset has."""
 
 
 def expected_inventory(about: RunDescription) -> Inventory:
@@ -73,13 +73,15 @@ def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
     elif layout == h5py.h5d.CHUNKED:
         filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
         storage = f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
+    ours = storage != "elsewhere" and dataset.ndim == 1
+    scales = [scale.name for scale in dataset.dims[0].values()] if ours else []
     return {
         "kind": DATASET,
         "type": _type(dataset.dtype),
         # HDF5 would look into other files for the shape of a virtual dataset.
         "shape": [] if layout == h5py.h5d.VIRTUAL else list(dataset.shape or ()),
         "storage": storage,
-        "attributes": _attributes(dataset),
+        "attributes": _attributes(dataset) | {"scale": {"type": "path", "value": scales}},
     }
 
 
@@ -90,12 +92,18 @@ def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name in owner.attrs:
         attribute = owner.attrs.get_id(name)
-        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.shape is not None
-        of_texts = h5py.check_string_dtype(attribute.dtype)
-        value = owner.attrs[name] if plain and not (of_texts and of_texts.length is None) else None
+        plain = attribute.get_storage_size() <= ATTRIBUTE_BYTES and attribute.dtype.kind in "Sif"
+        value = np.asarray(owner.attrs[name]).tolist() if plain and attribute.shape is not None else None
         shape = None if attribute.shape is None else list(attribute.shape)
-        found[_readable(name)] = {"type": _type(attribute.dtype), "shape": shape, "value": _listed(owner, value)}
+        found[_readable(name)] = {"type": _type(attribute.dtype), "shape": shape, "value": _listed(value)}
     return found
+
+
+def _listed(value: Any) -> Any:
+    """Return a value as JSON has it: lists of numbers and texts."""
+    if isinstance(value, list):
+        return [_listed(each) for each in value]
+    return value.decode("utf-8", "backslashreplace") if isinstance(value, bytes) else value
 
 
 def _type(kind: np.dtype[Any]) -> str:
@@ -104,25 +112,6 @@ def _type(kind: np.dtype[Any]) -> str:
     if text is None:
         return kind.str
     return f"{text.encoding} text of {'any length' if text.length is None else f'{text.length} bytes'}"
-
-
-def _listed(owner: h5py.HLObject, value: Any) -> Any:
-    """Return a value as JSON has it: lists of numbers and texts, with references as the paths to which they lead."""
-    if isinstance(value, np.void):
-        value = np.array(value.item(), dtype=object) if value.dtype.names else None
-    if isinstance(value, np.ndarray):
-        return [_listed(owner, each) for each in value]
-    if isinstance(value, h5py.Reference):
-        try:
-            name = h5py.h5r.get_name(value, owner.file.id) if value else None
-        except (OSError, RuntimeError, KeyError, ValueError):
-            name = None  # what it referred to is gone
-        value = name
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, bytes):
-        return value.decode("utf-8", "backslashreplace")
-    return value if isinstance(value, int | float | str) else None
 
 
 def _readable(name: str) -> str:

@@ -1,8 +1,14 @@
-"""The layout of a result file: its columns, their rows and bytes."""
+"""What a result file holds: its columns, their rows and bytes, and where it comes from, without a person's name."""
 
+import os
+import platform
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -10,14 +16,72 @@ import numpy as np
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
-from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.schema import GROUPS, Feature, Group
+from rubnoise.streams import STREAM_VERSION
+
+TIME = "%Y-%m-%dT%H:%M:%SZ"
+"""How moments are written: in UTC, as ISO 8601, to the second."""
+
+PACKAGES = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
+
+
+def this_command() -> list[str]:
+    """Return the command line of this process, without the path of the program."""
+    return [Path(sys.argv[0]).name, *sys.argv[1:]]
+
+
+def software() -> dict[str, str]:
+    """Return the versions that a result may depend on."""
+    import h5py
+
+    packages = {name: package_version(name) for name in PACKAGES}
+    return {**packages, "hdf5": h5py.version.hdf5_version, "python": platform.python_version()}
+
+
+def environment() -> dict[str, str | int]:
+    """Return the platform, the processor family and the number of processors."""
+    return {"platform": platform.platform(), "machine": platform.machine(), "cpu_count": os.cpu_count() or 0}
+
+
+@cache
+def package_version(name: str) -> str:
+    """Return the version of an installed package, or ``not installed``."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def now() -> str:
+    """Return the time in UTC as ISO 8601, to the second."""
+    return datetime.now(UTC).strftime(TIME)
+
 
 STRUCTURE_BYTES = 20 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
 Name = tuple[str, str]
 """What a column is found by: its group and its own name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provenance:
+    """The origin of a run that starts now in this process, without the time of its end.
+
+    calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name;
+    command: the command line without the path of the program, such as "rubnoise run fig5.toml"; intervention: the
+    function that may have ended lives, empty if the model alone did.
+    """
+
+    seed: int
+    calibrated_diameter: float
+    propagator_constants: Mapping[str, float]
+    command: str
+    intervention: str = ""
+    software: Mapping[str, str] = field(default_factory=software)
+    environment: Mapping[str, str | int] = field(default_factory=environment)
+    stream_version: int = STREAM_VERSION
+    started: str = field(default_factory=now)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

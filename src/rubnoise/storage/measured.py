@@ -1,4 +1,4 @@
-"""Measured traces: which columns are used, which part of them, whether their steps are even and their values possible.
+"""Measured traces: heads with units as laboratories write them, the columns and the part that are used, and checks.
 
 The part is cut first, and checked then. The caller must give a unit or rate that the file does not have.
 """
@@ -6,15 +6,13 @@ The part is cut first, and checked then. The caller must give a unit or rate tha
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import ceil, floor
 from typing import Any, Final, NoReturn, Self
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.storage.text_heads import Head, check_unit
-from rubnoise.units import FORCE, LENGTH, TIME, Quantity, unit_or_one
+from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, QuantityError, parse_unit, unit_or_one
 
 LARGEST_VALUE: Final = 1e60
 """Size of a value at most: fourth powers of values are numbers."""
@@ -22,13 +20,99 @@ LARGEST_VALUE: Final = 1e60
 UNEVEN: Final = 0.01
 """How far one step between samples may be from the usual one, in parts of it, beyond the digits that are written."""
 
+NONE: Final = frozenset(["", "1", "-"])
+"""What stands in place of a unit if a column has none."""
+
+OTHERS: Final = frozenset(
+    [prefix + unit for unit in ("V", "A", "W", "Hz", "Ohm", "\u03a9", "\u2126") for prefix in ("", *"u\u00b5\u03bcmkM")]
+    + ["K", "C", "\u00b0C", "degC", "rpm", "1/min", "dB", "rad", "deg", "\u00b0", "%"]
+)
+"""Units of columns beside the friction: known, and kept as they are."""
+
+_BRACKETS: Final = re.compile(r"([^()\[\]]+)[(\[]([^()\[\]]*)[)\]]")
+_PARTING: Final = re.compile(r"/|\sin\s|,\s|_(?!per_)")
+_POWERS: Final = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
+_SPELLINGS: Final = {
+    "kp": "kgf",
+    "msec": "ms",
+    "usec": "us",
+    "d": "day",
+    "days": "day",
+    "hours": "hour",
+    "minutes": "minute",
+    **dict.fromkeys(("sek", "sek.", "sekunde", "sekunden"), "s"),
+}
+_LETTER: Final = r"[^\W\d_]"
 _TRAVELLED: Final = re.compile(r"distance|dist|position|pos|[a-z]*weg|strecke|path|travel|track|s|x")
 _UNITS: Final = {"time": "s", "t": "s", "zeit": "s", "distance": "um", "position": "um", "weg": "mm"}
 _BACKWARD: Final = 0.1  # of the steps of what grows: a stage that goes to and fro has half of them
 _FAR: Final = 20.0  # times the reach of 99 % of the values from the median: where one alone is no part of a trace
 _SEEN: Final = 1 << 20
 _SHOWN: Final = 40
-_ROUNDING: Final = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """The name of a column and its unit, empty if it has none, and the cell as ``written``.
+
+    Its cells are of a ``kind``, "number" or "time", empty for others; ``missing`` says what nan stands for.
+    """
+
+    name: str
+    unit: str
+    written: str
+    kind: str = "number"
+    missing: str = ""
+
+    @property
+    def size(self) -> float:
+        """Size of the unit in working units; 1 for none, and for an unknown one."""
+        return float(unit_or_one(self.unit).size)
+
+    def along(self, *, named: bool = False) -> str:
+        """Return "time" or "distance" for what places samples; empty for other columns.
+
+        A length places samples by its name, such as `Weg`, or if it is ``named`` by the caller.
+        """
+        dimension = unit_or_one(self.unit).dimension
+        last = re.split(r"[\s_]+", self.name.lower().strip(" ."))[-1].strip(".")
+        travelled = dimension == LENGTH.dimension and (named or _TRAVELLED.fullmatch(last))
+        return "time" if dimension == TIME.dimension else "distance" if travelled else ""
+
+
+def head_of(cell: str) -> Head:
+    """Return name and unit of a column: `Force (N)`, `Force [N]`; after `/`, `in`, comma and `_` a known unit."""
+    text = cell.strip()
+    if (found := _BRACKETS.fullmatch(text)) and re.search(_LETTER, found[1]):
+        return Head(found[1].strip(), spelled(found[2]), text)
+    for found in _PARTING.finditer(text):
+        name, unit = text[: found.start()].strip(), spelled(text[found.end() :][:_SHOWN])
+        if re.search(_LETTER, name) and (unit in (*USUAL_UNITS, "V", "mV") or (found[0] != "_" and is_unit(unit))):
+            return Head(name, unit, text)
+    return Head(text, "", text)
+
+
+def spelled(unit: str) -> str:
+    """Return a unit as the table of units spells it: newton for Newton, um^2 for um2, an empty text for `-`."""
+    text = unit.strip().translate(_POWERS).replace("_per_", "/")
+    lower = text.lower() if text[1:].islower() and len(text) > 2 else ""
+    powered = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])([23])(?=$|/)", r"^\1", text)
+    known = (way for way in (text, _SPELLINGS.get(text.lower(), ""), lower, powered) if is_unit(way))
+    return next(known, "" if text in NONE else text)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a known unit, as `spelled` returns it."""
+    return text in OTHERS or len(unit_or_one(text).dimension) > 0
+
+
+def check_unit(unit: str, what: str) -> None:
+    """Raise Refused, which names the unit, if it is unknown."""
+    try:
+        if unit not in NONE | OTHERS:
+            parse_unit(unit)
+    except QuantityError as problem:
+        raise Refused(f"{what}: {problem}{f' ({problem.hint})' if problem.hint else ''}") from None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,14 +180,17 @@ class Source:
         return f"sample {self.begin + row + 1:,}"
 
     def wrong(self, row: int, number: int) -> str:
-        """Say why a value is nan."""
-        head = self.heads[number]
-        meant = f"[{self.begin + row}] is {head.missing}" if head.missing else " is nan"
-        return f"{head.name}{meant}; every sample needs a number"
+        """Say why a value cannot be used."""
+        head, value = self.heads[number], self.arrays[number][row]
+        limit = f"up to {LARGEST_VALUE:g} is read" if np.isfinite(value) else "every sample needs a number"
+        meant = f"[{self.begin + row}] is {head.missing}" if head.missing and np.isnan(value) else f" is {value:g}"
+        return f"{head.name}{meant}; {limit}"
 
     def refuse(self, row: int, said: str) -> NoReturn:
-        """Raise Refused, which names the file and a row."""
-        raise Refused(f"{self.path}: {self.place(row)}: {said}" if self.path else f"{self.place(row)} of {said}")
+        """Raise Refused, which names the file and a row, and says how a file is read up to it."""
+        hint = f'; to="{self.begin + row}" ends before it' if self.of_file and row > 1 else ""
+        where = f"{self.path}: {self.place(row)}:" if self.path else f"{self.place(row)} of"
+        raise Refused(f"{where} {said}{hint}")
 
 
 def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
@@ -111,21 +198,22 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
 
     With a rate, times are left out: they are known.
     """
-    wanted = None if asked.column is None else column_of(source, asked.column, "column")
-    places = _places(source, asked, wanted, every=every)
-    used = [wanted] if wanted is not None else _used(source, places, every=every)
-    found = _part(source.with_columns(sorted({*used, *places})), asked, places)
     if asked.rate is not None:
-        found = replace(found, step=1.0 / asked.rate, along="time", notes=_outranked(found, asked.rate, places))
-        used = [n for n in used if n == wanted or along_of(source.heads[n]) != "time"] or used[-1:]
-    elif (asked.place, asked.time) != (None, None) or not source.step:
-        at = places[0] if asked.place or asked.time else _growing(found, places)
-        used = [n for n in used if n != at]
-        found = found if at is None else replace(found, placed=at, along=along_of(source.heads[at], named=True))
-    for number in used if found.placed is None else [found.placed, *used]:
+        source = replace(source, step=1.0 / asked.rate, along="time")
+    wanted = None if asked.column is None else column_of(source, asked.column, "column")
+    places, chosen = _places(source, asked, wanted, every=every), (asked.place, asked.time) != (None, None)
+    used = [wanted] if wanted is not None else _used(source, places, every=every)
+    found, at = _part(source.with_columns(sorted({*used, *places})), asked, places), None
+    if asked.rate is not None:
+        found = replace(found, notes=(*found.notes, *filter(None, [_outranked(found, n) for n in places[:1]])))
+        used = [n for n in used if n == wanted or source.heads[n].along() != "time"] or used[-1:]
+    elif chosen or not source.step:
+        at = next((n for n in places if chosen or source.heads[n].along() == "time" or _grows(found.arrays[n])), None)
+    used = [n for n in used if n != at]
+    for number in used if at is None else [at, *used]:
         check_values(found, number)
-    if found.placed is not None:
-        found = replace(found, step=_even_step(found, found.placed))
+    if at is not None:
+        found = replace(found, placed=at, along=source.heads[at].along(named=True), step=_even_step(found, at))
     if len(used) == 1 and (source.of_file or not every):
         _check_reach(found, used[0])
     if not found.step:
@@ -136,17 +224,17 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
 
 def _places(source: Source, asked: Asked, wanted: int | None, *, every: bool) -> list[int]:
     """Return the columns that may place the samples: the chosen one, or those of times, then those of distances."""
-    for keyword, given in (("place", asked.place), ("time", asked.time)):
-        if given is not None:
-            head = source.heads[found := column_of(source, given, keyword)]
-            along = along_of(head, named=True)
-            if along != "time" and (keyword == "time" or not (along or every)):
-                has = f"{source.where}: {keyword}=: {head.name} has {head.unit or 'no unit'}"
-                raise Refused(f"{has}; a unit {'of time' if keyword == 'time' else 'of length or time'} is needed")
-            return [found]
+    keyword, given = ("time", asked.time) if asked.place is None else ("place", asked.place)
+    if given is not None:
+        head = source.heads[number := column_of(source, given, keyword)]
+        along = head.along(named=True)
+        if along != "time" and (keyword == "time" or not (along or every)):
+            has = f"{source.where}: {keyword}=: {head.name} has {head.unit or 'no unit'}"
+            raise Refused(f"{has}; a unit {'of time' if keyword == 'time' else 'of length or time'} is needed")
+        return [number]
     others = [n for n in source.usable if n != wanted]
-    natural = [n for kind in ("time", "distance") for n in others if along_of(source.heads[n]) == kind]
-    for head in source.heads if not natural and asked.rate is None and not source.step else ():
+    natural = [n for kind in ("time", "distance") for n in others if source.heads[n].along() == kind]
+    for head in source.heads if not natural and not source.step else ():
         if (right := _UNITS.get(head.name.lower())) is not None:
             check_unit(head.unit, f"{source.where}: {head.written}")
             right = f'write "{head.name} ({right})", or whichever unit it has'
@@ -165,7 +253,7 @@ def _used(source: Source, places: Sequence[int], *, every: bool) -> Sequence[int
     forces = [n for n in others if unit_or_one(source.heads[n].unit).dimension == FORCE.dimension]
     others = forces if len(forces) == 1 else others
     if len(others) != 1:
-        names = listed([source.heads[n].name for n in others]) or "none but the place"
+        names = ", ".join(source.heads[n].name for n in others) or "none but the place"
         raise NoColumn(f"{source.path}: which column? column= takes one of: {names}")
     return others
 
@@ -175,18 +263,16 @@ def _part(source: Source, asked: Asked, places: Sequence[int]) -> Source:
     rows = min(values.size for values in source.arrays.values())
     if rows < 2:
         raise Refused(f"{source.where}: {rows} rows below the names; a row for each sample is needed, two or more")
-    step, along = (source.step, source.along) if asked.rate is None else (1.0 / asked.rate, "time")
-    if not step and places:
-        step, along = _usual_step(source, places[0]), along_of(source.heads[places[0]], named=True)
-    ends = [1, rows]
+    step, along, ends = source.step, source.along, [1, rows]
+    if not step and places and Quantity in (type(asked.begin), type(asked.end)):
+        head, steps = source.heads[places[0]], np.diff(source.arrays[places[0]])
+        step, along = float(np.nanmedian(steps)) * head.size, head.along(named=True)
     for end, keyword, given in ((0, "from_", asked.begin), (1, "to", asked.end)):
-        if isinstance(given, Quantity):
-            if not step > 0.0 or given.kind is not (LENGTH if along == "distance" else TIME):
-                lies = f"the trace is over {along}" if step > 0.0 else "the trace has no times"
-                raise Refused(f'{keyword}=: {given.written}: {lies}; {keyword}="7201" names a sample')
-            ends[end] = (floor if end else ceil)(given / step * (1.0 + _ROUNDING * (1 if end else -1))) + 1
-        elif given is not None:
-            ends[end] = given
+        if isinstance(given, Quantity) and not (step > 0.0 and given.kind is (LENGTH if along == "distance" else TIME)):
+            lies = f"the trace is over {along}" if step > 0.0 else "the trace has no times"
+            raise Refused(f'{keyword}=: {given.written}: {lies}; {keyword}="7201" names a sample')
+        if given is not None:
+            ends[end] = round(given / step) + 1 if isinstance(given, Quantity) else given
     first, last = ends
     if not 1 <= first < last:
         raise Refused(f"from_=: samples {first:,} to {last:,} are no part of the trace, which has {rows:,}")
@@ -197,31 +283,19 @@ def _part(source: Source, asked: Asked, places: Sequence[int]) -> Source:
     return replace(source, arrays=arrays, begin=first - 1, left_out=() if (first, last) == (1, rows) else (cut,))
 
 
-def _usual_step(source: Source, number: int) -> float:
-    """Return the median step between the numbers of a column in s or um, 0 without one."""
-    steps = np.diff(source.arrays[number])
-    steps = steps[np.isfinite(steps)]
-    return float(np.median(steps)) * float(unit_or_one(source.heads[number].unit).size) if steps.size else 0.0
+def _grows(places: Doubles) -> bool:
+    """Whether places go on, and not to and fro."""
+    return bool(np.mean(np.diff(places) < 0.0) <= _BACKWARD)
 
 
-def _growing(source: Source, places: Sequence[int]) -> int | None:
-    """Return the first column that grows; of times that do not grow the first one, which is refused then."""
-    for number in places:
-        steps = np.diff(source.arrays[number])
-        if _usual_step(source, number) > 0.0 and np.mean(steps[np.isfinite(steps)] < 0.0) <= _BACKWARD:
-            return number
-    return next((n for n in places if along_of(source.heads[n]) == "time"), None)
-
-
-def _outranked(source: Source, rate: float, places: Sequence[int]) -> tuple[str, ...]:
-    """Return the notes, with one if times of the file have another rate than the given one."""
-    for number in [n for n in places if along_of(source.heads[n]) == "time"][:1]:
-        head, times = source.heads[number], source.arrays[number]
-        step = float(times[-1] - times[0]) / (times.size - 1) * float(unit_or_one(head.unit).size)
-        if step > 0.0 and abs(1.0 / (step * rate) - 1.0) > UNEVEN:
-            said = f"the rate is {rate:g} Hz as given; by {head.name} of {source.path} it is {1.0 / step:.6g} Hz"
-            return (*source.notes, said)
-    return source.notes
+def _outranked(source: Source, number: int) -> str:
+    """Return a note if a column has other times than those of the given rate; an empty text if it has not."""
+    head, times = source.heads[number], source.arrays[number]
+    took = float(times[-1] - times[0]) * head.size
+    if head.along() != "time" or not took > 0.0 or abs((times.size - 1) * source.step / took - 1.0) <= UNEVEN:
+        return ""
+    by = f"by {head.name} of {source.path} it is {(times.size - 1) / took:.6g} Hz"
+    return f"the rate is {1.0 / source.step:g} Hz as given; {by}"
 
 
 def _even_step(source: Source, number: int) -> float:
@@ -231,33 +305,27 @@ def _even_step(source: Source, number: int) -> float:
     steps are equal, a longer one is a missing row and not rounding.
     """
     head, places = source.heads[number], source.arrays[number]
-    steps, size = np.diff(places), float(unit_or_one(head.unit).size)
+    steps = np.diff(places)
     usual = float(np.median(steps))
     if usual <= 0.0:
         hint = 'if it is rounded, rate="10 kHz" says how often it was sampled'
         raise Refused(f"{source.path}: {head.name} does not grow from line to line; {hint}")
     written = [f"{each:.12f}".rstrip("0").partition(".")[2] for each in (*places[:50], *places[-50:])]
-    digit, uneven = 10.0 ** -max(map(len, written)), UNEVEN * usual
-    few = np.count_nonzero(np.abs(steps - usual) > uneven) <= max(3, 0.01 * steps.size)
-    allowed = uneven if digit > 0.5 * usual and few else uneven + 1.01 * digit
-    wrong = ~(np.abs(steps - usual) <= allowed)
+    digit, uneven, off = 10.0 ** -max(map(len, written)), UNEVEN * usual, np.abs(steps - usual)
+    few = np.count_nonzero(off > uneven) <= max(3, 0.01 * steps.size)
+    wrong = off > (uneven if digit > 0.5 * usual and few else uneven + 1.01 * digit)
     if wrong.any():
         row = int(np.argmax(wrong)) + 1
         grown = f"{head.name} grows by {steps[row - 1]:g} {head.unit} where the usual step is {usual:g}"
-        source.refuse(row, f'{grown}; samples have to be evenly spaced; to="{source.begin + row}" ends before it')
-    return float(places[-1] - places[0]) / steps.size * size
+        source.refuse(row, f"{grown}; samples have to be evenly spaced")
+    return float(places[-1] - places[0]) / steps.size * head.size
 
 
 def check_values(source: Source, number: int) -> None:
     """Raise Refused with the first value that is not finite, or too large to be squared."""
-    values = source.arrays[number]
-    wrong = ~(np.abs(values) <= LARGEST_VALUE)
+    wrong = ~(np.abs(source.arrays[number]) <= LARGEST_VALUE)
     if wrong.any():
-        row = int(np.argmax(wrong))
-        limit = "every sample needs a number" if np.isinf(values[row]) else f"up to {LARGEST_VALUE:g} is read"
-        said = f"{source.heads[number].name} is {values[row]:g}; {limit}"
-        said = source.wrong(row, number) if np.isnan(values[row]) else said
-        source.refuse(row, said + (f'; to="{source.begin + row}" ends before it' if source.of_file and row > 1 else ""))
+        source.refuse(row := int(np.argmax(wrong)), source.wrong(row, number))
 
 
 def _check_reach(source: Source, number: int) -> None:
@@ -267,25 +335,14 @@ def _check_reach(source: Source, number: int) -> None:
     """
     head, values = source.heads[number], source.arrays[number]
     away = np.abs(values - np.median(values))
-    reach = float(np.quantile(away[:: away.size // _SEEN + 1], 0.99))
-    far = np.flatnonzero(away > _FAR * reach)
+    reach = _FAR * float(np.quantile(away[:: away.size // _SEEN + 1], 0.99))
+    far = np.flatnonzero(away > reach)
     for run in np.split(far, np.flatnonzero(np.diff(far) > 1) + 1) if reach > 0.0 and far.size else ():
         if run.size <= 2 or np.ptp(values[run]) == 0.0:
-            others = values[away <= _FAR * reach]
+            others = values[away <= reach]
             usual = f"{others.min():.4g} to {others.max():.4g} {head.unit}"
             said = f"{head.name} is {values[run[0]]:g}, far outside of the other values, {usual}"
-            source.refuse(int(run[0]), f"{said}; mend or remove that row, or from_= and to= leave it out")
-
-
-def along_of(head: Head, *, named: bool = False) -> str:
-    """Return "time" or "distance" for what places samples; empty for other columns.
-
-    A length places samples by its name, such as `Weg`, or if it is ``named`` by the caller.
-    """
-    dimension = unit_or_one(head.unit).dimension
-    last = re.split(r"[\s_]+", head.name.lower().strip(" ."))[-1].strip(".")
-    travelled = dimension == LENGTH.dimension and (named or _TRAVELLED.fullmatch(last))
-    return "time" if dimension == TIME.dimension else "distance" if travelled else ""
+            source.refuse(int(run[0]), f"{said}; mend or remove that row")
 
 
 def column_of(source: Source, wanted: str, keyword: str) -> int:
@@ -297,10 +354,4 @@ def column_of(source: Source, wanted: str, keyword: str) -> int:
     if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
         return int(wanted) - 1
     what = "the name of several" if wanted in names else "none"
-    raise NoColumn(f"{source.path}: {keyword}=: {wanted[:_SHOWN]} is {what} of the columns {listed(names)}")
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return some names, each cut short, and the number of further ones."""
-    more = f" and {len(names) - 20:,} more" if len(names) > 20 else ""
-    return ", ".join(name[:_SHOWN] for name in names[:20]) + more
+    raise NoColumn(f"{source.path}: {keyword}=: {wanted} is {what} of the columns {', '.join(names)}")

@@ -8,8 +8,7 @@ from rubnoise.errors import NoColumn, Refused, refusing_files
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
 from rubnoise.storage.foreign import opened
-from rubnoise.storage.measured import check_values, column_of
-from rubnoise.storage.text_heads import check_unit
+from rubnoise.storage.measured import check_unit, check_values, column_of
 from rubnoise.units import LENGTH, unit_or_one
 
 SMALLEST: Final = 1e-12

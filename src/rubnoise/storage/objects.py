@@ -81,18 +81,20 @@ def or_refusal(read: Callable[..., Answer], *given: Any) -> Answer:
         return refusal
 
 
-def has_hard_link(owner: h5py.Group, path: str) -> bool:
-    """Whether a group leads to an object by hard links alone, and so within the file."""
-    first, _, rest = path.partition("/")
-    raw = first.encode()
-    if not owner.id.links.exists(raw) or owner.id.links.get_info(raw).type != h5py.h5l.TYPE_HARD:
-        return False
-    return not rest or (isinstance(owner[first], h5py.Group) and has_hard_link(owner[first], rest))
+def linked(owner: h5py.HLObject, path: str, *, soft: int = 0) -> h5py.HLObject | None:
+    """Return the object at a path, reached by hard links, and by so many soft ones, within the file; None else."""
+    first, _, rest = path.strip("/").partition("/")
+    if not first:
+        return owner
+    link = owner.get(first, getlink=True) if isinstance(owner, h5py.Group) else None
+    if isinstance(link, h5py.SoftLink) and soft:
+        return linked(owner.file if link.path.startswith("/") else owner, f"{link.path}/{rest}", soft=soft - 1)
+    return linked(owner[first], rest, soft=soft) if isinstance(link, h5py.HardLink) else None
 
 
 def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
     """Return a group held by a hard link; raises RunFileRefused otherwise."""
-    found = owner[name] if has_hard_link(owner, name) else None
+    found = linked(owner, name)
     if not isinstance(found, h5py.Group):
         raise RunFileRefused(f"/{name} is missing")
     if found.id.get_num_objs() > MOST_LINKS:
@@ -102,7 +104,7 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
 
 def own_dataset(owner: h5py.Group, name: str) -> tuple[h5py.Dataset, h5py.h5p.PropDCID]:
     """Return a dataset and how it is stored; raises RunFileRefused unless it lies in the file itself."""
-    dataset = owner[name] if has_hard_link(owner, name) else None
+    dataset = linked(owner, name)
     if not isinstance(dataset, h5py.Dataset):
         raise RunFileRefused(f"{owner.name}/{name} is missing")
     # The layout before the shape: that of a virtual dataset may be found in other files only.

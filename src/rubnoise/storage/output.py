@@ -137,7 +137,12 @@ class PartFile:
                 f"{self.path}: another file has taken its place during the run; it is left as it is, and {self.final}"
                 " is not written"
             )
-        self._rename()
+        if not self.force and _status(self.final):
+            self._let_go()
+            raise OutputAppearedError(
+                f"{self.final} appeared during the run and is left as it is; the whole result is {self.path}"
+            )
+        self.path.replace(self.final)
         self._let_go()
         if durable:
             with suppress(PermissionError):  # of a folder that may be written, and not read
@@ -153,24 +158,6 @@ class PartFile:
             if self.descriptor >= 0 and _is(self.path, os.fstat(self.descriptor)):
                 self.path.unlink(missing_ok=True)
         self._let_go()
-
-    def _rename(self) -> None:
-        if self.force:
-            self.path.replace(self.final)
-            return
-        try:
-            os.link(self.path, self.final)
-        except OSError as problem:
-            if _status(self.final):
-                self._let_go()
-                raise OutputAppearedError(
-                    f"{self.final} appeared during the run and is left as it is; the whole result is {self.path}"
-                ) from problem
-            # File systems without hard links have no rename that keeps an existing file, either.
-            self.path.replace(self.final)
-        else:
-            with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
-                self.path.unlink(missing_ok=True)
 
     def _let_go(self) -> None:
         if self.descriptor >= 0:
@@ -208,17 +195,13 @@ def _locked(part: Path) -> int:
     """Return the descriptor of a part that exists or is made, locked, before anything in it is changed.
 
     While a process waits for the lock, the file may get its final name. So the name must still lead to the open file.
-    A kill while a result gets its name may leave it with both names; then only the name of the part goes.
     """
     while True:
         descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
             _wait_for_lock(descriptor)
-            about = os.fstat(descriptor)
-            if _is(part, about):
-                if about.st_nlink == 1:
-                    return descriptor
-                part.unlink(missing_ok=True)
+            if _is(part, os.fstat(descriptor)):
+                return descriptor
         except BaseException:
             os.close(descriptor)
             raise

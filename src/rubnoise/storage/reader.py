@@ -29,7 +29,7 @@ from rubnoise.storage.objects import (
     REMEDY,
     Answer,
     Place,
-    has_hard_link,
+    linked,
     naming_damage,
     opened_by_hdf5,
     or_refusal,
@@ -327,7 +327,7 @@ def _check_version(file: h5py.File) -> None:
 def _features(file: h5py.File) -> frozenset[Feature]:
     """Return the features of the run, found by the objects that exist only with them."""
     sound_group(file, "junctions")
-    there = frozenset(feature for feature, place in TELLTALES.items() if has_hard_link(file, place))
+    there = frozenset(feature for feature, place in TELLTALES.items() if linked(file, place))
     needed: list[tuple[Feature, str]] = [("speed", "birth_time")]
     needed += [] if "base" in there else [("strength", "shear_strength")]
     for feature, column in needed:
@@ -337,7 +337,7 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         raise RunFileRefused("has /balance without /slider")
     if "free" in there and not {"load", "speed"} <= there:
         raise RunFileRefused("has summits that are touched without /load and times")
-    if has_hard_link(file, "landmarks") and there.isdisjoint(("two-way", "free")):
+    if linked(file, "landmarks") and there.isdisjoint(("two-way", "free")):
         raise RunFileRefused("has /landmarks without /balance")
     return there
 

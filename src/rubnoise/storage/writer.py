@@ -20,10 +20,9 @@ from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Columns
 from rubnoise.storage.disk import read_into, write_all
 from rubnoise.storage.format import add_group, complete, compose, hdf5_on
-from rubnoise.storage.layout import Name, RunDescription, grows, row_count, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, grows, now, row_count, stored_groups
 from rubnoise.storage.life_curve import life_tables, pulse_of
 from rubnoise.storage.output import naming_file, part_file, reason_of
-from rubnoise.storage.provenance import now
 from rubnoise.storage.schema import Group, Scalar
 
 SLACK_BYTES: Final = 1 << 16
