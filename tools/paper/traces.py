@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 
 from paper.figures import Sources
 from rubnoise.analysis.selection import neighbours
-from rubnoise.figures.area import draw_lives
-from rubnoise.figures.motion import Motion, shade_sticks
-from rubnoise.figures.slider import MILLI, draw_in_time
+from rubnoise.figures.area_pictures import draw_lives
+from rubnoise.figures.panes import draw_along, shade
 from rubnoise.figures.style import BLUE, FAINT, INK, STUCK, VERMILION, legend_above, new_figure
+from rubnoise.figures.tracks import Track
 from rubnoise.theory.distribution import distribution
 
 
@@ -23,11 +23,6 @@ def draw_fig4(sources: Sources) -> Figure:
     return figure
 
 
-COLUMNS: Final = {
-    "friction_force": (MILLI, "friction force (mN)"),
-    "displacement": (1.0, "displacement (µm)"),
-    "velocity": (MILLI, "velocity (mm/s)"),
-}
 SECONDS, NEAR_SECONDS, NEAR_SPEEDS = 1.0, 0.2, 6.0
 """How much is shown, some forty periods of the slider; how much of the velocity again, to how many sliding speeds."""
 
@@ -37,32 +32,29 @@ def draw_fig5(sources: Sources) -> Figure:
 
     These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
     """
-    motion = Motion.of(sources.stretch("fig5"))
+    run = sources.stretch("fig5")
     figure = new_figure(7.2, 7.0)
     panes = figure.subplots(4, 1)
-    for axes, (name, (scale, label)) in zip(panes, COLUMNS.items(), strict=False):
-        draw_in_time(axes, [motion.between(0.0, SECONDS)], name, scale)
-        axes.set_ylabel(label)
-        axes.tick_params(labelbottom=name == "velocity")
+    for axes, name in zip(panes, ("force", "displacement", "velocity"), strict=False):
+        draw_along(axes, [Track.of(run, name).between(0.0, SECONDS)], last=name == "velocity")
     # A two-way slider that runs back feels the force from the other side.
     panes[0].set_ylim(bottom=min(0.0, panes[0].get_ylim()[0]) if panes[0].dataLim.y0 < 0.0 else 0.0)
-    panes[2].set_xlabel("time (s)")
-    _draw_near_zero(panes[3], motion.between(0.0, NEAR_SECONDS))
+    _draw_near_zero(panes[3], Track.of(run, "velocity").between(0.0, NEAR_SECONDS))
     legend_above(panes[0])
     figure.align_ylabels()
     return figure
 
 
-def _draw_near_zero(axes: Axes, motion: Motion) -> None:
+def _draw_near_zero(axes: Axes, track: Track) -> None:
     """Draw the velocity again near zero and the drive's speed, and shade where it is above that, or sticks."""
-    (time, velocity), speed = motion.curve("velocity"), MILLI * motion.speed
-    if motion.model.is_two_way:
-        shade_sticks(axes, motion)
+    (time, velocity), speed = track.curve(), 1e-3 * (track.model.sliding_speed or 0.0)
+    if track.model.is_two_way:
+        shade(axes, track)
     else:
         look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": STUCK, "lw": 0.0, "zorder": 0}
-        faster = MILLI * velocity > speed
+        faster = velocity > speed
         axes.fill_between(time, 0.0, 1.0, where=faster, label="slider faster than the drive", **look)
-    axes.plot(time, MILLI * velocity, color=BLUE, lw=1.2)
+    axes.plot(time, velocity, color=BLUE, lw=1.2)
     axes.axhline(0.0, color=FAINT, lw=0.8)
     axes.axhline(speed, color=INK, lw=1.2, ls=(0, (5, 2)), label=f"sliding speed, {speed:.3g} mm/s")
     axes.set(xlim=(0.0, time[-1]), ylim=(-NEAR_SPEEDS * speed, NEAR_SPEEDS * speed))
@@ -81,9 +73,9 @@ def draw_fig6(sources: Sources) -> Figure:
     rows = figure.subplots(len(COUNTS), 2, sharex="col", sharey=True, width_ratios=[2.6, 1.0])
     for (trace, histogram), count in zip(rows, COUNTS, strict=True):
         run = sources.stretch(f"fig6_n{count}", SHOWN)
-        trace.plot(*run.curve("trace", "real_contact_area"), color=BLUE, lw=0.8)
+        trace.plot(*Track.of(run, "area").curve(), color=BLUE, lw=0.8)
         trace.set(xlim=(0.0, SHOWN), ylim=(0.0, HIGHEST), title=f"{count} junctions on average")
-        area, edges = run.whole().record("trace", "real_contact_area"), np.linspace(0.0, HIGHEST, BINS + 1)
+        area, edges = Track.of(run.whole(), "area").record(), np.linspace(0.0, HIGHEST, BINS + 1)
         share = np.histogram(area, edges)[0] / (area.size * np.diff(edges))
         look: dict[str, Any] = {"orientation": "horizontal", "fill": True, "color": BLUE, "alpha": 0.4, "lw": 0.0}
         histogram.stairs(share, edges, label="simulated", **look)

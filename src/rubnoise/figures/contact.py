@@ -11,7 +11,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above, new_figure
+from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,18 +104,6 @@ class Stage:
     def _lens(self, row: int, shift: float) -> Doubles:
         """Return the outline of the overlap of a pair's circles, with centres ``shift`` um apart along the motion."""
         radius = 0.5 * float(self.junctions.diameter[row])
-        if self.junctions.offset is not None:
-            return self._turned_lens(row, shift, radius)
-        half = np.arccos(min(abs(shift) / (2.0 * radius), 1.0))
-        arc = np.linspace(-half, half, ARC_POINTS)
-        # The right edge is that of the circle farther left, and the other way round.
-        left, right = min(shift, 0.0), max(shift, 0.0)
-        x = np.concatenate([left + radius * np.cos(arc), right - radius * np.cos(arc)])
-        y = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
-        return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
-
-    def _turned_lens(self, row: int, shift: float, radius: float) -> Doubles:
-        """Return the same for a pair with centres also apart across the motion."""
         across = 0.0 if self.junctions.offset is None else float(self.junctions.offset[row])
         apart, turn = np.hypot(shift, across), np.arctan2(across, shift)
         half = np.arccos(min(apart / (2.0 * radius), 1.0))
@@ -210,7 +198,7 @@ def _add_key(axes: "Axes", largest_area: float) -> None:
     axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
 
 
-def contact_figure(stretch: Stretch) -> "Figure":
+def draw_contact(figure: "Figure", stretch: Stretch) -> None:
     """Draw the junctions alive at the start of a stretch, in the middle of a run if none was chosen.
 
     The model has no places: those of junctions are only for the eye. Raises Refused if there are more of them than a
@@ -219,10 +207,8 @@ def contact_figure(stretch: Stretch) -> "Figure":
     distance = stretch.start if stretch.chosen else 0.5 * (stretch.start + stretch.stop)
     stage = stage_of(stretch, distance)
     alive = stage.junctions.alive(distance)
-    figure = new_figure(7.2, 4.4)
     words = f"{alive.rows.size} junctions, {float(alive.area(distance).sum()):.4g} µm² in contact"
     add_title(figure, stretch, f"The contact from above at {distance:,.1f} µm: {words}")
     axes = figure.subplots()
     stage.set_up(axes)
     stage.draw(axes)
-    return figure

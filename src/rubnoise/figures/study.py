@@ -16,7 +16,6 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES
-from rubnoise.figures.axis_labels import shown_unit
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import NUMBER, Quantity
 
@@ -276,3 +275,8 @@ def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
             )
         )
     return found
+
+
+def shown_unit(unit: str) -> str:
+    """Return a unit in printed form."""
+    return unit.replace("um", "µm").replace("uN", "µN").replace("^2", "²").replace("*", " ")
