@@ -29,9 +29,7 @@ from rubnoise.contact.laws import Fixed
 from rubnoise.contact.laws.discrete import has_single_values
 from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
-from rubnoise.theory.second_order import (
-    need_random_births,
-)
+from rubnoise.theory.second_order import need_random_births
 from rubnoise.theory.sizes import panels, size_range
 
 ROUNDING: Final = 2.0**-50

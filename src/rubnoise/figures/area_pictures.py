@@ -6,21 +6,14 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
-from rubnoise.analysis.covariance import LaggedProducts
+from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
-from rubnoise.figures.panes import (
-    draw_along,
-    draw_histogram,
-    draw_lanes,
-    draw_layers,
-    edges_of,
-    mark_ends,
-)
+from rubnoise.figures.panes import draw_along, draw_histogram, draw_lanes, draw_layers, edges_of, mark_ends
 from rubnoise.figures.spectra import draw_spectra, is_expected, spectrum_of
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import (
@@ -97,14 +90,14 @@ def draw_acf(figure: "Figure", stretch: Stretch) -> None:
     reach = min(int(LAG_LIVES * life / track.step) + 1, (track.last - track.first) // 2)
     steps = np.arange(0, reach + 1, max(1, reach // LAGS))
     lag, mean = track.step * steps, float(track.record().mean())
-    products = LaggedProducts(steps.tolist(), mean)
+    products = CovarianceSum(reach, mean)
     for chunk in track.chunks():
         products.add(chunk)
     add_title(figure, stretch, "Autocovariance of the real contact area")
     axes = figure.subplots()
     if stretch.has_theory:
         _draw_exact(axes, stretch, np.linspace(0.0, float(lag[-1]), 400))
-    axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
+    axes.plot(lag, products.covariances()[steps], "o", color=BLUE, ms=2.6, label="simulated")
     rounding = (NEAREST * mean) ** 2
     if max(np.abs(axes.get_ylim())) < rounding:
         axes.set_ylim(-rounding, rounding)
@@ -270,7 +263,7 @@ def _moments_title(track: Track, values: Doubles) -> str:
     means = [f"{values.mean():.4g}", f"{values.std():.4g}"]
     if known is not None:
         means = [f"{seen} (exact {exact:.4g})" for seen, exact in zip(means, known, strict=True)]
-    title = f"How often each {track.quantity.words} occurs: mean {means[0]}, std {means[1]} {unit}"
+    title = f"How often each {track.quantity.words} occurs\nmean {means[0]}, std {means[1]} {unit}"
     found = track.landmarks()
     if isinstance(found, Flights):
         title += f"\noff the surface for {100.0 * found.share(track.begin, track.end):.3g} % of the time"

@@ -8,12 +8,7 @@ import numpy as np
 from rubnoise.analysis.landmarks import Flights, StickSlip
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused
-from rubnoise.figures.panes import (
-    curve_styles,
-    draw_along,
-    draw_counts,
-    draw_density,
-)
+from rubnoise.figures.panes import curve_styles, draw_along, draw_counts, draw_density
 from rubnoise.figures.spectra import draw_spectra, spectrum_of
 from rubnoise.figures.stretch import MOST_READ, Stretch
 from rubnoise.figures.style import (

@@ -12,16 +12,7 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.panes import curve_styles
-from rubnoise.figures.style import (
-    FAINT,
-    INK,
-    NEAREST,
-    VERMILION,
-    draw_band,
-    draw_ratio,
-    legend_above,
-    logarithmic,
-)
+from rubnoise.figures.style import FAINT, INK, NEAREST, VERMILION, draw_band, draw_ratio, legend_above, logarithmic
 from rubnoise.figures.tracks import Track, labels_of
 from rubnoise.theory.periodogram import expected_periodogram, through_window
 from rubnoise.theory.second_order import visible_lines
@@ -69,11 +60,14 @@ def spectrum_of(track: Track) -> Spectrum:
             tick = f"with a tick every {track.step:g} um"
             raise Refused(f"a spectrum needs a stretch of {needed:.3g} um or more, {tick}")
         raise Refused(f"a spectrum needs {needed:.3g} s of a {track.quantity.words} that varies")
-    total = WelchSum(rows, track.step)
+    total, values = WelchSum(rows, track.step), 0.0
     for chunk in track.chunks():
         total.add(chunk)
-    seen = total.spectrum()
-    if seen.power <= (NEAREST * track.quantity.scale * track.quantity.still(track.model)) ** 2:
+        values += float(chunk.sum())
+    seen, still = total.spectrum(), NEAREST * abs(values) / (track.last - track.first)
+    if track.quantity.column == "velocity":  # whose mean is 0; beside the drive's speed it may be small, but not that
+        still = NEAREST**2 * track.quantity.scale * (track.model.sliding_speed or 0.0)
+    if seen.power <= still**2:
         raise Refused(f"the {track.quantity.words} does not vary in this stretch, so it has no spectrum")
     return seen
 
@@ -169,7 +163,8 @@ def _draw_exact(axes: "Axes", track: Track, lowest: float, highest: float) -> No
         look: dict[str, Any] = (
             {"label": "exact"} if track.has_theory else {"ls": (0, (4, 2)), "label": "exact, one-way"}
         )
-        axes.plot(place, density, color=VERMILION, lw=1.0 if track.timed else 2.4, zorder=1.9, **look)
+        lines: dict[str, Any] = {"lw": 1.0} if track.timed else {"lw": 2.4, "zorder": 1.9}
+        axes.plot(place, density, color=VERMILION, **lines, **look)
     if not track.timed:
         for number, line in enumerate(visible_lines(model)[0][:MOST_LINES]):
             label = "_one entry is enough" if number else "exact lines"

@@ -142,26 +142,17 @@ def _grid_place(ax: Any) -> tuple[Any, Any]:
     return figure, ax.get_subplotspec()
 
 
-STYLES: Final[dict[Style, dict[str, Any]]] = {
-    "screen": {},
-    "paper": {
-        "font.size": 7.0,
-        "axes.titlesize": 7.5,
-        "legend.fontsize": 6.0,
-        "lines.linewidth": 0.9,
-        "axes.linewidth": 0.6,
-        "figure.titlesize": 7.5,
-    },
-    "slides": {
-        "font.size": 15.0,
-        "axes.titlesize": 16.0,
-        "figure.titlesize": 16.0,
-        "legend.fontsize": 13.0,
-        "lines.linewidth": 2.4,
-        "axes.linewidth": 1.4,
-    },
-}
-"""What changes for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
+STYLES: Final[dict[Style, float]] = {"screen": 1.0, "paper": 0.72, "slides": 1.65}
+"""Factors to letters and lines: for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
+
+_SCALED: Final = (
+    "font.size",
+    "axes.titlesize",
+    "figure.titlesize",
+    "legend.fontsize",
+    "lines.linewidth",
+    "axes.linewidth",
+)
 
 
 def house_style(style: Style = "screen") -> Any:
@@ -172,7 +163,8 @@ def house_style(style: Style = "screen") -> Any:
         raise PicturesMissing(f"a picture needs matplotlib: {how_to_install('plot')}") from problem
     # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
     settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    return mpl.rc_context(settings | SETTINGS | STYLES[style] | {"backend": "agg"})
+    scaled = {name: STYLES[style] * SETTINGS[name] for name in _SCALED}
+    return mpl.rc_context(settings | SETTINGS | scaled | {"backend": "agg"})
 
 
 def as_bytes(figure: "Figure", kind: Format) -> bytes:

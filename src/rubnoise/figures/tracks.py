@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final, Literal, Self
 
@@ -32,17 +32,12 @@ Moments = tuple[float, float]
 Density = Callable[[Model, Doubles], Doubles]
 
 
-def _unknown(_model: Model) -> float:
-    return 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Quantity:
-    """A column along a run: its group, its unit on an axis with the factor to it, and what theory says of it.
+    """A column along a run: its group, its unit on an axis, and what theory says of it.
 
     ``moments`` are its exact mean and standard deviation, ``density`` its exact two-sided spectral density, ``white``
-    that of white noise of the same level at low frequency (Kilburn). ``still`` is the scale of a slider at rest:
-    variations much smaller than it are rounding.
+    that of white noise of the same level at low frequency (Kilburn).
     """
 
     words: str
@@ -52,7 +47,6 @@ class Quantity:
     moments: Callable[[Model], Moments]
     density: Density | None = None
     white: Density | None = None
-    still: Callable[[Model], float] = field(default=_unknown)
 
     @property
     def scale(self) -> float:
@@ -73,106 +67,63 @@ def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     return force_spectral_density(model, angular_frequency / model.sliding_speed) / model.sliding_speed
 
 
+def _of_area(model: Model) -> Moments:
+    area = area_cumulants(model)
+    return area.mean, area.std
+
+
+def _of_force(model: Model) -> Moments:
+    force = force_cumulants(model)
+    return force.mean, force.std
+
+
 def _of_load(name: str) -> Callable[[Model], Moments]:
-    return lambda model: (_weight(model) if name == "load_std" else 0.0, float(getattr(load_motion(model), name)))
+    return lambda model: ((model.load or 0.0) * (name == "load_std"), float(getattr(load_motion(model), name)))
 
 
-def _weight(model: Model) -> float:
-    return 0.0 if model.held is None else model.held.load
+def _of_motion(name: str) -> Callable[[Model], Moments]:
+    def moments(model: Model) -> Moments:
+        found = response(model)
+        return found.mean_displacement if name == "displacement_std" else 0.0, float(getattr(found, name))
+
+    return moments
 
 
-def _deflection(model: Model) -> float:
-    return response(model).mean_displacement
+def _of_base(model: Model) -> Moments:
+    return response(model).mean_displacement, model.base_per_area * area_cumulants(model).std
 
 
-def _mean_and_std(law: Any) -> Moments:
-    return law.mean, law.std
+def _white_velocity(model: Model, frequency: Doubles) -> Doubles:
+    return np.square(frequency) * white_displacement_spectrum(model, frequency)
 
 
-def _fastest_still(model: Model) -> float:
-    """Return the speed in um/s of a slider that swings by its own deflection under the mean force."""
-    return 0.0 if model.slider is None else model.slider.natural_angular_frequency * _deflection(model)
-
-
-def _falling(model: Model) -> float:
-    swings = None if model.held is None else model.held.oscillator
-    return 0.0 if swings is None else swings.natural_angular_frequency * _weight(model) / swings.stiffness
-
-
+_MOVING: Final = ("displacement", "velocity", "normal_velocity", "load")
+_density: Final = {name: partial(motion_spectrum, name) for name in _MOVING}
 QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "area": Quantity(
-        words="real contact area",
-        group="trace",
-        column="real_contact_area",
-        unit="µm²",
-        moments=lambda model: _mean_and_std(area_cumulants(model)),
-        density=spectral_density,
-        still=lambda model: area_cumulants(model).mean,
-    ),
+    "area": Quantity("real contact area", "trace", "real_contact_area", "µm²", _of_area, spectral_density),
     "count": Quantity(
-        words="live junctions",
-        group="trace",
-        column="junction_count",
-        unit="",
-        moments=lambda model: (exact(model).count_mean, exact(model).count_std),
+        "live junctions", "trace", "junction_count", "", lambda model: (exact(model).count_mean, exact(model).count_std)
     ),
     "force": Quantity(
-        words="friction force",
-        group="slider",
-        column=COLUMNS["force"],
-        unit="mN",
-        moments=lambda model: _mean_and_std(force_cumulants(model)),
-        density=_exact_force,
-        white=white_force_spectrum,
-        still=lambda model: 0.0 if model.strengths is None else model.strengths.mean * model.mean_real_contact_area,
+        "friction force", "slider", COLUMNS["force"], "mN", _of_force, _exact_force, white_force_spectrum
     ),
-    "base": Quantity(
-        words="height of the base",
-        group="slider",
-        column="base_displacement",
-        unit="µm",
-        moments=lambda model: (_deflection(model), model.base_per_area * area_cumulants(model).std),
-    ),
+    "base": Quantity("height of the base", "slider", "base_displacement", "µm", _of_base),
     "displacement": Quantity(
-        words="displacement",
-        group="slider",
-        column=COLUMNS["displacement"],
-        unit="µm",
-        moments=lambda model: (_deflection(model), response(model).displacement_std),
-        density=partial(motion_spectrum, "displacement"),
-        white=white_displacement_spectrum,
-        still=_deflection,
+        "displacement",
+        "slider",
+        "displacement",
+        "µm",
+        _of_motion("displacement_std"),
+        _density["displacement"],
+        white_displacement_spectrum,
     ),
     "velocity": Quantity(
-        words="velocity",
-        group="slider",
-        column=COLUMNS["velocity"],
-        unit="mm/s",
-        moments=lambda model: (0.0, response(model).velocity_std),
-        density=partial(motion_spectrum, "velocity"),
-        white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
-        still=_fastest_still,
+        "velocity", "slider", "velocity", "mm/s", _of_motion("velocity_std"), _density["velocity"], _white_velocity
     ),
-    "load": Quantity(
-        words="load",
-        group="load",
-        column=COLUMNS["load"],
-        unit="mN",
-        moments=_of_load("load_std"),
-        density=partial(motion_spectrum, "load"),
-        still=_weight,
-    ),
-    "separation": Quantity(
-        words="separation", group="load", column="separation", unit="µm", moments=_of_load("separation_std")
-    ),
+    "load": Quantity("load", "load", "load", "mN", _of_load("load_std"), _density["load"]),
+    "separation": Quantity("separation", "load", "separation", "µm", _of_load("separation_std")),
     "normal-velocity": Quantity(
-        words="normal velocity",
-        group="load",
-        column=COLUMNS["normal-velocity"],
-        unit="mm/s",
-        moments=_of_load("velocity_std"),
-        density=partial(motion_spectrum, "normal_velocity"),
-        still=_falling,
+        "normal velocity", "load", "velocity", "mm/s", _of_load("velocity_std"), _density["normal_velocity"]
     ),
 }
 """Everything that is drawn along a run, by name."""
