@@ -63,7 +63,9 @@ class Stage:
         axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, ls="", color=INK, label=upper)
         self._signs(axes, pairs.birth, BORN, marker="o", mfc="white", ms=5.0, label="birth")
         self._signs(axes, pairs.death, LEAD, marker="x", ms=6.0, label="death")
-        axes.set(aspect="equal", xlim=(0.0, self.width), ylim=(0.0, self.height), yticks=[], xlabel="µm")
+        axes.set(aspect="equal", xlim=(0.0, self.width), ylim=(-0.1 * self.height, self.height), yticks=[])
+        axes.xaxis.set_major_formatter("{x:g} µm")
+        axes.tick_params(axis="x", direction="in", pad=-14.0)  # below the pairs
         axes.spines["left"].set_visible(False)
         legend_above(axes)
         axes.figure.colorbar(overlaps, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
