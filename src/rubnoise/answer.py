@@ -4,7 +4,6 @@ An answer has rows (a name, a value with its unit, and where theory has them the
 tables (curves), and it is true unless a row fails. One renderer each makes text, JSON, CSV and HTML of any answer.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -57,6 +56,12 @@ class Row:
         """Return what the row has, by name."""
         found = {name: getattr(self, name) for name in HEADS[2:]}
         return {name: value for name, value in found.items() if value is not None and value != ""}
+
+
+def rows(part: str, *found: tuple[Any, ...]) -> Iterator[Row]:
+    """Return the rows of a part, each given as name, value and perhaps unit and note; one without value is left out."""
+    known = ((name, value, dict(zip(("unit", "note"), rest, strict=False))) for name, value, *rest in found)
+    return (Row(part=part, name=name, value=value, **beside) for name, value, beside in known if value is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,11 +185,6 @@ class Answer:
     def _repr_html_(self) -> str:
         cells = [[_cell(name, getattr(row, name)) for name in HEADS] for row in self.rows]
         return as_html(self.title, HEADS, cells, "\n".join([*self.notes, *self._verdict(10_000)]))
-
-
-def as_json(answer: Answer) -> str:
-    """Return an answer as one JSON object, on one line."""
-    return json.dumps(answer.to_json(), allow_nan=False)
 
 
 def finite(value: Any) -> Any:

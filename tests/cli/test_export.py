@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 from importlib.util import find_spec
-from io import RawIOBase, StringIO, TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,6 @@ import pytest
 import xarray as xr
 
 import rubnoise
-from rubnoise.cli.app import main
 from rubnoise.errors import how_to_install
 from rubnoise.storage import export as exporting
 from tests.cli.terminal import begin, call, names, spawn, spawn_program, stop
@@ -100,34 +98,6 @@ def test_netcdf_holds_all_groups_or_one_at_its_root(here: Path, rows: Any) -> No
     with xr.open_datatree(here / "run.nc", engine="h5netcdf") as tree:
         assert set(tree.children) == set(TABLES)
         assert tree["junctions"]["state"].attrs["flag_meanings"] == "alive_at_start alive_at_end ended_early"
-
-
-def test_a_raw_standard_output_gets_every_byte(here: Path, rows: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A stream as PYTHONUNBUFFERED makes it: it may write a part of the data without an error."""
-    part = _Parts()
-    stream = TextIOWrapper(part, encoding="utf-8", write_through=True)
-    with monkeypatch.context() as patched:
-        patched.setattr(sys, "stdout", stream)
-        patched.setattr(sys, "stderr", StringIO())
-        patched.setattr(sys, "argv", ["rubnoise", "export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-"])
-        with pytest.raises(SystemExit, match="0"):
-            main()
-    assert call("export", "run.h5", "--to", "csv", "--group", "trace").code == 0
-    assert bytes(part.held) == (here / "run_trace.csv").read_bytes()
-
-
-class _Parts(RawIOBase):
-    """Standard output that takes 100 bytes of each write."""
-
-    def __init__(self) -> None:
-        self.held = bytearray()
-
-    def writable(self) -> bool:
-        return True
-
-    def write(self, data: Any) -> int:
-        self.held += bytes(data)[:100]
-        return min(len(data), 100)
 
 
 @pytest.mark.parametrize("kind", THESE)

@@ -129,19 +129,8 @@ def test_file_names_are_left_to_the_shell(here: Path) -> None:
     assert "complete -o default" in spawn(_RUBNOISE_COMPLETE="source_bash").out
 
 
-# `rubnoise --version` names the commit of a checkout, however git keeps it, and starts no git for it.
-ONE, OTHER = "1" * 40, "2a" * 32
-
-
-def checkout(folder: Path, files: dict[str, str]) -> Path:
-    """Make a checkout with some of git's own files, and return the package in it."""
-    package = folder / "src" / "rubnoise"
-    package.mkdir(parents=True)
-    (folder / "pyproject.toml").touch()
-    for name, text in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text)
-    return package
+# `rubnoise --version` names the commit of a checkout, as git does, or that of an installed package.
+ONE = "1" * 40
 
 
 def test_it_is_the_commit_that_git_names() -> None:

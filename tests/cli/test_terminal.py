@@ -15,8 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rubnoise
-from rubnoise.cli.app import COMMANDS
-from rubnoise.cli.commands import escaped, escaping
+from rubnoise.cli.app import COMMANDS, escaped, escaping
 from rubnoise.cli.progress import watching_reads
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import (

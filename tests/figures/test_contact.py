@@ -11,8 +11,9 @@ import pytest
 import rubnoise
 from rubnoise.analysis.selection import Neighbours
 from rubnoise.errors import Refused
-from rubnoise.figures import contact, style
-from rubnoise.figures.contact import LEAD, MOST_AT_ONCE, Stage, contact_figure, stage_of
+from rubnoise.figures import contact
+from rubnoise.figures.catalogue import drawing
+from rubnoise.figures.contact import LEAD, MOST_AT_ONCE, Stage, stage_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
 
@@ -86,8 +87,7 @@ def test_too_many_are_refused_and_none_are_drawn_too(
 
 
 def test_areas_in_the_picture_are_those_of_the_junctions(stretch: Stretch) -> None:
-    with style.house_style():
-        figure = contact_figure(Stretch.of(stretch.file, AT, AT + 10.0))
+    figure = drawing("contact", Stretch.of(stretch.file, AT, AT + 10.0))
     overlap = next(each for each in figure.axes[0].collections if each.get_array() is not None)
     drawn = np.asarray(overlap.get_array())
     row = round(AT / stretch.model.tick)

@@ -83,7 +83,7 @@ def test_flights_are_the_time_without_contact_and_impacts_end_them(bouncing: Str
 
 
 def test_the_share_apart_stands_over_the_histogram_of_the_load(bouncing: Stretch) -> None:
-    count = bouncing.record("trace", "junction_count")
+    count = bouncing.file.column("trace", "junction_count")
     title = str(drawing("histogram", bouncing, heard="load").get_suptitle()).replace("\n", " ")
     share = float(title.partition("off the surface for ")[2].partition(" %")[0])
     assert abs(share - 100.0 * np.mean(count == 0)) < 0.2

@@ -12,6 +12,7 @@ import rubnoise
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
 from rubnoise.figures.study import PointRuns, Study, StudyLine, exact_of, study_of_points
 from rubnoise.figures.study_picture import study_picture
+from rubnoise.figures.tracks import Track
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.theory.moments import area_cumulants
@@ -148,7 +149,7 @@ def file(path: Path) -> Iterator[RunFile]:
 def test_of_many_rows_the_extremes_are_kept(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rubnoise.arrays.CHUNK_ROWS", 999)
     whole = Stretch.of(file)
-    distance, area = whole.curve("trace", "real_contact_area")
+    distance, area = Track.of(whole, "area").curve()
     values = file.column("trace", "real_contact_area")
     assert area.size <= MOST_POINTS + 2
     assert distance.size == area.size
@@ -157,4 +158,4 @@ def test_of_many_rows_the_extremes_are_kept(file: RunFile, monkeypatch: pytest.M
     assert distance[0] == distance[1] == pytest.approx(1.05)
     assert np.all(np.diff(distance) >= 0.0)
     monkeypatch.undo()
-    np.testing.assert_array_equal(area, whole.curve("trace", "real_contact_area")[1])
+    np.testing.assert_array_equal(area, Track.of(whole, "area").curve()[1])

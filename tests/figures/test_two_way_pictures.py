@@ -9,10 +9,8 @@ import pytest
 from scipy.signal import welch
 
 import rubnoise
-from rubnoise.figures.motion_spectrum import motion_spectrum_figure
-from rubnoise.figures.slider import phase_figure, slider_figure
+from rubnoise.figures.catalogue import drawing
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import house_style
 from rubnoise.record.rows import Phase
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.motion import response
@@ -94,8 +92,7 @@ def test_a_stretch_is_passed_for_the_first_time(two_way: Stretch) -> None:
 
 
 def test_the_slider_is_drawn_as_it_moves_and_shaded_where_it_sticks(two_way: Stretch) -> None:
-    with house_style():
-        force, place, spectrum = slider_figure(two_way).axes
+    force, place, spectrum = drawing("slider", two_way).axes
     time, shown = _line(place, "simulated")
     rows = np.round(time / 1e-4).astype(int)
     extremes = _column(two_way, "displacement")
@@ -114,9 +111,8 @@ def test_the_slider_is_drawn_as_it_moves_and_shaded_where_it_sticks(two_way: Str
 
 
 def test_one_way_motion_has_its_exact_band_and_no_sticks(one_way: Stretch) -> None:
-    with house_style():
-        place = slider_figure(one_way).axes[1]
-        path, *_ = phase_figure(one_way).axes
+    place = drawing("slider", one_way).axes[1]
+    path, *_ = drawing("phase", one_way).axes
     assert _shaded(place) == []
     exact = response(one_way.model)
     assert any(np.allclose(line.get_ydata(), exact.mean_displacement) for line in place.lines)
@@ -133,8 +129,7 @@ def test_spectra_over_frequency_are_those_of_scipy(
     one_way: Stretch, two_way: Stretch, heard: Any, column: str, scale: float
 ) -> None:
     for stretch, label in ((one_way, "exact"), (two_way, "exact, one-way")):
-        with house_style():
-            axes = motion_spectrum_figure(stretch, heard).axes[0]
+        axes = drawing("psd", stretch, heard=heard).axes[0]
         frequency, density = _line(axes, "simulated")
         count = round(2.0 / (frequency[0] * 1e-4))
         values = scale * _column(stretch, column)
@@ -152,8 +147,7 @@ def test_spectra_over_frequency_are_those_of_scipy(
     [("one_way", "velocity"), ("one_way", "displacement"), ("one_way", "force"), ("force_alone", "force")],
 )
 def test_a_one_way_spectrum_is_what_is_expected_of_it(run: str, heard: Any, request: pytest.FixtureRequest) -> None:
-    with house_style():
-        figure = motion_spectrum_figure(request.getfixturevalue(run), heard)
+    figure = drawing("psd", request.getfixturevalue(run), heard=heard)
     _, below = figure.axes
     frequency, ratio = _line(below, "simulated over expected")
     error = 0.5 * np.array([band_of(below)[float(each)] for each in frequency])
@@ -164,11 +158,10 @@ def test_a_one_way_spectrum_is_what_is_expected_of_it(run: str, heard: Any, requ
 
 
 def test_one_run_is_laid_over_another_at_the_same_times(one_way: Stretch, two_way: Stretch) -> None:
-    with house_style():
-        force, place, spectrum = slider_figure(one_way, two_way).axes
-        (plane,) = phase_figure(one_way, two_way).axes
-        heard, _ = motion_spectrum_figure(one_way, "velocity", two_way).axes
-        title = str(slider_figure(one_way, two_way).get_suptitle())
+    force, place, spectrum = drawing("slider", one_way, beside=two_way).axes
+    (plane,) = drawing("phase", one_way, beside=two_way).axes
+    heard, _ = drawing("psd", one_way, heard="velocity", beside=two_way).axes
+    title = str(drawing("slider", one_way, beside=two_way).get_suptitle())
     assert title.endswith("\none.h5, and over it two.h5")
     end = place.get_xlim()[1]
     for stretch, label in ((one_way, "one-way coupling"), (two_way, "two-way coupling")):

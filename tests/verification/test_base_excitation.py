@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.one_way import WORTH_A_WARNING
+from rubnoise.analysis.moments import WORTH_A_WARNING
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.pages.report_words import in_words, motion_in_words

@@ -7,10 +7,10 @@ from matplotlib.figure import Figure
 
 from paper.figures import Sources
 from rubnoise.analysis.selection import neighbours
-from rubnoise.figures.area import draw_lives
-from rubnoise.figures.motion import Motion
-from rubnoise.figures.slider import MILLI, draw_in_time
+from rubnoise.figures.area_pictures import draw_lives
+from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, VERMILION, legend_above, new_figure
+from rubnoise.figures.tracks import Track
 from rubnoise.theory.distribution import distribution
 
 
@@ -22,11 +22,6 @@ def draw_fig4(sources: Sources) -> Figure:
     return figure
 
 
-COLUMNS: Final = {
-    "friction_force": (MILLI, "friction force (mN)"),
-    "displacement": (1.0, "displacement (µm)"),
-    "velocity": (MILLI, "velocity (mm/s)"),
-}
 SECONDS: Final = 1.0
 """How much is shown, some forty periods of the slider."""
 
@@ -36,16 +31,13 @@ def draw_fig5(sources: Sources) -> Figure:
 
     These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
     """
-    motion = Motion.of(sources.stretch("fig5"))
+    run = sources.stretch("fig5")
     figure = new_figure(7.2, 5.4)
     panes = figure.subplots(3, 1)
-    for axes, (name, (scale, label)) in zip(panes, COLUMNS.items(), strict=True):
-        draw_in_time(axes, [motion.between(0.0, SECONDS)], name, scale)
-        axes.set_ylabel(label)
-        axes.tick_params(labelbottom=name == "velocity")
+    for axes, name in zip(panes, ("force", "displacement", "velocity"), strict=True):
+        draw_along(axes, [Track.of(run, name).between(0.0, SECONDS)], last=name == "velocity")
     # A two-way slider that runs back feels the force from the other side.
     panes[0].set_ylim(bottom=min(0.0, panes[0].get_ylim()[0]) if panes[0].dataLim.y0 < 0.0 else 0.0)
-    panes[2].set_xlabel("time (s)")
     legend_above(panes[0])
     figure.align_ylabels()
     return figure
@@ -62,9 +54,9 @@ def draw_fig6(sources: Sources) -> Figure:
     rows = figure.subplots(len(COUNTS), 2, sharex="col", sharey=True, width_ratios=[2.6, 1.0])
     for (trace, histogram), count in zip(rows, COUNTS, strict=True):
         run = sources.stretch(f"fig6_n{count}", SHOWN)
-        trace.plot(*run.curve("trace", "real_contact_area"), color=BLUE, lw=0.8)
+        trace.plot(*Track.of(run, "area").curve(), color=BLUE, lw=0.8)
         trace.set(xlim=(0.0, SHOWN), ylim=(0.0, HIGHEST), title=f"{count} junctions on average")
-        area, edges = run.whole().record("trace", "real_contact_area"), np.linspace(0.0, HIGHEST, BINS + 1)
+        area, edges = Track.of(run.whole(), "area").record(), np.linspace(0.0, HIGHEST, BINS + 1)
         share = np.histogram(area, edges)[0] / (area.size * np.diff(edges))
         look: dict[str, Any] = {"orientation": "horizontal", "fill": True, "color": BLUE, "alpha": 0.4, "lw": 0.0}
         histogram.stairs(share, edges, label="simulated", **look)

@@ -42,11 +42,15 @@ class Balance:
     reverse_work: float
 
     @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Return the columns of /balance."""
+        return tuple(each.name for each in fields(cls) if each.name not in {"slider", "speed", "start"})
+
+    @classmethod
     def of(cls, model: Model, row: Mapping[str, float]) -> Self:
         """Return the balance of a run of a model; raises Refused without slider, strength or speed."""
         drive = drive_of(model)
-        beside = {"slider": drive.slider, "speed": drive.speed, "start": model.equilibrium_displacement}
-        kept = {each.name: row[each.name] for each in fields(cls) if each.name not in beside}
+        kept = {name: row[name] for name in cls.columns()}
         return cls(slider=drive.slider, speed=drive.speed, start=model.equilibrium_displacement, **kept)
 
     @property

@@ -28,9 +28,7 @@ from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, has_single_values
 from rubnoise.contact.pulses import half_life
 from rubnoise.model import Model
-from rubnoise.theory.second_order import (
-    need_random_births,
-)
+from rubnoise.theory.second_order import need_random_births
 from rubnoise.theory.sizes import panels, size_range
 
 ROUNDING: Final = 2.0**-50

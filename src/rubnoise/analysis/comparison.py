@@ -3,7 +3,7 @@
 `PARTS` lists what yields the figures of each part of a run, from what `measured` sums up.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import inf, sqrt
 from typing import Final
 
@@ -18,7 +18,6 @@ from rubnoise.analysis.findings import (
     LARGEST_TAIL_SKEWNESS,
     Comparison,
     Finding,
-    Findings,
     Identity,
     Tail,
     comparison,
@@ -90,7 +89,7 @@ def memory(seen: MeasuredRun) -> Iterator[Finding]:
     step = seen.layout.stride * model.tick
     lags = step * np.array(seen.layout.lags, dtype=np.float64)
     exact = autocovariance(model, lags) - area_noise(stretch).variance_of_mean()
-    errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()
+    errors, found = covariance_errors(model, lags, length, step), seen.products.covariances()[list(seen.layout.lags)]
     scale, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
     for lag, *values in zip(lags.tolist(), found.tolist(), exact.tolist(), errors.tolist(), strict=True):
         yield judged(f"real_contact_area_autocovariance_{lag:.3g}", *values, length=length, scale=scale, tail=tail)
@@ -312,17 +311,17 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     seen = measured_run(model, rows)
     if model.free is not None:
         found = (*flight(seen, model.free), LeftOut(name="everything else", reason=SILENT))
-        return comparison([Findings(heading="load", found=found)], bound)
+        return comparison({"load": found}, {"load": 0.0}, bound)
     first, needed = seen.layout.first["trace"] * model.tick, needed_for_mean(model)
     if seen.ticks() * model.tick < needed:
         length, mean = (model.tick_count + 1) * model.tick, seen.moments.get(AREA, Moments()).mean
         raise RecordTooShort("a comparison with the theory", mean, length=length, needed=first + needed)
-    return comparison([_part(seen, heading) for heading in PARTS], bound)
+    begins = {heading: seen.layout.first.get(group, 0) * model.tick for heading, (group, _) in PARTS.items()}
+    return comparison({heading: _found(seen, producers) for heading, (_, producers) in PARTS.items()}, begins, bound)
 
 
-def _part(seen: MeasuredRun, heading: str) -> Findings:
+def _found(seen: MeasuredRun, producers: Mapping[str, Producer]) -> list[Finding]:
     """Return the findings of a part; of a figure that theory refuses, its name and the reason."""
-    group, producers = PARTS[heading]
     found: list[Finding] = []
     for name, produce in producers.items():
         try:
@@ -331,6 +330,4 @@ def _part(seen: MeasuredRun, heading: str) -> Findings:
             raise
         except Refused as refusal:
             found.append(LeftOut(name=name, reason=str(refusal)))
-    part = Findings(heading=heading, found=tuple(found))
-    begins = seen.layout.first.get(group, 0) * seen.model.tick if part.figures else 0.0
-    return Findings(heading=heading, found=part.found, begins=begins)
+    return found

@@ -1,9 +1,7 @@
-"""The autocovariance of a record in memory, and of a stream at chosen lags or at all lags up to a reach.
+"""The autocovariance of a record in memory, and of a stream, at all lags up to a reach.
 
 numpy's transforms have the bits and the speed of scipy's, and importing scipy takes longer than all of numpy.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,51 +21,8 @@ def autocovariance(values: Doubles, reach: int) -> Doubles:
 
 
 def _fast_length(least: int) -> int:
-    """Return the least number from ``least`` on without a prime factor above 5: its transform is fast."""
-    found = 1 << (least - 1).bit_length()
-    fives = 1
-    while fives < found:
-        odd = fives
-        while odd < found:
-            found = min(found, odd << (-(-least // odd) - 1).bit_length())
-            odd *= 3
-        fives *= 5
-    return found
-
-
-class LaggedProducts:
-    """Autocovariances at chosen lags of a stream of values, which may come in pieces of any size.
-
-    Lags are in ticks; ``centre`` is about the mean, so that nothing is lost to cancellation.
-    """
-
-    def __init__(self, lags: Sequence[int], centre: float) -> None:
-        self._lags = tuple(lags)
-        self._centre = centre
-        self._tail = np.empty(0)
-        self._count = 0
-        self._total = 0.0
-        self._sums = np.zeros((len(self._lags), 3))
-
-    def add(self, values: Doubles) -> None:
-        """Add the next values."""
-        new = values - self._centre
-        known = self._tail.size
-        row = np.concatenate([self._tail, new])
-        for line, lag in enumerate(self._lags):
-            first = max(known - lag, 0)
-            earlier, later = row[first : max(first, row.size - lag)], row[first + lag :]
-            self._sums[line] += float((earlier * later).sum()), float(earlier.sum()), float(later.sum())
-        self._count += new.size
-        self._total += float(new.sum())
-        self._tail = row[max(0, row.size - max(self._lags, default=0)) :]
-
-    def covariances(self) -> Doubles:
-        """Return the mean of (x_i - mean)(x_(i+j) - mean) over the n - j pairs of each lag j; nan for a lag without."""
-        mean = self._total / max(self._count, 1)
-        pairs = np.array([max(self._count - lag, 0) for lag in self._lags], dtype=np.float64)
-        products, earlier, later = self._sums.T
-        return (products - mean * (earlier + later)) / np.where(pairs > 0.0, pairs, np.nan) + mean * mean
+    """Return the least power of two from ``least`` on, whose transform is fast."""
+    return 1 << (least - 1).bit_length()
 
 
 _STRETCHES_A_REACH = 4

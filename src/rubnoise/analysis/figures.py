@@ -8,18 +8,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import isnan, nan, sqrt
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.findings import (
-    Finding,
-    judged,
-    judged_mean,
-    tail_of,
-)
+from rubnoise.analysis.findings import Finding, judged, judged_mean, tail_of
 from rubnoise.analysis.measured import MeasuredRun
 from rubnoise.analysis.moments import FEWEST_DECAYS, FEWEST_LIVES, decays_of, over_ticks
 from rubnoise.contact.births import RegularBirths
@@ -176,19 +171,26 @@ def _area(moment: str, power: int, scale: float | None = None) -> Figure:
     return Figure(f"real_contact_area_{moment}", AREA, moment, exact, _area_errors, moment, (power, 0), scale)
 
 
-def _of_force(moment: str) -> Callable[[Model], float]:
+def _force(name: str, column: tuple[str, str], moment: str, powers: tuple[int, int] | None, **more: Any) -> Figure:
     def exact(model: Model) -> float:
         return nan if model.strengths is None else float(getattr(force_cumulants(model), moment))
 
-    return exact
+    return Figure(name, column, moment, exact, _force_errors, moment, powers, **more)
 
 
-def _of_motion(name: str) -> Callable[[Model], float]:
-    return lambda model: float(getattr(motion_of(model), name))
+def _moved(name: str, column: tuple[str, str], of: str, powers: tuple[int, int] | None, **more: Any) -> Figure:
+    def exact(model: Model) -> float:
+        return float(getattr(motion_of(model), of))
+
+    moment = "mean" if of.startswith("mean") else "std"
+    return Figure(name, column, moment, exact, _motion_errors, of, powers, **more)
 
 
-def _of_load(name: str) -> Callable[[Model], float]:
-    return lambda model: float(getattr(load_motion(model), name))
+def _borne(name: str, column: tuple[str, str], of: str) -> Figure:
+    def exact(model: Model) -> float:
+        return float(getattr(load_motion(model), of))
+
+    return Figure(name, column, "std", exact, _load_errors, of, (6, 0))
 
 
 def _load(model: Model) -> float:
@@ -206,41 +208,22 @@ FIGURES: Final[tuple[Figure, ...]] = (
     ),
     Figure("junction_count_std", COUNT, "std", lambda model: sqrt(count_variance(model)), _count_errors),
     Figure("junction_count_variance", COUNT, "variance", count_variance, _count_errors, "variance", (1, 0), kept=False),
-    Figure("friction_force_mean", FORCE, "mean", _of_force("mean"), _force_errors, "mean", (3, 1)),
-    Figure("friction_force_std", FORCE, "std", _of_force("std"), _force_errors, "std", (5, 2)),
-    Figure("friction_coefficient", FORCE, "mean", _of_force("mean"), _force_errors, "mean", over=_load),
+    _force("friction_force_mean", FORCE, "mean", (3, 1)),
+    _force("friction_force_std", FORCE, "std", (5, 2)),
+    _force("friction_coefficient", FORCE, "mean", None, over=_load),
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
-    Figure(
-        "displacement_mean",
-        PLACE,
-        "mean",
-        _of_motion("mean_displacement"),
-        _motion_errors,
-        "mean_displacement",
-        (3, 1),
-        whole=_moved_so_far,
-    ),
-    Figure(
-        "displacement_std", PLACE, "std", _of_motion("displacement_std"), _motion_errors, "displacement_std", (6, 2)
-    ),
-    Figure("velocity_std", SPEED, "std", _of_motion("velocity_std"), _motion_errors, "velocity_std", (6, 2)),
+    _moved("displacement_mean", PLACE, "mean_displacement", (3, 1), whole=_moved_so_far),
+    _moved("displacement_std", PLACE, "displacement_std", (6, 2)),
+    _moved("velocity_std", SPEED, "velocity_std", (6, 2)),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
-    Figure(
-        "one_way_validity",
-        SPEED,
-        "std",
-        _of_motion("velocity_std"),
-        _motion_errors,
-        "velocity_std",
-        over=lambda model: response(model).sliding_speed,
-    ),
+    _moved("one_way_validity", SPEED, "velocity_std", None, over=lambda model: response(model).sliding_speed),
     Figure("separation_mean", GAP, "mean", lambda _: 0.0, _load_errors, "separation_mean", (3, 0), kept=False),
     Figure("load_mean", BORNE, "mean", _load, _load_errors, "load_mean", (3, 0)),
-    Figure("friction_force_mean", RUBBED, "mean", _of_force("mean"), _force_errors, "mean", (3, 0), kept=False),
-    Figure("separation_std", GAP, "std", _of_load("separation_std"), _load_errors, "separation_std", (6, 0)),
-    Figure("normal_velocity_std", RISE, "std", _of_load("velocity_std"), _load_errors, "velocity_std", (6, 0)),
-    Figure("load_std", BORNE, "std", _of_load("load_std"), _load_errors, "load_std", (6, 0)),
-    Figure("friction_force_std", RUBBED, "std", _of_force("std"), _force_errors, "std", (6, 0), kept=False),
+    _force("friction_force_mean", RUBBED, "mean", (3, 0), kept=False),
+    _borne("separation_std", GAP, "separation_std"),
+    _borne("normal_velocity_std", RISE, "velocity_std"),
+    _borne("load_std", BORNE, "load_std"),
+    _force("friction_force_std", RUBBED, "std", (6, 0), kept=False),
 )
 """The moments of columns that a run has. Those of a two-way slider's whole time are in `_two_way_motion`."""
 

@@ -3,8 +3,9 @@
 A number and its standard error become a figure with a score, or a reason why it has none.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
 from math import inf, isfinite, log1p
 from typing import Final, Protocol
 
@@ -126,25 +127,6 @@ class Identity:
 Finding = Agreement | Identity | LeftOut
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Findings:
-    """The findings about one part of a run, under a heading; its record ``begins`` at a distance in um."""
-
-    heading: str
-    found: tuple[Finding, ...]
-    begins: float = 0.0
-
-    @property
-    def figures(self) -> list[Agreement]:
-        """The figures with scores."""
-        return [each for each in self.found if isinstance(each, Agreement)]
-
-    @property
-    def identities(self) -> list[Identity]:
-        """Relations that must hold to rounding."""
-        return [each for each in self.found if isinstance(each, Identity)]
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Comparison(Answer):
     """A run compared with the theory of its scenario: every figure with its exact value, standard error and z.
@@ -160,19 +142,19 @@ class Comparison(Answer):
     (True, (), 'births')
     """
 
-    parts: tuple[Findings, ...] = ()
+    parts: Mapping[str, tuple[Finding, ...]] = field(default_factory=dict)
     bound: float = inf
     by_family: bool = True
 
     @property
     def figures(self) -> list[Agreement]:
         """Every figure with a score."""
-        return [figure for part in self.parts for figure in part.figures]
+        return [each for part in self.parts.values() for each in part if isinstance(each, Agreement)]
 
     @property
     def identities(self) -> list[Identity]:
         """Every identity."""
-        return [identity for part in self.parts for identity in part.identities]
+        return [each for part in self.parts.values() for each in part if isinstance(each, Identity)]
 
     @property
     def outside(self) -> tuple[str, ...]:
@@ -180,32 +162,35 @@ class Comparison(Answer):
         return self.failing
 
 
-def comparison(parts: Iterable[Findings], bound: float | None = None) -> Comparison:
-    """Return the parts with findings, and a bound: by default the family-wise bound of all their figures."""
-    kept = tuple(part for part in parts if part.found)
-    figures = [figure for part in kept for figure in part.figures]
-    scored = sum(figure.z is not None for figure in figures)
+def comparison(
+    found: Mapping[str, Sequence[Finding]], begins: Mapping[str, float], bound: float | None = None
+) -> Comparison:
+    """Return the findings of each part, whose records ``begin`` at distances in um.
+
+    Without a bound it is the family-wise bound of all their figures.
+    """
+    kept = {heading: tuple(part) for heading, part in found.items() if part}
+    every = [(heading, each) for heading, part in kept.items() for each in part]
+    figures = [(heading, each) for heading, each in every if isinstance(each, Agreement)]
+    scored = sum(figure.z is not None for _, figure in figures)
     limit = family_wise_bound(scored) if bound is None else bound
-    beyond = {figure.name for figure in outside(figures, limit)}
-    rows = [row for part in kept for row in _figure_rows(part, beyond)]
-    rows += [each.row for part in kept for each in part.identities]
-    rows += [each.row for part in kept for each in part.found if isinstance(each, LeftOut)]
-    identities = sum(len(part.identities) for part in kept)
+    beyond = outside((figure for _, figure in figures), limit)
+    rows = [Row(name="bound", value=limit)]
+    for heading, some in groupby(figures, key=lambda pair: pair[0]):
+        if begins[heading]:
+            rows.append(Row(part=heading, name="begins", value=begins[heading], unit="um"))
+        rows += [figure.row(heading, fails=figure in beyond) for _, figure in some]
+    rows += [each.row for _, each in every if isinstance(each, Identity)]
+    rows += [each.row for _, each in every if isinstance(each, LeftOut)]
+    identities = sum(isinstance(each, Identity) for _, each in every)
     whence = f", which all keep in {1.0 - FAMILY_WISE_ERROR:.1%} of right runs" if bound is None else ""
     return Comparison(
-        rows=(Row(name="bound", value=limit), *rows),
+        rows=tuple(rows),
         judged=f"{scored} figures and {identities} identities compared, |z| <= {limit:.3g}{whence}",
         parts=kept,
         bound=limit,
         by_family=bound is None,
     )
-
-
-def _figure_rows(part: Findings, beyond: set[str]) -> Iterator[Row]:
-    """Yield where the record of a part begins, unless it does at once, and the figures of the part."""
-    if part.begins:
-        yield Row(part=part.heading, name="begins", value=part.begins, unit="um")
-    yield from (figure.row(part.heading, fails=figure.name in beyond) for figure in part.figures)
 
 
 LARGEST_ERROR = 0.1

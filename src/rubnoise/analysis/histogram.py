@@ -45,17 +45,14 @@ def histogram(values: Doubles, tick: float, edges: ArrayLike | int = BINS) -> Hi
     bounds = _edges(values, edges)
     width = np.diff(bounds)
     share = np.histogram(values, bounds)[0] / values.size
-    found = Histogram(
-        edges=bounds,
-        density=share / width,
-        standard_error=np.full(width.size, inf),
-        outside=1.0 - float(share.sum()),
-    )
+    error, outside = np.full(width.size, inf), 1.0 - float(share.sum())
+    found = Histogram(edges=bounds, density=share / width, standard_error=error, outside=outside)
     length = batch_length(values, tick, "histogram", found)
-    bins = np.searchsorted(bounds, values, side="right").astype(np.float64) - 1.0
-    bins[values == bounds[-1]] = width.size - 1
-    error = error_of_mean(bins, length, lambda parts: _shares(parts, width.size))
-    return replace(found, standard_error=error / width)
+
+    def shares(parts: Doubles) -> Doubles:
+        return np.stack([np.histogram(part, bounds)[0] for part in parts]) / length
+
+    return replace(found, standard_error=error_of_mean(values, length, shares) / width)
 
 
 def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
@@ -66,12 +63,6 @@ def _edges(values: Doubles, edges: ArrayLike | int) -> Doubles:
         return bounds
     low, high = float(values.min()), float(values.max())
     return np.linspace(low, high if high > low else low + 1.0, edges + 1)
-
-
-def _shares(parts: Doubles, bins: int) -> Doubles:
-    """Return the share of each bin in each stretch, one row for each stretch."""
-    counts = [np.bincount(row[(row >= 0) & (row < bins)].astype(np.int64), minlength=bins) for row in parts]
-    return np.stack(counts) / parts.shape[1]
 
 
 class HistogramSum:

@@ -1,7 +1,7 @@
 """The life of one junction in a file: the values of its row, its curve, and the contact at its peak."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import ceil, isnan, sqrt
 from typing import Any, Final
 
@@ -170,22 +170,16 @@ def life_of(file: Reader, number: int) -> Life:
     # A two-way slider may never have come by: that time is no number.
     checked = row if even else {name: value for name, value in row.items() if name not in {"birth_time", "death_time"}}
     check_numbers("junctions", [number], {name: np.array([value]) for name, value in checked.items()})
+    known = {each.name: row.get(each.name) for each in fields(Life) if each.name in row}
+    times = {name: _known(row.get(name)) for name in ("birth_time", "death_time")}
+    others = neighbours(file, number, row["birth_distance"], row["death_distance"])
     return Life(
+        **{"shear_strength": None} | known | times | {"state": JunctionState(row["state"])},
         number=number,
         rows=rows,
-        birth_distance=row["birth_distance"],
-        death_distance=row["death_distance"],
-        life_distance=row["life_distance"],
-        diameter=row["diameter"],
-        max_area=row["max_area"],
-        state=JunctionState(row["state"]),
-        shear_strength=row.get("shear_strength"),
-        birth_time=_known(row.get("birth_time")),
-        death_time=_known(row.get("death_time")),
         slides_evenly=even,
         record_end=record_end(file),
-        lateral_offset=row.get("lateral_offset"),
-        others=neighbours(file, number, row["birth_distance"], row["death_distance"]),
+        others=others,
     )
 
 

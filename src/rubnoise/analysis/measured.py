@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.covariance import LaggedProducts
+from rubnoise.analysis.balance import Balance
+from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.kolmogorov import UniformSample
 from rubnoise.analysis.moments import first_stationary_tick, slowest_decay
 from rubnoise.analysis.reading import checked_chunks
@@ -239,7 +240,7 @@ class MeasuredRun:
         self.stretches: dict[str, Stretches] = {}
         self.zero_ticks, self.largest = 0, 0.0
         self.spectrum = WelchSum(self.layout.segment, self.layout.stride * model.tick)
-        self.products = LaggedProducts(self.layout.lags, area_cumulants(model).mean if model.free is None else 0.0)
+        self.products = CovarianceSum(self.layout.lags[-1], area_cumulants(model).mean if model.free is None else 0.0)
         self._sampled: list[Doubles] = [np.empty((3, 0))]
         self._first = self.layout.first["trace"] % self.layout.apart
         self._ticks = model.tick * np.arange(self._first, model.tick_count + 1, self.layout.apart)
@@ -354,18 +355,7 @@ READ: Final = {
     "trace": ("real_contact_area", "junction_count", "friction_force"),
     "slider": ("distance", "displacement", "velocity", "base_displacement"),
     "load": ("separation", "velocity", "load"),
-    "balance": (
-        "time",
-        "distance",
-        "displacement",
-        "velocity",
-        "time_stuck",
-        "displacement_integral",
-        "displacement_squared_integral",
-        "velocity_squared_integral",
-        "friction_work",
-        "reverse_work",
-    ),
+    "balance": Balance.columns(),
 }
 """Columns that are read of a file, by group."""
 

@@ -44,10 +44,6 @@ class PooledEstimate:
         """Return the estimate times an exact number."""
         return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
 
-    def plus(self, number: float) -> "PooledEstimate":
-        """Return the estimate plus an exact number."""
-        return replace(self, value=self.value + number)
-
     def _reach(self, tail: float) -> float:
         from scipy.special import ndtri, stdtrit
 

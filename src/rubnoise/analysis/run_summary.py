@@ -48,8 +48,8 @@ _CORRELATIONS_A_BATCH: Final = 10.0
 class RunLayout:
     """Edges of a histogram in um^2, lags and segments for every ``stride``-th tick, and ticks of an independent batch.
 
-    ``lags`` and ``segment`` count those ticks, ``step`` um apart, so that fine ticks do not cost more. Bands of a
-    spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but at least one bin.
+    ``lags`` and ``segment`` count those ticks, ``step`` um apart, so that fine ticks do not cost more. ``bands`` are
+    the bins of each band of a spectrum: of equal ratio, but at least one bin.
     """
 
     edges: Doubles
@@ -59,8 +59,7 @@ class RunLayout:
     lags: NDArray[np.int64]
     segment: int
     segments: int
-    starts: NDArray[np.int64]
-    widths: NDArray[np.int64]
+    bands: tuple[NDArray[np.int64], ...]
 
     @classmethod
     @lru_cache(maxsize=8)
@@ -71,7 +70,6 @@ class RunLayout:
         ticks = model.tick_count // stride + 1
         segment = _segment(ticks, life / (stride * model.tick))
         segments = max(0, (ticks - segment) // (segment // 2) + 1)
-        bands = bands_of(segment // 2 + 1, BANDS) if segments else []
         return cls(
             edges=_edges(model),
             batch=ceil(_CORRELATIONS_A_BATCH * _correlation_length(model) / model.tick),
@@ -80,8 +78,7 @@ class RunLayout:
             lags=_lags(ticks, life / (stride * model.tick)),
             segment=segment,
             segments=segments,
-            starts=np.array([bins[0] for bins in bands], dtype=np.int64),
-            widths=np.array([bins.size for bins in bands], dtype=np.int64),
+            bands=tuple(bands_of(segment // 2 + 1, BANDS)) if segments else (),
         )
 
     @property
@@ -96,10 +93,7 @@ class RunLayout:
 
     def banded(self, values: Doubles) -> Doubles:
         """Return the mean of a spectrum over each band."""
-        if not self.starts.size:
-            return np.empty(0)
-        sums: Doubles = np.add.reduceat(values[: self.starts[-1] + self.widths[-1]], self.starts)
-        return sums / self.widths
+        return np.array([values[bins].mean() for bins in self.bands])
 
 
 def _edges(model: Model) -> Doubles:

@@ -4,8 +4,7 @@ Rows are read in chunks, to limit memory.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
 import numpy as np
@@ -40,79 +39,40 @@ def select(
     Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all do. Only the columns
     of the condition and of the order are read. With ``head``, memory holds ``head`` rows and a chunk.
     """
-    best = _Best(head, descending=descending)
-    total = 0
+    sign, total = -1.0 if descending else 1.0, 0
+    rows, keys = np.zeros(0, dtype=np.int64), np.zeros(0)
+    waiting: list[tuple[RowNumbers, Doubles]] = []
     for chunk in chunks(file, "junctions"):
-        rows = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where.chosen(chunk))
-        total += rows.size
-        best.add(rows + chunk.first, rows + chunk.first if sort is None else chunk[sort][rows])
-    return best.rows(), total
+        found = np.arange(chunk.end - chunk.first) if where is None else np.flatnonzero(where.chosen(chunk))
+        total += found.size
+        numbers = np.asarray(found + chunk.first, dtype=np.int64)
+        order = numbers if sort is None else chunk[sort][found]
+        waiting.append((numbers, sign * order.astype(np.float64)))
+        if head is not None:
+            rows, keys = _first(head, [(rows, keys), *waiting])
+            waiting = []
+    return _first(head, [(rows, keys), *waiting])[0], total
+
+
+def _first(head: int | None, parts: Sequence[tuple[RowNumbers, Doubles]]) -> tuple[RowNumbers, Doubles]:
+    """Return the rows with the least keys in order, and these; NaN comes last."""
+    rows, keys = (np.concatenate(each) for each in zip(*parts, strict=True))
+    order = np.argsort(keys, kind="stable")[:head]
+    return rows[order], keys[order]
 
 
 def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Yield columns of the rows, in the given order, a chunk at a time."""
+    """Yield columns of the rows, in the given order, a chunk at a time; rows that lie near are read together."""
     for part in slices(0, rows.size):
-        chunk = rows[part]
-        order = np.argsort(chunk, kind="stable")
-        spans = list(_spans(chunk[order]))
-        yield {name: _gathered(file, name, chunk, order, spans) for name in names}
-
-
-class _Best:
-    """The first rows in the order of some keys, from chunks in order of birth."""
-
-    def __init__(self, head: int | None, *, descending: bool) -> None:
-        self._head = head
-        self._sign = -1.0 if descending else 1.0
-        self._rows: list[RowNumbers] = []
-        self._keys: list[NDArray[np.float64]] = []
-        self._held = 0
-
-    def add(self, rows: RowNumbers, keys: NDArray[Any]) -> None:
-        """Add rows with their keys."""
-        signed = self._sign * keys
-        if self._head is not None and self._held == self._head:
-            # Of equal keys the row that came first wins; written so that a NaN is kept, to be sorted last.
-            better = ~(signed >= self._keys[0][-1]) if self._head else np.zeros(rows.size, dtype=np.bool_)
-            rows, signed = rows[better], signed[better]
-        self._rows.append(rows)
-        self._keys.append(signed)
-        self._held += rows.size
-        if self._head is not None and self._held > self._head:
-            self._keep_first()
-
-    def rows(self) -> RowNumbers:
-        """Return the rows in order."""
-        self._keep_first()
-        return self._rows[0]
-
-    def _keep_first(self) -> None:
-        rows = np.concatenate([np.zeros(0, dtype=np.int64), *self._rows])
-        keys = np.concatenate([np.zeros(0), *self._keys])
-        order = np.argsort(keys, kind="stable")[: self._head]
-        self._rows, self._keys, self._held = [rows[order]], [keys[order]], order.size
-
-
-def _spans(rows: RowNumbers) -> Iterator[tuple[int, int]]:
-    """Yield the places at which ascending rows are cut into spans that are read at once."""
-    cuts = [0, *(np.flatnonzero(np.diff(rows) > NEAR) + 1).tolist(), rows.size]
-    for start, stop in pairwise(cuts):
-        while rows[stop - 1] - rows[start] >= CHUNK_ROWS:
-            middle = int(np.searchsorted(rows, rows[start] + CHUNK_ROWS))
-            yield start, middle
-            start = middle  # noqa: PLW2901  (the rest of this run)
-        yield start, stop
-
-
-def _gathered(
-    file: Rows, name: str, rows: RowNumbers, order: RowNumbers, spans: Sequence[tuple[int, int]]
-) -> NDArray[Any]:
-    values: NDArray[Any] = np.empty(rows.size, dtype=file.column("junctions", name, 0, 0).dtype)
-    for start, stop in spans:
-        places = order[start:stop]
-        first, last = int(rows[places[0]]), int(rows[places[-1]]) + 1
-        values[places] = file.column("junctions", name, first, last)[rows[places] - first]
-    return values
+        order = np.argsort(rows[part], kind="stable")
+        wanted = rows[part][order]
+        cuts = (np.diff(wanted) > NEAR) | (np.diff(wanted // CHUNK_ROWS) > 0)
+        spans = np.split(wanted, np.flatnonzero(cuts) + 1)
+        found = {}
+        for name in names:
+            read = [file.column("junctions", name, int(each[0]), int(each[-1]) + 1)[each - each[0]] for each in spans]
+            found[name] = np.concatenate(read)[np.argsort(order, kind="stable")]
+        yield found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,15 +125,8 @@ class Neighbours:
 
     def chosen(self, which: NDArray[np.bool_] | slice) -> Self:
         """Return some of the rows."""
-        return type(self)(
-            rows=self.rows[which],
-            birth=self.birth[which],
-            death=self.death[which],
-            diameter=self.diameter[which],
-            strength=None if self.strength is None else self.strength[which],
-            pulse=self.pulse,
-            offset=None if self.offset is None else self.offset[which],
-        )
+        names = ("rows", "birth", "death", "diameter", "strength", "offset")
+        return replace(self, **{n: each[which] for n in names if (each := getattr(self, n)) is not None})
 
 
 def neighbours(file: Reader, number: int, start: float, stop: float, *, touches: bool = False) -> Neighbours:

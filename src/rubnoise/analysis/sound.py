@@ -3,12 +3,11 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import inf, log10
+from math import floor, inf, log10, pi
 from typing import Final, Literal, Self
 
 import numpy as np
 
-from rubnoise.analysis.hearing import Hearing
 from rubnoise.analysis.resampling import MOST, input_count, output_count, rate_ratio, resampled
 from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.arrays import Doubles
@@ -72,10 +71,17 @@ class Sound:
             raise Refused("the run has no times, so nothing is heard; sliding.speed in its scenario would give them")
         ratio = rate_ratio(speed_up / model.tick_duration, rate)
         if not ratio:
-            raise Refused(_out_of_reach(speed_up, model.tick_duration, rate))
+            usual = rate * model.tick_duration
+            raise Refused(
+                f"--speed-up {speed_up:g}: with a tick every {model.tick_duration:.4g} s and {rate} samples a second"
+                f" it goes from {usual / MOST:.3g} to {usual * MOST:.3g}"
+            )
         first = _first_row(file, model, group)
         rows = file.rows(group) - first
-        samples = _samples(output_count(rows, ratio), rate, seconds)
+        whole = output_count(rows, ratio)
+        if seconds is not None and seconds * rate > whole:
+            raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {whole / rate:.6g} s")
+        samples = whole if seconds is None else max(1, round(seconds * rate))
         swinging = model.slider
         if group == "load":
             swinging = None if model.separation is None else model.separation.oscillator
@@ -231,18 +237,44 @@ def _first_row(file: Reader, model: Model, group: str) -> int:
     return first
 
 
-def _samples(whole: int, rate: int, seconds: float | None) -> int:
-    """Return the number of samples to take from all that the run makes."""
-    if seconds is None:
-        return whole
-    if seconds * rate > whole:
-        raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {whole / rate:.6g} s")
-    return max(1, round(seconds * rate))
+# What is heard of it.
+
+EAR, COMFORTABLE, LAPTOP = (20.0, 20_000.0), (100.0, 5000.0), (200.0, 4000.0)
+"""Frequencies in Hz that the young and healthy hear, that most people hear well, and that a laptop plays."""
+
+AIM: Final = 300.0
+"""Frequency in Hz to which a suggestion moves the middle of the power."""
 
 
-def _out_of_reach(speed_up: float, tick_duration: float, rate: int) -> str:
-    slowest, fastest = rate * tick_duration / MOST, rate * tick_duration * MOST
-    return (
-        f"--speed-up {speed_up:g}: with a tick every {tick_duration:.4g} s and {rate} samples a second"
-        f" it goes from {slowest:.3g} to {fastest:.3g}"
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hearing:
+    """Shares of a sound's power between 20 Hz and 20 kHz, and in the band of a laptop's loudspeaker.
+
+    ``middle`` is the frequency in Hz below which half of the power lies.
+    """
+
+    audible: float
+    laptop: float
+    middle: float
+
+    @classmethod
+    def of(cls, spectrum: Spectrum) -> Self:
+        """Return the audible shares of a spectrum over w in rad/s, of its power without w = 0, the mean."""
+        frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:]
+        running = np.cumsum(power)
+        shares = (
+            float(power[(frequency >= low) & (frequency <= high)].sum() / running[-1]) for low, high in (EAR, LAPTOP)
+        )
+        middle = frequency[np.searchsorted(running, 0.5 * running[-1])]
+        return cls(audible=next(shares), laptop=next(shares), middle=float(middle))
+
+    def better(self, speed_up: float) -> float | None:
+        """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle near 300 Hz; None if it is good.
+
+        It is good between 100 Hz and 5 kHz.
+        """
+        if COMFORTABLE[0] <= self.middle <= COMFORTABLE[1]:
+            return None
+        wanted = speed_up * AIM / self.middle
+        power = 10.0 ** floor(log10(wanted))
+        return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / wanted)))

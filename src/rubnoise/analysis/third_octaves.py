@@ -10,7 +10,8 @@ from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.reader import Rows, chunks
+from rubnoise.record.reader import Rows, column_chunks
+from rubnoise.record.tally import Moments
 from rubnoise.theory.load import THIRD, band_numbers, level, third_octaves
 
 MOST_ROWS: Final = 1 << 22
@@ -53,14 +54,10 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
     ticks = min(2 * (count // (_SEGMENTS + 1)), _MOST_TICKS)
     if ticks < 4 * _FEWEST_BINS:
         raise Refused(f"{count} ticks are too few for third octaves")
-    total, mean, square = WelchSum(ticks, model.tick_duration), 0.0, 0.0
-    for chunk in chunks(rows, "load"):
-        if chunk.first >= count:
-            break
-        velocity = np.asarray(chunk["velocity"], dtype=np.float64)
+    total, moments = WelchSum(ticks, model.tick_duration), Moments(powers=2)
+    for velocity in column_chunks(rows, "load", "velocity", 0, count):
         total.add(velocity)
-        mean, square = mean + float(velocity.sum()), square + float(velocity @ velocity)
-        seen = chunk.first + velocity.size
+        moments.add_plain(velocity)
     spectrum = total.spectrum()
     width = float(spectrum.wavenumber[1]) / (2.0 * pi)
     edges = width * (np.arange(spectrum.density.size) + 0.5)
@@ -75,7 +72,7 @@ def heard_bands(rows: Rows, model: Model) -> HeardBands:
         kept &= np.array([number in known for number in numbers])
         exact = np.array([known.get(number, nan) for number in numbers])[kept]
     return HeardBands(
-        velocity=sqrt(square / seen - (mean / seen) ** 2),
+        velocity=moments.std,
         frequency=middles[kept],
         level=np.array([level(sqrt(each)) for each in power[kept].tolist()]),
         exact=exact,

@@ -3,8 +3,7 @@
 Columns, numbers with units, and states are joined by < <= > >= == !=, and, or, not and parentheses, as Python joins
 them. A number without a unit is in the unit of the column it is compared with. A state (complete, alive_at_start,
 alive_at_end, ended_early) by itself, or after ``state ==``, chooses the rows that have it; a row may have several.
-
-Python's own parser reads how the parts are joined; nothing is evaluated by it, and other forms are refused.
+Python's own parser reads the text; nothing is evaluated by it, and other forms are refused.
 """
 
 import ast
@@ -30,7 +29,6 @@ LONGEST: Final = 1000
 STATES: Final = {"complete": 0} | {
     name: bit for column in JUNCTIONS.columns if column.name == "state" for bit, name in column.flags
 }
-
 Choose = Callable[[Columns], NDArray[np.bool_]]
 """Returns for each row whether it is chosen, from the columns by name."""
 
@@ -42,31 +40,12 @@ COMPARISONS: Final[Mapping[type[ast.cmpop], Callable[[Any, Any], Any]]] = {
     ast.Eq: np.equal,
     ast.NotEq: np.not_equal,
 }
-
-_FACTOR: Final = (
-    r"(?!(?:and|or|not)\b)[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*+(?:(?:\^|\*\*)-?[0-9]++)?(?![A-Za-z0-9_])"
+_FACTOR: Final = r"(?!(?:and|or|not)\b)[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*+(?:(?:\^|\*\*)-?[0-9]++)?(?!\w)"
+_QUANTITY: Final = re.compile(
+    rf"(?<![\w.])(?P<digits>{NUMBER})(?![0-9.,_])(?P<unit>(?: *{_FACTOR}(?: ?[*/] ?{_FACTOR})*)?)", re.IGNORECASE
 )
-_WORD: Final = re.compile(
-    rf"(?i:(?P<number>(?P<digits>{NUMBER})(?![0-9.,_])(?: *{_FACTOR}(?: ?[*/] ?{_FACTOR})*)?))"
-    r"|(?P<joint>(?:and|or|not)\b|<=|>=|==|!=|<(?!>)|>(?!<)|[()]|[ \t\r\n]+)"
-    r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*)"  # keys of a sweep have dots
-)
-_SLIPS: Final = (
-    (re.compile(r"=[<>]|<>|=~"), "no comparison", "the comparisons are < <= > >= == !="),
-    (re.compile(r"="), "no comparison", "equality is written =="),
-    (re.compile(r"&&?"), "no operator", "write and"),
-    (re.compile(r"\|\|?"), "no operator", "write or"),
-    (re.compile(r"!"), "no operator", "write not"),
-    (re.compile(r"[0-9.]+(?:[,_][0-9.]+)+"), "no number", "digits, with a dot before the decimals, as in 1234.5"),
-    (re.compile(r"[+-]?\.[0-9]+|[0-9]+\.|[+-]?(?:nan|inf)\b"), "no number", "digits on both sides of the dot: 0.5"),
-    (re.compile(r"[\u2010-\u2014\u2212\ufe63\uff0d]"), "not the minus sign of a number", "that is '-', U+002D"),
-    (re.compile(r"[\u00b2\u00b3]"), "no part of a condition", "powers in units are written ^2"),
-    (re.compile(r"[-+*/%^]"), "no part of a condition", "there is no arithmetic; compare a column with a number"),
-    (re.compile(r"['\"]"), "no part of a condition", "names and states are written without quotation marks"),
-    (re.compile(r"."), "no part of a condition", ""),
-)
-_EXAMPLE: Final = "for instance: diameter > 6 um"
-_JOINED: Final = "conditions are joined by and, or"
+_JOINED: Final = "comparisons are < <= > >= == !=, joined by and, or, not"
+_EXAMPLE: Final = "for instance: diameter > 6 um and not ended_early"
 
 
 class ConditionRefused(Refused):
@@ -93,9 +72,13 @@ def condition(text: str, columns: Sequence[Dataset] = JUNCTIONS.columns) -> Cond
     return Condition(columns=frozenset(reader.named), chosen=chosen)
 
 
-def did_you_mean(word: str, names: Iterable[str]) -> str:
-    """Return advice for an unknown word: the nearest name, the names that contain it, or all names."""
-    known = list(names)
+def advice(word: str, columns: Sequence[str], states: Iterable[str] = ()) -> str:
+    """Return advice for an unknown word: why it is unknown, the names like it or that contain it, or all names."""
+    known = [*columns, *states]
+    if word in STATES:
+        return "only junctions have states"
+    if any(column.name == word for column in JUNCTIONS.columns):
+        return f"this run has {', '.join(columns)}"
     holding = [name for name in known if len(word) > 2 and word.lower() in name]
     if holding:
         return f"did you mean {' or '.join(holding)}?"
@@ -103,65 +86,32 @@ def did_you_mean(word: str, names: Iterable[str]) -> str:
 
 
 class _Reader:
-    """What a condition says; ``named`` are the columns found so far, ``_operands`` its names and numbers by place."""
+    """What a condition says; ``named`` are the columns found so far, ``_numbers`` its numbers by place."""
 
     def __init__(self, text: str, columns: Sequence[Dataset]) -> None:
         self._text = text
         self._columns = {column.name: column for column in columns}
         self._states = STATES if any(column.name == "state" and column.flags for column in columns) else {}
-        self._operands: dict[int, re.Match[str]] = {}
+        self._numbers = {found.start(): found for found in _QUANTITY.finditer(text)}
         self.named: set[str] = set()
 
     def parsed(self) -> ast.expr:
-        """Return how Python joins the operands, each a name at its place."""
+        """Return how Python joins the parts; each number is a name of its length, so that all places stay."""
         if not self._text:
             raise self._refused((0, 1), "no condition", _EXAMPLE)
-        plain = self._plain()
+        plain = re.sub(r"\s", " ", _QUANTITY.sub(lambda found: "_".ljust(len(found[0])), self._text))
+        if (odd := re.search(r"[^ -~]", plain)) is not None:
+            raise self._refused(
+                odd.span(), f'"{odd[0]}" is no part of a condition', "write -5 and um^2 with the signs of a keyboard"
+            )
         try:
             return ast.parse(plain, mode="eval").body
         except SyntaxError as error:
-            raise self._misread((error.offset or 0) - 1, error.msg) from None
+            place = min(max((error.offset or 1) - 1, 0), len(plain))
+            stop = place + 1 if (error.end_offset or 0) <= place else (error.end_offset or 0) - 1
+            raise self._refused((place, stop), f"Python reads: {error.msg}", _JOINED) from None
         except (RecursionError, MemoryError):
-            raise self._refused((0, len(plain)), "too many levels of not") from None
-
-    def _plain(self) -> str:
-        """Return the text with an x and blanks for each operand, so that all places stay."""
-        plain = ""
-        while len(plain) < len(self._text):
-            place = len(plain)
-            word = _WORD.match(self._text, place)
-            if word is None:
-                raise self._slip(place)
-            if plain[-1:].isalnum() and word[0][0] not in "<>=!() \t\r\n":
-                raise self._refused(word.span(), f'"{word[0]}" does not belong here', _JOINED)
-            if word["joint"] is None:
-                self._operands[place] = self._known(word)
-                plain += "x".ljust(len(word[0]))
-            else:
-                plain += word[0] if word[0].strip() else " " * len(word[0])
-        return plain
-
-    def _slip(self, place: int) -> ConditionRefused:
-        found = ((pattern.match(self._text, place), what, hint) for pattern, what, hint in _SLIPS)
-        slip, what, hint = next((slip, what, hint) for slip, what, hint in found if slip)
-        return self._refused(slip.span(), f'"{slip[0]}" is {what}', hint)
-
-    def _known(self, word: "re.Match[str]") -> "re.Match[str]":
-        name = word["name"]
-        if name and name not in self._columns and name not in self._states:
-            raise self._refused(word.span(), f"no column {name}", self._advice(name))
-        return word
-
-    def _misread(self, place: int, reason: str) -> ConditionRefused:
-        """Return the error of a text that Python cannot join, at the place and for the reason that it says."""
-        word = _WORD.match(self._text, place) if 0 <= place < len(self._text) else None
-        if word is None:
-            return self._refused((len(self._text),) * 2, "the end stands where a column or a number is needed")
-        if "never closed" in reason:
-            return self._refused(word.span(), "this parenthesis is not closed")
-        if "unmatched" in reason:
-            return self._refused(word.span(), "no parenthesis is open here")
-        return self._refused(word.span(), f'"{word[0]}" does not belong here', "" if word["joint"] else _JOINED)
+            raise self._refused((0, len(plain)), "too many levels") from None
 
     def choose(self, node: ast.expr) -> Choose:
         """Return what chooses the rows for which a part of the condition holds."""
@@ -170,48 +120,32 @@ class _Reader:
                 join = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
                 parts = [self.choose(each) for each in node.values]
                 return lambda rows: join.reduce([part(rows) for part in parts])
-            case ast.UnaryOp():
+            case ast.UnaryOp(op=ast.Not()):
                 part = self.choose(node.operand)
                 return lambda rows: ~part(rows)
             case ast.Compare():
-                return self._compared(node)
-            case ast.Name():
-                return self._alone(self._side(node))
-        raise self._refused(self._span(node), "no condition", _EXAMPLE)
+                sides = [node.left, *node.comparators]
+                pairs = [self._pair(*each) for each in zip(sides, node.ops, node.comparators, strict=False)]
+                return lambda rows: np.logical_and.reduce([pair(rows) for pair in pairs])
+            case ast.Name() if node.id in self._states:
+                return self._in_state(node.id)
+        name = self._name(node)  # which refuses what is no name and no number
+        hint = f"for instance: {name} > 0" if name in self._columns else _EXAMPLE
+        raise self._refused(_span(node), "nothing is compared", hint)
 
-    def _compared(self, node: ast.Compare) -> Choose:
-        sides = [self._side(side) for side in (node.left, *node.comparators)]
-        parts = [
-            self._pair(left, operator, right) for left, operator, right in zip(sides, node.ops, sides[1:], strict=False)
-        ]
-        return lambda rows: np.logical_and.reduce([part(rows) for part in parts])
-
-    def _side(self, node: ast.expr) -> "re.Match[str]":
-        """Return a name or number that is known here."""
-        if not isinstance(node, ast.Name):
-            raise self._refused(self._span(node), "a condition stands where a column or a number is needed")
-        side = self._operands[node.col_offset]
-        name = side["name"]
+    def _name(self, node: ast.expr) -> str:
+        """Return the name of a column or a state, "" for a number; raises ConditionRefused for anything else."""
+        if not isinstance(node, ast.Name | ast.Attribute):
+            raise self._refused(_span(node), "neither a column nor a number", _EXAMPLE)
+        if node.col_offset in self._numbers:
+            return ""
+        name = ast.unparse(node)
+        if name not in self._columns and name not in self._states:
+            raise self._refused(_span(node), f"no column {name}", advice(name, [*self._columns], self._states))
         if name in self._columns and np.dtype(self._columns[name].dtype).kind == "U":
             hint = f'numbers are compared; ["{name}"][:] == "..." in Python compares texts'
-            raise self._refused(side.span(), f"{name} holds texts", hint)
-        return side
-
-    def _advice(self, name: str) -> str:
-        if name.lower() in {"and", "or", "not"}:
-            return f"write {name.lower()}"
-        if name in STATES:
-            return "only junctions have states"
-        if any(column.name == name for column in JUNCTIONS.columns):
-            return f"this run has no {name}; it has {', '.join(self._columns)}"
-        return did_you_mean(name, [*self._columns, *self._states])
-
-    def _alone(self, side: "re.Match[str]") -> Choose:
-        if side[0] in self._states:
-            return self._in_state(side[0])
-        if side["number"]:
-            raise self._refused(side.span(), "a number by itself", _EXAMPLE)
-        raise self._refused(side.span(), f"{side[0]} is compared with nothing", f"for instance: {side[0]} > 0")
+            raise self._refused(_span(node), f"{name} holds texts", hint)
+        return name
 
     def _in_state(self, state: str) -> Choose:
         """Return what chooses the rows whose state has a bit, or, for complete, no bit at all."""
@@ -219,55 +153,48 @@ class _Reader:
         bit = STATES[state]
         return lambda rows: (rows["state"] & bit) != 0 if bit else rows["state"] == 0
 
-    def _pair(self, left: "re.Match[str]", operator: ast.cmpop, right: "re.Match[str]") -> Choose:
-        span = left.start(), right.end()
-        if self._states.keys() & {left[0], right[0]}:
-            return self._state(left[0], operator, right[0], span)
-        column = self._columns.get(left[0]) or self._columns.get(right[0])
-        if column is None:
+    def _pair(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Choose:
+        names, span = [self._name(side) for side in (left, right)], (_span(left)[0], _span(right)[1])
+        if type(operator) not in COMPARISONS:
+            raise self._refused(span, "no comparison", _JOINED)
+        if states := [name for name in names if name in self._states]:
+            if "state" not in names or not isinstance(operator, ast.Eq | ast.NotEq):
+                hint = f"write {states[0]}, not {states[0]}, or state == {states[0]}"
+                raise self._refused(span, f"{states[0]} is a state, which has no order", hint)
+            chosen = self._in_state(states[0])
+            return chosen if isinstance(operator, ast.Eq) else lambda rows: ~chosen(rows)
+        known = [self._columns[name] for name in names if name]
+        if not known:
             raise self._refused(span, "neither side is a column")
-        other = self._columns.get(right[0], column)
-        if other.units != column.units:
-            raise self._refused(span, f"{column.name} is in {column.units}, {other.name} in {other.units}")
-        compare, one, two = COMPARISONS[type(operator)], self._value(left, column), self._value(right, column)
+        if known[0].units != known[-1].units:
+            raise self._refused(span, f"{known[0].name} is in {known[0].units}, {known[-1].name} in {known[-1].units}")
+        compare = COMPARISONS[type(operator)]
+        one, two = (self._value(side, name, known[0]) for side, name in zip((left, right), names, strict=True))
         return lambda rows: compare(one(rows), two(rows))
 
-    def _state(self, left: str, operator: ast.cmpop, right: str, span: tuple[int, int]) -> Choose:
-        state, other = (left, right) if left in self._states else (right, left)
-        if other != "state":
-            raise self._refused(span, f"{state} is a state", f"write {state}, or not {state}")
-        if not isinstance(operator, ast.Eq | ast.NotEq):
-            raise self._refused(span, "states have no order", f"write state == {state}")
-        chosen = self._in_state(state)
-        return chosen if isinstance(operator, ast.Eq) else lambda rows: ~chosen(rows)
-
-    def _value(self, side: "re.Match[str]", column: Dataset) -> Callable[[Columns], Any]:
-        name = side["name"]
+    def _value(self, node: ast.expr, name: str, column: Dataset) -> Callable[[Columns], Any]:
+        """Return the values of a side: those of a column, or a number in the unit of the column beside it."""
         if name:
             self.named.add(name)
             return lambda rows: rows[name]
-        unit = side["number"][len(side["digits"]) :].strip(" ")
-        value = self._quantity(side, unit, column) if unit else float(side["digits"])
-        if isinf(value):
-            raise self._refused(side.span(), "too large a number")
-        return lambda _: value
-
-    def _quantity(self, side: "re.Match[str]", unit: str, column: Dataset) -> float:
-        if unit in self._states or unit in self._columns:
-            raise self._refused((side.end() - len(unit), side.end()), f'"{unit}" does not belong here', _JOINED)
+        found = self._numbers[node.col_offset]
         kind = next((kind for kind in KINDS if kind.unit == column.units), None)
-        if kind is None:
-            raise self._refused(side.span(), f"{column.name} has no unit", f"write {side['digits']}")
+        if found["unit"] and kind is None:
+            raise self._refused(found.span(), f"{column.name} has no unit", f"write {found['digits']}")
         try:
-            return float(read_quantity(side[0], kind))
+            value = float(read_quantity(found[0], kind)) if found["unit"] and kind else float(found["digits"])
         except QuantityError as error:
-            raise self._refused(side.span(), str(error), error.hint.replace('"', "")) from None
-
-    def _span(self, node: ast.expr) -> tuple[int, int]:
-        return node.col_offset, node.end_col_offset or len(self._text)
+            raise self._refused(found.span(), str(error), error.hint.replace('"', "")) from None
+        if isinf(value):
+            raise self._refused(found.span(), "too large a number")
+        return lambda _: value
 
     def _refused(self, span: tuple[int, int], message: str, hint: str = "") -> ConditionRefused:
         """Return the error that shows the condition with carets below the wrong part."""
         start, end = span
         place = Place(source="--where", line=0, text=self._text, start=start, end=max(end, start + 1))
         return ConditionRefused(str(Problem(path=(), message=message, place=place, hint=hint)))
+
+
+def _span(node: ast.expr) -> tuple[int, int]:
+    return node.col_offset, node.end_col_offset or node.col_offset + 1

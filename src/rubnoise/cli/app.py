@@ -4,23 +4,24 @@ A call imports only the module of its command, and each command imports large li
 shows all commands, takes a tenth of a second.
 """
 
-import gc
 import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from inspect import signature
-from io import BufferedWriter, RawIOBase, TextIOWrapper
+from io import StringIO
+from itertools import groupby
+from pathlib import Path
 from typing import Any, Final, TextIO
 
 import typer
 from typer import Typer
+from typer.core import TyperCommand, TyperGroup
 
-from rubnoise.cli.commands import Command, Commands, escaping
+from rubnoise.answer import printable
 from rubnoise.cli.ended import INSTEAD
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
 
@@ -71,6 +72,44 @@ EARLIER: Final = {
 """Words of earlier versions, which go on working, with what each stands for."""
 
 
+class Command(TyperCommand):
+    """A command whose options for a file refuse a slash at the end, which a Path would drop."""
+
+    def __init__(self, *names: Any, **rest: Any) -> None:
+        """Make a command (see click)."""
+        super().__init__(*names, **rest)
+        for param in self.params:
+            if param.param_type_name == "argument":
+                param.display_type_rich = lambda **_context: ""  # type: ignore[attr-defined]
+            elif param.metavar != "DIR":
+                param.process_value = _file_only(param.process_value)  # type: ignore[method-assign]
+
+
+def _file_only(process: Callable[..., Any]) -> Callable[..., Any]:
+    def processed(context: Any, value: Any) -> Any:
+        found = process(context, value)
+        if isinstance(found, Path) and isinstance(value, str) and value.endswith(("/", os.sep)):
+            raise typer.BadParameter(f"{value}: names a folder; name a file")
+        return found
+
+    return processed
+
+
+class Commands(TyperGroup):
+    """The group of commands: --help lists them under their headings."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names that are shown and suggested: those of commands that are not hidden."""
+        return [name for name in super().list_commands(ctx) if not self.commands[name].hidden]
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands with a line each, under their headings (see click)."""
+        shown = [self.commands[name] for name in self.list_commands(ctx)]
+        for heading, some in groupby(shown, key=lambda command: str(getattr(command, "rich_help_panel", ""))):
+            with formatter.section(heading):
+                formatter.write_dl([(str(each.name), each.get_short_help_str(formatter.width)) for each in some])
+
+
 def program(names: Iterable[str] = COMMANDS) -> Typer:
     """Return the command line with some of its commands; the modules of the others are not imported."""
     app = Typer(
@@ -99,21 +138,13 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
     return app
 
 
-@dataclass(slots=True)
-class Flags:
-    """The options of the command line as a whole, which ``main`` needs when a command has failed."""
-
-    debug: bool = False
-
-
 def root(
-    context: typer.Context,
     *,
     version: bool = typer.Option(False, "--version", "-V", help="Print the version and exit.", is_eager=True),
-    debug: bool = typer.Option(False, DEBUG, help="Show where in the program something failed; also after COMMAND."),
+    # Read before the command is chosen; here it is for --help alone.
+    _debug: bool = typer.Option(False, DEBUG, help="Show where in the program something failed; also after COMMAND."),
 ) -> None:
     """Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die."""
-    context.obj.debug = debug
     if version:
         from rubnoise.cli.version import version_line
 
@@ -126,16 +157,19 @@ def main() -> None:
 
     Only --debug prints a traceback.
     """
-    # What a command loads stays to the end, and a run makes no garbage that grows.
-    gc.set_threshold(20_000, 50, 50)
-    warnings.formatwarning = _warning_text
-    with _lossless_streams():
-        _answer(Flags())
+    warnings.formatwarning = lambda message, *_where, **_line: f"warning: {message}\n"
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a name that the terminal's encoding lacks is no reason to fail
+            stream.reconfigure(errors="backslashreplace")
+    end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    arguments = [word for word in sys.argv[1:end] if word != DEBUG] + sys.argv[end:]
+    with escaping():
+        _answer(arguments, debug=DEBUG in sys.argv[1:end])
 
 
-def _answer(flags: Flags) -> None:
+def _answer(arguments: list[str], *, debug: bool) -> None:
     try:
-        _call(flags)
+        sys.exit(_call(arguments or ["--help"]) or 0)
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:
@@ -144,62 +178,63 @@ def _answer(flags: Flags) -> None:
     except Exception as problem:  # noqa: BLE001  (any failure is printed as one line)
         if isinstance(problem, OSError):
             _discard_output()
-        with escaping():
-            if flags.debug:
-                traceback.print_exc()
+        if debug:
+            traceback.print_exc()
+        if hasattr(problem, "show"):  # a wrong call, of which typer says how it is called
+            problem.message = str(problem.message).removeprefix("Value error, ")  # type: ignore[attr-defined]
+            problem.show(shown := StringIO())
+            print(shown.getvalue().expandtabs(), end="", file=sys.stderr)
+        else:
             print(_error_text(problem), file=sys.stderr)
-        sys.exit(problem.exit_code if isinstance(problem, RubnoiseError) else 1)
+        sys.exit(getattr(problem, "exit_code", 1))
 
 
-class _CompleteWrites(BufferedWriter):
-    """A writer for a raw stream, which may write only a part of the bytes: it writes all of them, or raises OSError."""
+class Escaping:
+    """A stream that escapes what does not print as itself in the texts written to it: files may hold anything.
 
-    def write(self, data: Any) -> int:
-        """Write all of the data."""
-        written = super().write(data)
-        self.flush()
-        return written
+    Line ends stay, and a carriage return in front, with which a line of progress overwrites the one before.
+    """
 
-    def close(self) -> None:
-        """Leave the raw stream open, since it belongs to others; no bytes are waiting."""
+    def __init__(self, stream: TextIO) -> None:
+        """Take the stream beneath."""
+        self.beneath = stream
+
+    def write(self, text: str) -> int:
+        """Write a text, escaped."""
+        return self.beneath.write(escaped(text))
+
+    def writelines(self, lines: Iterator[str]) -> None:
+        """Write several texts."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.beneath, name)
+
+
+def escaped(text: str) -> str:
+    """Return a text with its line ends, and other characters that do not print as themselves escaped."""
+    if text.replace("\n", "").isprintable():
+        return text
+    start = "\r" if text.startswith("\r") else ""
+    return start + "\n".join(map(printable, text[len(start) :].split("\n")))
 
 
 @contextmanager
-def _lossless_streams() -> Iterator[None]:
-    """Replace the standard streams in this context by streams that lose no bytes and write any character."""
-    before = sys.stdout, sys.stderr
-    lossless = [_lossless(stream) for stream in before]
-    sys.stdout, sys.stderr = lossless
+def escaping() -> Iterator[None]:
+    """Escape all output on both streams in this context."""
+    out, err = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = Escaping(out), Escaping(err)
     try:
         yield
     finally:
-        sys.stdout, sys.stderr = before
-        for stream, was in zip(lossless, before, strict=True):
-            if isinstance(stream, TextIOWrapper) and stream is not was:
-                stream.detach()  # or its end would count as that of the raw stream
+        sys.stdout, sys.stderr = out, err
 
 
-def _lossless(stream: TextIO) -> TextIO:
-    """Return a standard stream that loses no bytes, also with PYTHONUNBUFFERED, and writes any character."""
-    if not isinstance(stream, TextIOWrapper):
-        return stream
-    # A file name or title that the terminal's encoding lacks is no reason to fail.
-    stream.reconfigure(errors="backslashreplace")
-    if not isinstance(stream.buffer, RawIOBase):
-        return stream
-    return TextIOWrapper(
-        _CompleteWrites(stream.buffer),
-        encoding=stream.encoding,
-        errors=stream.errors,
-        line_buffering=stream.line_buffering,
-        write_through=True,
-    )
-
-
-def _call(flags: Flags) -> None:
+def _call(arguments: list[str]) -> Any:
+    """Call a command, and return its exit code, None if it has none."""
     out = sys.stdout  # for which typer puts another in a closed pipe, whose flush says nothing
     try:
-        arguments = _debug_first(sys.argv[1:]) or ["--help"]
         command = next((word for word in arguments if not word.startswith("-")), None)
         if command in EARLIER:
             place = arguments.index(command)
@@ -209,21 +244,9 @@ def _call(flags: Flags) -> None:
             arguments.remove("--synthesise")
             arguments[arguments.index(command)] = command = "surface --synthesise"
         app = program([command]) if command in COMMANDS else program()
-        app(arguments, prog_name="rubnoise", obj=flags)
+        return app(arguments, prog_name="rubnoise", standalone_mode=False)
     finally:
         out.flush()
-
-
-def _debug_first(arguments: list[str]) -> list[str]:
-    """Return the arguments with --debug, from any place before a --, moved in front of the command."""
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    others = [word for word in arguments[:end] if word != DEBUG]
-    return [DEBUG] * (len(others) < end) + others + arguments[end:]
-
-
-def _warning_text(message: Warning | str, *_where: object, **_line: object) -> str:
-    """Return a warning of Python as a line in the form of all warnings of a command."""
-    return f"warning: {message}\n"
 
 
 def _error_text(problem: Exception) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.answer import Answer, Row, Table
+from rubnoise.answer import Answer, Table, rows
 from rubnoise.cli.layout import json_text, show
 from rubnoise.cli.options import AsJson, Changes
 from rubnoise.errors import RubnoiseError
@@ -60,18 +60,14 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, A
     if not isinstance(found, Scenario):
         return "sweeps", sweep_answer(found, title, warned=not quiet)
     known = derivation.derived(found, title, warned=not quiet)
-    rows, notes = (*known.rows, *derivation.cost(found)), (*known.notes, *derivation.missing_resources(found, file))
-    return "scenarios", replace(known, rows=rows, notes=notes)
+    notes = (*known.notes, *derivation.missing_resources(found, file))
+    return "scenarios", replace(known, rows=(*known.rows, *derivation.cost(found)), notes=notes)
 
 
 MOST_ROWS: Final = 100
 """Points that text lists."""
 
-UNITS: Final = {
-    "calibrated_diameter": "um",
-    "real_contact_area_mean": "um^2",
-    "real_contact_area_std": "um^2",
-}
+UNITS: Final = {"calibrated_diameter": "um", "real_contact_area_mean": "um^2", "real_contact_area_std": "um^2"}
 
 
 def sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
@@ -88,18 +84,18 @@ def sweep_answer(sweep: "Sweep", title: str, *, warned: bool) -> Answer:
         "seed": [run.seed for run in runs],
         "run_id": [run.run_id for run in runs],
     }
-    junctions, ticks = (
-        sweep.replicates * sum(point[name] for point in points) for name in ("expected_junctions", "ticks")
+    every = {name: sweep.replicates * sum(point[name] for point in points) for name in ("expected_junctions", "ticks")}
+    told = rows(
+        "",
+        ("keys", list(sweep.keys)),
+        ("replicates", sweep.replicates, "", "runs of each point"),
+        ("runs", len(runs)),
+        ("junctions", every["expected_junctions"], "", "expected in all runs"),
+        ("ticks", every["ticks"], "", "of all runs"),
     )
     return Answer(
         title=title,
-        rows=(
-            Row(name="keys", value=list(sweep.keys)),
-            Row(name="replicates", value=sweep.replicates, note="runs of each point"),
-            Row(name="runs", value=len(runs)),
-            Row(name="junctions", value=junctions, note="expected in all runs"),
-            Row(name="ticks", value=ticks, note="of all runs"),
-        ),
+        rows=tuple(told),
         tables=(
             Table(name="points", columns=columns, units=UNITS, shown=range(min(len(points), MOST_ROWS))),
             Table(name="seeds", columns=each_run, shown=()),

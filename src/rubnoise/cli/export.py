@@ -18,12 +18,7 @@ ExportedGroup = StrEnum("ExportedGroup", "junctions trace slider load landmarks"
 """The groups of a run that can be exported."""
 
 
-class ExportFormat(StrEnum):
-    """The available formats."""
-
-    CSV = "csv"
-    PARQUET = "parquet"
-    NETCDF = "netcdf"
+ExportFormat = StrEnum("ExportFormat", "csv parquet netcdf")
 
 
 def command(
@@ -60,7 +55,7 @@ def command(
 
     printed = output == STANDARD_OUTPUT
     if printed:
-        if kind is not ExportFormat.CSV:
+        if kind is not ExportFormat.csv:
             raise typer.BadParameter(
                 f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it:"
                 " name a file"
@@ -68,7 +63,7 @@ def command(
         if force:
             raise typer.BadParameter("--force replaces files; standard output is not a file")
     with open_run(file) as run, stoppable() as between:
-        exports = plan(run, kind.value, group=group and group.value, output=output)
+        exports = plan(run, kind.value, group=group and group.value, output=output)  # type: ignore[arg-type]  # one of three
         if printed:
             print_csv(run, exports[0].groups[0], sys.stdout, between=between)
             return

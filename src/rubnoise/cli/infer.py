@@ -4,7 +4,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -18,6 +18,10 @@ Offset = StrEnum("Offset", "none uniform")
 Zero = StrEnum("Zero", "known unknown")
 LawChoice = StrEnum("LawChoice", "auto fixed normal lognormal exponential gamma")
 """Lives that can be read, how far passes miss the centre line, whether 0 means no force, laws of sizes."""
+
+
+OF_COMMAND: Final = ("as_json", "output", "report", "force")
+"""Options that say what becomes of the answer; all others are those of `rubnoise.infer`."""
 
 
 def command(
@@ -96,6 +100,7 @@ def command(
 
     Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
     """
+    told = {name: value for name, value in locals().items() if name not in OF_COMMAND}
     from rubnoise.api.inferred import answer_of
     from rubnoise.api.inferring import infer
     from rubnoise.errors import Refused, TraceDoubtful
@@ -106,29 +111,7 @@ def command(
             check_output(path, force=force, reads=[trace])
     if output is not None and report is not None and output.absolute() == report.absolute():
         raise Refused(f"{output}: -o and --report name the same file")
-    found = infer(
-        trace,
-        speed=speed,
-        column=column,
-        place=place,
-        time=time,
-        unit=unit,
-        rate=rate,
-        zero=zero.value,  # type: ignore[arg-type]  # one of both
-        strength=strength,
-        strength_spread=strength_spread,
-        pulse=None if pulse is None else pulse.value,
-        offset=offset.value,
-        bandwidth=bandwidth,
-        poles=poles,
-        law=law.value,
-        mask=tuple(mask or ()),
-        drift=drift,
-        from_=from_,
-        to=to,
-        strokes=strokes,
-        bootstrap=bootstrap,
-    )
+    found = infer(**(told | {"mask": tuple(mask or ())}))
     answer = _in_shell(answer_of(found, trace))
     texts: dict[Path, str] = {}
     if output is not None and found.refused_because is None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import rubnoise
-from rubnoise.answer import Answer, Row, Table
+from rubnoise.answer import Answer, Row, Table, rows
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultOrSweep
 from rubnoise.cli.sweep import failures
@@ -73,20 +73,11 @@ def run_answer(run: "Run", file: Path) -> Answer:
 
 def _origin(run: "Run", file: Path) -> Iterator[Row]:
     """Yield where a file comes from, and its groups with the numbers of their rows."""
-    origin = run.provenance
-    known = {
-        "source": run.attributes["source"],
-        "format_version": run.attributes["format_version"],
-        "command": origin["command"],
-        "intervention": origin.get("intervention"),
-        "seed": origin["seed"],
-        "started": origin["started"],
-        "finished": origin["finished"],
-    }
-    yield from (Row(name=name, value=value) for name, value in known.items() if value is not None)
-    yield Row(name="bytes", value=file.stat().st_size, unit="B")
-    for name, group in run.groups().items():
-        yield Row(part="groups", name=name, value=len(group), note=", ".join(group.names))
+    told, origin = run.attributes, run.provenance
+    yield from rows("", ("source", told["source"]), ("format_version", told["format_version"]))
+    names = ("command", "intervention", "seed", "started", "finished")
+    yield from rows("", *((name, origin.get(name)) for name in names), ("bytes", file.stat().st_size, "B"))
+    yield from rows("groups", *((name, len(each), "", ", ".join(each.names)) for name, each in run.groups().items()))
 
 
 def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
@@ -100,30 +91,23 @@ def _normal_motion(run: "Run") -> tuple[list[Row], list[Table]]:
         heard = heard_bands(run.reader(), run.model())
     except Refused:
         return [], []
-    rows = [
-        Row(part="normal_velocity", name="velocity", value=heard.velocity, unit="um/s"),
-        Row(part="normal_velocity", name="level", value=heard.whole_level, unit="dB", note="re 50 nm/s"),
-    ]
+    level = "level", heard.whole_level, "dB", "re 50 nm/s"
+    told = list(rows("normal_velocity", ("velocity", heard.velocity, "um/s"), level))
     columns = {"frequency": heard.frequency, "level": heard.level}
     columns |= {} if heard.exact is None else {"exact": heard.exact}
-    return rows, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
+    return told, [Table(name="third_octaves", columns=columns, units={"frequency": "Hz", "level": "dB", "exact": "dB"})]
 
 
 def sweep_answer(sweep: "SweepResult", folder: Path, estimated: "list[Table]") -> Answer:
     """Return the content of the folder of a sweep, and ``estimated`` figures."""
-    origin = {name: sweep.attributes[name] for name in ("source", "command", "written")}
-    counts = {state: sweep.count(state) for state in ("done", "failed", "planned")}
-    known: dict[str, Any] = origin | {"points": len(sweep.points), "runs": len(sweep.runs), **counts}
+    known: dict[str, Any] = {name: sweep.attributes[name] for name in ("source", "command", "written")}
+    known |= {"points": len(sweep.points), "runs": len(sweep.runs)}
+    known |= {state: sweep.count(state) for state in ("done", "failed", "planned")}
     size_of_all = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
-    lists: dict[str, Sequence[str]] = {"grid": sweep.grid, "side_by_side": sweep.side_by_side, "figures": sweep.figures}
-    lists |= {"summaries": sweep.summaries}
+    lists = {name: list(getattr(sweep, name)) or None for name in ("grid", "side_by_side", "figures", "summaries")}
     return Answer(
         title=f"{folder}: {sweep.title}",
-        rows=(
-            *(Row(name=name, value=value) for name, value in known.items()),
-            Row(name="bytes", value=size_of_all, unit="B"),
-            *(Row(name=name, value=list(values)) for name, values in lists.items() if values),
-        ),
+        rows=tuple(rows("", *known.items(), ("bytes", size_of_all, "B"), *lists.items())),
         tables=(*failures(sweep), *estimated),
     )
 

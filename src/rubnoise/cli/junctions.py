@@ -1,26 +1,27 @@
-"""`rubnoise junctions`: the rows of a result that meet a condition, or one of them, as text, CSV or JSON."""
+"""`rubnoise junctions`: the rows of a result that meet a condition, or the life of one of them."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Self
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.answer import Answer, Row, Table, printable
-from rubnoise.cli.junction import show_life, state_names
-from rubnoise.cli.layout import as_wide_text, grouped, json_text
+from rubnoise.answer import Answer, Row, Table, printable, rows
+from rubnoise.cli.layout import grouped, show
 from rubnoise.cli.options import AsJson, ReplacePlot, ResultFile
+from rubnoise.cli.plot import check_picture, write_picture
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.selection import RowNumbers
+    from rubnoise.analysis.life import Life
     from rubnoise.record.reader import Rows
+    from rubnoise.record.rows import JunctionState
     from rubnoise.storage.schema import Dataset
 
 ROWS_SHOWN = 20
 """Rows printed as text by default."""
-
 
 SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
 """Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
@@ -64,131 +65,94 @@ def command(
 
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """
+    from rubnoise.analysis.life import life_of
     from rubnoise.cli.loading import finished_run
 
     chosen = {"--where": where, "--sort": sort, "--reverse": reverse or None, "--head": head, "--columns": columns}
-    if number is not None:
-        _refuse(chosen, "is for a list, not for one junction")
-        show_life(file, number, picture, plot=plot, force=force, as_csv=as_csv, as_json=as_json)
-        return
-    _refuse({"--plot": plot or None, "--force": force or None}, "is for one junction: rubnoise junctions RUN.h5 N")
-    if as_csv and as_json:
-        raise typer.BadParameter("only one of --csv and --json")
-    show = print_csv if as_csv else print_json if as_json else print_text
-    if head is None and show is print_text:
-        head = ROWS_SHOWN
+    if given := [name for name, value in chosen.items() if value is not None and number is not None]:
+        raise typer.BadParameter(f"{given[0]} is for a list, not for one junction")
+    if as_csv + as_json + plot > 1:
+        raise typer.BadParameter("only one of --csv, --json and --plot")
+    if not plot and (picture is not None or force):
+        raise typer.BadParameter(f"{picture or '--force'} is for --plot")
+    if plot and number is None:
+        raise typer.BadParameter("--plot is for one junction: rubnoise junctions RUN.h5 N")
+    if picture is not None and picture.suffix.lower() != ".png":
+        raise typer.BadParameter(f"{picture} does not end in .png, which is what --plot draws")
+    row, brief = None if number is None else _row(number), not (as_csv or as_json)
     with finished_run(file) as run:
-        found = JunctionList.of(
-            run, file, where=where, sort=sort, reverse=reverse, head=head, columns=columns, brief=show is print_text
-        )
-        show(found)
+        if row is None:
+            head = ROWS_SHOWN if brief and head is None else head
+            answer, more = listed(run, where, sort, columns, reverse=reverse, head=head, brief=brief, as_csv=as_csv)
+            answer = replace(answer, title=f"{file}: {answer.title}")
+            show(answer if as_json else replace(answer, rows=()), as_json=as_json, as_csv=as_csv)
+            if brief and more:
+                print(f"\n  and {grouped(more)} more (--head N for more, --csv for all)")
+        elif plot:
+            _draw(life_of(run, row), file, picture or Path(f"{file.stem}_junction{row}.png"), force=force)
+        else:
+            show(life_answer(life_of(run, row), file, as_csv=as_csv), as_json=as_json, as_csv=as_csv)
 
 
-def _refuse(options: dict[str, Any], why: str) -> None:
-    given = [name for name, value in options.items() if value is not None]
-    if given:
-        raise typer.BadParameter(f"{given[0]} {why}")
+def _row(number: str) -> int:
+    if number.startswith("-") and not re.fullmatch("-[0-9]+", number):
+        raise typer.BadParameter(f"no such option: {number}")
+    if not re.fullmatch("-?[0-9]{1,100}", number):
+        raise typer.BadParameter(f"{number} is no row number")
+    return int(number)
 
+
+# A list.
 
 BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
 """Columns that fit a terminal; those of --where and --sort are added."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JunctionList:
-    """Rows in the requested order, the number of all that fit, and the columns to print."""
+def listed(
+    run: "Rows",
+    where: str | None,
+    sort: str | None,
+    columns: str | None,
+    *,
+    reverse: bool,
+    head: int | None,
+    brief: bool,
+    as_csv: bool,
+) -> tuple[Answer, int]:
+    """Return the rows that fit a condition in the requested order, and the number of those that ``head`` leaves out.
 
-    run: "Rows"
-    path: Path
-    where: str | None
-    sort: str | None
-    rows: "RowNumbers"
-    total: int
-    columns: "tuple[Dataset, ...]"
-
-    @classmethod
-    def of(
-        cls,
-        run: "Rows",
-        path: Path,
-        *,
-        where: str | None,
-        sort: str | None,
-        reverse: bool,
-        head: int | None,
-        columns: str | None,
-        brief: bool,
-    ) -> Self:
-        """Find the rows; raises Refused for an invalid condition and an unknown column."""
-        from rubnoise.analysis.selection import select
-        from rubnoise.analysis.where import condition
-        from rubnoise.storage.schema import JUNCTIONS
-
-        there = tuple(column for column in JUNCTIONS.columns if column.name in run.columns["junctions"])
-        tree = None if where is None else condition(where, there)
-        by = None if sort is None else _column_named(sort.removeprefix("-"), "--sort", there).name
-        named = {*(() if tree is None else tree.columns), *(() if by is None else (by,))}
-        wanted = _chosen_columns(columns, there, named if brief else None)
-        descending = reverse != (sort is not None and sort.startswith("-"))
-        rows, total = select(run, tree, sort=by, descending=descending, head=head)
-        order = f"-{by or 'junction'}" if descending else by
-        return cls(run=run, path=path, where=where, sort=order, rows=rows, total=total, columns=wanted)
-
-    def values(self) -> Iterator[tuple[Any, ...]]:
-        """Yield the values of each row as numbers of Python."""
-        from rubnoise.analysis.selection import gather
-
-        names = [column.name for column in self.columns]
-        for chunk in gather(self.run, self.rows, names):
-            yield from zip(*(chunk[name].tolist() for name in names), strict=True)
-
-
-def print_csv(found: JunctionList) -> None:
-    """Print a heading of names with units, then a line for each row, every number to its last bit."""
+    ``as_csv``: with the units in the names of columns, as in max_area_um2, and states as numbers. Raises Refused for an
+    invalid condition and an unknown column.
+    """
+    from rubnoise.analysis.selection import gather, select
+    from rubnoise.analysis.where import condition
     from rubnoise.storage.export import heading
+    from rubnoise.storage.schema import JUNCTIONS
 
-    print(",".join(map(heading, found.columns)))
-    for row in found.values():
-        print(",".join(map(repr, row)))
-
-
-def print_json(found: JunctionList) -> None:
-    """Print one JSON object, column by column while the rows are read, so that memory does not grow with them."""
-    from rubnoise.analysis.selection import gather
-
-    print(json_text(about(found).to_json())[:-1] + ', "junctions": {', end="")
-    for i, column in enumerate(found.columns):
-        print(",\n" if i else "\n", json_text(column.name), ": [", sep="", end="")
-        separator = ""
-        for chunk in gather(found.run, found.rows, [column.name]):
-            cells = json_text(_cells(column.name, chunk[column.name].tolist()))[1:-1]
-            print(separator, cells, sep="", end="")
-            separator = ", "
-        print("]", end="")
-    print("}}")
-
-
-def about(found: JunctionList) -> Answer:
-    """Return which rows were chosen, without these."""
-    all_rows = found.run.rows("junctions")
-    rows = {"where": found.where, "sort": found.sort, "rows": all_rows, "matched": found.total}
-    return Answer(
-        title=f"{found.path}: {grouped(found.total)} of {grouped(all_rows)} junctions",
-        rows=tuple(Row(name=name, value=value) for name, value in rows.items() if value is not None),
+    there = [column for column in JUNCTIONS.columns if column.name in run.columns["junctions"]]
+    tree = None if where is None else condition(where, there)
+    by = None if sort is None else _column_named(sort.removeprefix("-"), "--sort", there).name
+    wanted = there if columns is None else _chosen_columns(columns, there)
+    if columns is None and brief:
+        shown = {*BRIEF, *(() if tree is None else tree.columns), by}
+        wanted = [column for column in there if column.name in shown]
+    descending = reverse != (sort is not None and sort.startswith("-"))
+    found, total = select(run, tree, sort=by, descending=descending, head=head)
+    chunks = list(gather(run, found, [column.name for column in wanted]))
+    cells = {}
+    for column in wanted:
+        values = [each for chunk in chunks for each in chunk[column.name].tolist()]
+        cells[heading(column) if as_csv else column.name] = values if as_csv else _cells(column.name, values)
+    table = Table(
+        name="" if brief else "junctions",
+        columns=cells,
+        units={column.name: column.units for column in wanted if column.units != "1"},
+        shown=None if found.size else (),
     )
-
-
-def print_text(found: JunctionList) -> None:
-    """Print the rows in columns below their names and units, and the number of further ones."""
-    units = {column.name: column.units for column in found.columns if column.units != "1"}
-    names = [column.name for column in found.columns]
-    values = {
-        name: _cells(name, list(cells)) for name, cells in zip(names, zip(*found.values(), strict=True), strict=False)
-    }
-    tables = (Table(name="", columns=values, units=units),) if found.rows.size else ()
-    print(as_wide_text(replace(about(found), rows=(), tables=tables)))
-    if found.total > found.rows.size:
-        print(f"\n  and {grouped(found.total - found.rows.size)} more (--head N for more, --csv for all)")
+    order, all_rows = f"-{by or 'junction'}" if descending else by, run.rows("junctions")
+    about = rows("", ("where", where), ("sort", order), ("rows", all_rows), ("matched", total))
+    title = f"{grouped(total)} of {grouped(all_rows)} junctions"
+    return Answer(title=title, rows=tuple(about), tables=(table,)), total - found.size
 
 
 def _cells(name: str, values: list[Any]) -> list[Any]:
@@ -200,25 +164,111 @@ def _cells(name: str, values: list[Any]) -> list[Any]:
     return [state_names(JunctionState(value)) for value in values]
 
 
-def _chosen_columns(columns: str | None, there: "tuple[Dataset, ...]", named: set[str] | None) -> "tuple[Dataset, ...]":
-    if columns is not None:
-        names = [name.strip() for name in columns.split(",")]
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise Refused(f"--columns: {printable(twice) or 'nothing'} is named twice")
-        return tuple(_column_named(name, "--columns", there) for name in names)
-    if named is None:
-        return there
-    return tuple(column for column in there if column.name in named.union(BRIEF))
+def _chosen_columns(columns: str, there: "Sequence[Dataset]") -> "list[Dataset]":
+    names = [name.strip() for name in columns.split(",")]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise Refused(f"--columns: {printable(twice) or 'nothing'} is named twice")
+    return [_column_named(name, "--columns", there) for name in names]
 
 
-def _column_named(name: str, option: str, there: "tuple[Dataset, ...]") -> "Dataset":
-    from rubnoise.analysis.where import did_you_mean
-    from rubnoise.storage.schema import JUNCTIONS
+def _column_named(name: str, option: str, there: "Sequence[Dataset]") -> "Dataset":
+    from rubnoise.analysis.where import advice
 
-    for column in there:
-        if column.name == name:
-            return column
-    if any(column.name == name for column in JUNCTIONS.columns):
-        raise Refused(f"{option}: this run has no {name}; it has {', '.join(column.name for column in there)}")
-    raise Refused(f"{option}: no column {printable(name)}; {did_you_mean(name, (column.name for column in there))}")
+    found = next((column for column in there if column.name == name), None)
+    if found is None:
+        raise Refused(f"{option}: no column {printable(name)}; {advice(name, [column.name for column in there])}")
+    return found
+
+
+# One life.
+
+UNITS = {"distance": "um", "time": "s", "area": "um^2", "force": "uN"}
+STATES = {
+    "alive_at_start": "alive at the start",
+    "alive_at_end": "alive at the end",
+    "ended_early": "ended early",
+    "complete": "a complete life",
+}
+
+
+def state_names(state: "JunctionState") -> list[str]:
+    """Return the names of a state's bits as the file has them, ``complete`` if there are none."""
+    return [str(bit.name).lower() for bit in state] or ["complete"]
+
+
+def life_answer(life: "Life", file: Path, *, as_csv: bool = False) -> Answer:
+    """Return everything about a life: its row, the contact where its area is largest, and its curve.
+
+    ``as_csv``: the curve alone, with the units in the names of its columns.
+    """
+    curve = {name: values.tolist() for name, values in life.curve().items()}
+    if as_csv:
+        named = {f"{name}_{UNITS[name].replace('^', '')}": values for name, values in curve.items()}
+        return Answer(tables=(Table(name="curve", columns=named),))
+    of = ", ".join(STATES[name] for name in state_names(life.state))
+    return Answer(
+        title=f"{file}: junction {life.number} of 0 to {life.rows - 1}, {of}",
+        rows=(*_row_of(life), *_peak(life)),
+        tables=(Table(name="curve", columns=curve, units=UNITS, shown=()),),
+    )
+
+
+def _row_of(life: "Life") -> Iterator[Row]:
+    """Yield the columns of its row that the run has, and where it reached its largest overlap."""
+    yield Row(part="junction", name="state", value=state_names(life.state))
+    middle = life.mid_life_distance
+    for name, distance, time in (
+        ("birth", life.birth_distance, life.birth_time),
+        ("mid_life", middle, None if middle is None else life.time(middle)),
+        ("death", life.death_distance, life.death_time),
+    ):
+        after = ""
+        if distance is None:
+            yield Row(part="junction", name=f"{name}_distance", note="not reached")
+        elif not 0.0 <= distance <= life.record_end:
+            after = "before the start" if distance < 0.0 else "after the end"
+        yield from rows("junction", (f"{name}_distance", distance, "um", after), (f"{name}_time", _number(time), "s"))
+    yield from rows(
+        "junction",
+        ("life_distance", life.life_distance, "um"),
+        ("diameter", life.diameter, "um"),
+        ("lateral_offset", life.lateral_offset, "um"),
+        ("max_area", life.max_area, "um^2"),
+        ("shear_strength", life.shear_strength, "MPa"),
+    )
+
+
+def _number(time: Any) -> float | None:
+    return None if time is None else float(time)
+
+
+def _peak(life: "Life") -> Iterator[Row]:
+    """Yield the contact where the area of this junction is largest, and who was alive there."""
+    return rows(
+        "peak",
+        ("distance", life.peak_distance, "um", _occasion(life)),
+        ("time", _number(life.time(life.peak_distance)), "s"),
+        ("area", life.peak_area, "um^2"),
+        ("real_contact_area", life.real_contact_area, "um^2"),
+        ("area_share", life.area_share),
+        ("force", life.peak_force, "uN"),
+        ("friction_force", life.friction_force, "uN"),
+        ("force_share", life.force_share),
+        ("others_alive", life.beside.rows.tolist(), "", "row numbers"),
+    )
+
+
+def _occasion(life: "Life") -> str:
+    if life.peak_distance == life.mid_life_distance:
+        return "mid-life"
+    if life.peak_distance == life.death_distance:
+        return "just before it was ended"
+    return f"largest in the record, at the {'end' if life.peak_distance == life.record_end else 'start'}"
+
+
+def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
+    from rubnoise.figures.life import life_png
+
+    check_picture(path, force=force, reads=[file])
+    write_picture(path, lambda _: life_png(life, printable(file.name)), force=force)

@@ -9,7 +9,6 @@ from textwrap import fill
 from typing import Any, TextIO
 
 from rubnoise.answer import Answer, finite
-from rubnoise.answer import as_json as as_json_text
 
 WIDTH = 80
 """Columns of text that goes to no terminal."""
@@ -81,7 +80,7 @@ def json_text(answer: Any, *, indent: int | None = None) -> str:
 
 def show(answer: Answer, *, as_json: bool, as_csv: bool = False) -> None:
     """Print an answer as one JSON object, as CSV, or as text as wide as the terminal."""
-    print(as_json_text(answer) if as_json else answer.to_csv() if as_csv else as_wide_text(answer))
+    print(json_text(answer.to_json()) if as_json else answer.to_csv() if as_csv else as_wide_text(answer))
 
 
 def as_wide_text(answer: Answer) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from rubnoise import __version__
-from rubnoise.answer import Answer, Row
+from rubnoise.answer import Answer, Row, rows
 from rubnoise.cli.layout import grouped, show
 from rubnoise.cli.options import ReplaceFile
 from rubnoise.cli.signals import stoppable
@@ -19,8 +19,7 @@ from rubnoise.cli.signals import stoppable
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rubnoise.analysis.hearing import Hearing
-    from rubnoise.analysis.sound import Heard, Level, Sound
+    from rubnoise.analysis.sound import Heard, Hearing, Level, Sound
 
 What = StrEnum("What", "velocity force displacement normal-velocity load")
 Rate = StrEnum("Rate", {"CD": "44100", "VIDEO": "48000"})
@@ -129,34 +128,31 @@ def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
 
 def sound_answer(path: Path, sound: "Sound", level: "Level", others: int = 0) -> Answer:
     """Return the file that was written, its scale, and its audible part; ``others`` have the same scale."""
-    from rubnoise.analysis.hearing import Hearing
+    from rubnoise.analysis.sound import Hearing
     from rubnoise.storage.wave_file import BITS
 
     whose = "the loudest sample of all runs" if others else "the loudest sample"
     rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
     hearing = None if level.spectrum is None else Hearing.of(level.spectrum)
-    began = (Row(name="begins_at", value=sound.first * sound.tick_duration, unit="s", note="after the transient"),)
-    heard = () if hearing is None else tuple(_audible(hearing, level))
-    return Answer(
-        title=f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}",
-        rows=(*(began if sound.first else ()), *_scale(sound, level, whose), *heard),
-        notes=_advice(hearing, sound.speed_up),
+    begins = sound.first * sound.tick_duration or None
+    told = rows(
+        "",
+        ("begins_at", begins, "s", "after the transient"),
+        ("speed_up", sound.speed_up),
+        ("full_scale", level.full_scale, sound.units, f"{whose} 3 dB below"),
+        ("mean", level.mean, sound.units, "taken away"),
+        ("natural_frequency", sound.natural, "Hz", f"heard at {(sound.natural or 0.0) * sound.speed_up:.4g} Hz"),
     )
-
-
-def _scale(sound: "Sound", level: "Level", whose: str) -> Iterator[Row]:
-    yield Row(name="speed_up", value=sound.speed_up)
-    yield Row(name="full_scale", value=level.full_scale, unit=sound.units, note=f"{whose} 3 dB below")
-    yield Row(name="mean", value=level.mean, unit=sound.units, note="taken away")
-    if sound.natural is not None:
-        heard = f"heard at {sound.natural * sound.speed_up:.4g} Hz"
-        yield Row(name="natural_frequency", value=sound.natural, unit="Hz", note=heard)
-
-
-def _audible(hearing: "Hearing", level: "Level") -> Iterator[Row]:
-    yield Row(name="middle", value=hearing.middle, unit="Hz", note="half of the power lies below")
-    yield Row(name="audible_share", value=hearing.audible, note="20 Hz to 20 kHz")
-    yield Row(name="level", value=level.laptop, unit="dB", note="re full scale, 200 to 4000 Hz: what a laptop plays")
+    heard: Iterator[Row] = iter(())
+    if hearing is not None:
+        heard = rows(
+            "",
+            ("middle", hearing.middle, "Hz", "half of the power lies below"),
+            ("audible_share", hearing.audible, "", "20 Hz to 20 kHz"),
+            ("level", level.laptop, "dB", "re full scale, 200 to 4000 Hz: what a laptop plays"),
+        )
+    title = f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"
+    return Answer(title=title, rows=(*told, *heard), notes=_advice(hearing, sound.speed_up))
 
 
 def _advice(hearing: "Hearing | None", speed_up: float) -> tuple[str, ...]:

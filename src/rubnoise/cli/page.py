@@ -18,12 +18,8 @@ from rubnoise.regular_file import is_folder
 Ends = tuple[float | None, float | None]
 
 
-class PageForm(StrEnum):
-    """What a page is for."""
-
-    VIEW = "view"
-    REPORT = "report"
-    LESSON = "lesson"
+PageForm = StrEnum("PageForm", "view report lesson")
+"""What a page is for."""
 
 
 def command(
@@ -85,33 +81,33 @@ def _usual_form(sources: Sequence[Path]) -> PageForm:
     from rubnoise.cli.loading import is_result
 
     runs = (is_folder(each) or is_result(each) or each.suffix.lower() == ".h5" for each in sources)
-    return PageForm.VIEW if sources and all(runs) else PageForm.LESSON
+    return PageForm.view if sources and all(runs) else PageForm.lesson
 
 
 def _usual_name(sources: Sequence[Path], form: PageForm) -> str:
-    if form == PageForm.LESSON:
+    if form == PageForm.lesson:
         return "lesson.html"
     name = "_".join(Path(realpath(each)).stem for each in sources)
-    return f"{name}_report.html" if form == PageForm.REPORT else f"{name}.html"
+    return f"{name}_report.html" if form == PageForm.report else f"{name}.html"
 
 
 def _check(sources: Sequence[Path], form: PageForm, ends: Ends) -> None:
     """Raise BadParameter if a form of page cannot be made of the sources."""
     if len(sources) > 2:
         raise typer.BadParameter("a page shows one result, or two side by side")
-    if len(sources) == 2 and (form != PageForm.VIEW or any(map(is_folder, sources))):
+    if len(sources) == 2 and (form != PageForm.view or any(map(is_folder, sources))):
         raise typer.BadParameter("only two results are shown side by side, with --as view")
-    if not sources and form != PageForm.LESSON:
+    if not sources and form != PageForm.lesson:
         raise typer.BadParameter(f"--as {form} needs a result: rubnoise page RUN.h5 --as {form}")
-    if ends != (None, None) and (form != PageForm.VIEW or is_folder(sources[0])):
+    if ends != (None, None) and (form != PageForm.view or is_folder(sources[0])):
         raise typer.BadParameter("--from and --to are for the view of a run")
 
 
 def _written(sources: Sequence[Path], form: PageForm, ends: Ends) -> tuple[str, str]:
     """Return the text of a page, and what the command says about it."""
-    if form == PageForm.LESSON:
+    if form == PageForm.lesson:
         return lesson_page(sources[0] if sources else Path("first/rubbing")), ""
-    if form == PageForm.REPORT:
+    if form == PageForm.report:
         return report_page(sources[0]), ""
     if is_folder(sources[0]):
         return _sweep(sources[0])

@@ -45,16 +45,27 @@ def _nothing(_done: float, _whole: float | None, _words: str) -> None:
 
 
 @contextmanager
-def watching(distance: float, *, shown: bool) -> Iterator["Watch"]:
-    """Yield what watches a run of a length in um; from its first call on, signals stop the run at its next call."""
-    with ExitStack() as stack, bar(shown=shown) as show:
+def _stopping() -> Iterator[Callable[[], None]]:
+    """Yield a function that raises RunStopped after a signal; signals are caught from its first call on."""
+    with ExitStack() as stack:
         between: list[Callable[[], None]] = []
-        show(0.0, None, "counting the births")
 
-        def watch(reached: float, junctions: int, live: int) -> None:
+        def check() -> None:
             if not between:
                 between.append(stack.enter_context(stoppable()))
             between[0]()
+
+        yield check
+
+
+@contextmanager
+def watching(distance: float, *, shown: bool) -> Iterator["Watch"]:
+    """Yield what watches a run of a length in um; from its first call on, signals stop the run at its next call."""
+    with _stopping() as check, bar(shown=shown) as show:
+        show(0.0, None, "counting the births")
+
+        def watch(reached: float, junctions: int, live: int) -> None:
+            check()
             words = f"{reached / 1000.0:.6g} of {distance / 1000.0:.6g} mm, {junctions:,} junctions, {live:,} alive"
             show(reached, distance, words)
 
@@ -64,13 +75,10 @@ def watching(distance: float, *, shown: bool) -> Iterator["Watch"]:
 @contextmanager
 def watching_sweep(*, shown: bool) -> Iterator[Callable[["SweepProgress"], None]]:
     """Yield what watches a sweep; from its first call on, signals stop the sweep at its next call."""
-    with ExitStack() as stack, bar(shown=shown) as show:
-        between: list[Callable[[], None]] = []
+    with _stopping() as check, bar(shown=shown) as show:
 
         def watch(progress: "SweepProgress") -> None:
-            if not between:
-                between.append(stack.enter_context(stoppable()))
-            between[0]()
+            check()
             ended = progress.done + progress.failed
             failed = f", {progress.failed:,} failed" if progress.failed else ""
             show(ended, progress.runs, f"{ended:,} of {progress.runs:,} runs{failed}")

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import rubnoise
-from rubnoise.analysis.one_way import one_way_warnings
-from rubnoise.answer import Answer, Row, size
+from rubnoise.answer import Answer, rows, size
 from rubnoise.cli.layout import grouped, sentence, show, too_short_for_motion
 from rubnoise.cli.options import AsJson, EngineName, Quiet, ReplaceResult
 from rubnoise.cli.progress import announce_compilation, on_terminal, watching
@@ -93,10 +92,9 @@ def _print_forecast(scenario: "Scenario", path: Path, *, as_json: bool, quiet: b
     check_disk_space(scenario, budget, path)
     warnings = [*scenario.warnings, *_doubts(scenario, quiet=quiet or as_json)]
     notes = [] if scenario.model().free is None else [FREE_ROWS]
-    rows = (Row(part="result", name="output", value=str(path)), *budget_rows(budget))
-    _print(
-        Answer(title=f"{path}: nothing run, nothing written", rows=rows), warnings, notes, as_json=as_json, quiet=quiet
-    )
+    told = (*rows("result", ("output", str(path))), *budget_rows(budget))
+    answer = Answer(title=f"{path}: nothing run, nothing written", rows=told)
+    _print(answer, warnings, notes, as_json=as_json, quiet=quiet)
 
 
 def _print(answer: Answer, warnings: list[str], notes: list[str], *, as_json: bool, quiet: bool) -> None:
@@ -110,17 +108,11 @@ def _print_result(
     result: "Run", path: Path, seconds: float, warnings: list[str], *, as_json: bool, quiet: bool
 ) -> None:
     """Print the outcome of a run, with its path and the seconds that it took."""
-    rows, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
+    junctions, ticks, count = len(result.junctions), len(result.trace), path.stat().st_size
+    told = (("output", str(path)), ("seed", result.provenance["seed"]), ("junctions", junctions), ("ticks", ticks))
     answer = Answer(
-        title=f"{path}: {grouped(rows)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s",
-        rows=(
-            Row(part="result", name="output", value=str(path)),
-            Row(part="result", name="seed", value=result.provenance["seed"]),
-            Row(part="result", name="junctions", value=rows),
-            Row(part="result", name="ticks", value=ticks),
-            Row(part="result", name="bytes", value=count, unit="B"),
-            *(figure.row("summary") for figure in result.summary),
-        ),
+        title=f"{path}: {grouped(junctions)} junctions, {grouped(ticks)} ticks, {size(count)}, in {seconds:.1f} s",
+        rows=(*rows("result", *told, ("bytes", count, "B")), *(figure.row("summary") for figure in result.summary)),
     )
     _print(answer, warnings, [], as_json=as_json, quiet=quiet)
     if not (as_json or quiet):
@@ -139,8 +131,8 @@ def program() -> str:
 
 def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     """Return the reasons why the result will be doubtful or too short, and print them before the run."""
-    from rubnoise.analysis.moments import missing_for_motion
-    from rubnoise.cli.load import load_as_json, load_warnings
+    from rubnoise.analysis.moments import missing_for_motion, one_way_warnings
+    from rubnoise.cli.derivation import load_as_json, load_warnings
     from rubnoise.theory.exact import exact
     from rubnoise.theory.motion import response
 

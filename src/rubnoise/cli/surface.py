@@ -1,5 +1,6 @@
 """`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from enum import StrEnum
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.answer import Answer, Row, Table, printable
+from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplaceFiles
 from rubnoise.errors import Refused, in_shell
@@ -89,38 +90,32 @@ def command(
 
     Example: rubnoise surface track.al3d slider.x3p --cutoff "5 um" --load "0.2 N" --hardness "1 GPa" -o scenario.toml
     """
+    asked = locals()
     from rubnoise.api.surface import Surface
     from rubnoise.storage.output import check_output
 
-    if output is None and report is None:
-        _refuse_unused(context)
+    for name in _SCENARIO if output is None and report is None else ():
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            option = f"--{name.replace('_', '-')}"
+            raise typer.BadParameter(f"{option} is for the scenario, which -o or --report writes")
     for path in (output, report):
         if path is not None:
             check_output(path, force=force, reads=scans or ())
     if scans is None or len(scans) not in (1, 2):
         raise typer.BadParameter("one scan or two are needed: the track, then the slider")
-    told: dict[str, Any] = {"unit": unit, "height_unit": height_unit, "size": size, "channel": channel, "turn": turn}
+    told = {name: asked[name] for name in ("unit", "height_unit", "size", "channel", "turn")}
     surfaces = [Surface.read(path, form=form.value, **told) for path in scans]
     slider = surfaces[1] if len(surfaces) == 2 else None
-    _ask_for_needed(surfaces[0], slider, cutoff, load, hardness, longest)
-    contact = surfaces[0].slide(
-        slider, cutoff=cutoff, load=load, hardness=hardness, longest=longest, slider_length=slider_length
-    )
-    wanted = _wanted(speed, distance, mass, damping_ratio)
+    _ask_for_needed(surfaces[0], slider, asked)
+    pressed = {name: asked[name] for name in ("cutoff", "load", "hardness", "longest", "slider_length")}
+    contact = surfaces[0].slide(slider, **pressed)
+    wanted = _wanted(asked)
     answer = answer_of(contact, wanted)
     _write(contact, answer, output, report, wanted, force=force)
     show(answer, as_json=as_json)
     if contact.refused:
         raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
-
-
-def _refuse_unused(context: typer.Context) -> None:
-    """Refuse options of a scenario that no -o and no --report writes."""
-    for name in _SCENARIO:
-        source = context.get_parameter_source(name)
-        if source is not None and source.name == "COMMANDLINE":
-            option = f"--{name.replace('_', '-')}"
-            raise typer.BadParameter(f"{option} is for the scenario, which -o or --report writes")
 
 
 def _write(
@@ -147,19 +142,10 @@ def _write(
             files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
 
 
-def _ask_for_needed(
-    track: "Surface",
-    slider: "Surface | None",
-    cutoff: str | None,
-    load: str | None,
-    hardness: str | None,
-    longest: str | None,
-) -> None:
+def _ask_for_needed(track: "Surface", slider: "Surface | None", asked: dict[str, Any]) -> None:
     """Refuse a call without a cut-off after the curve over cut-offs, and one without a load or a hardness."""
-    import sys
-
-    if cutoff is None:
-        lengths, counts = track.count_over_cutoff(slider, longest=longest)
+    if asked["cutoff"] is None:
+        lengths, counts = track.count_over_cutoff(slider, longest=asked["longest"])
         print("cut-off (um)  junctions at 1 % of the area", file=sys.stderr)
         for length, count in zip(lengths, counts, strict=True):
             print(f"{length:12.4g}  {count:.4g}", file=sys.stderr)
@@ -167,23 +153,20 @@ def _ask_for_needed(
             '--cutoff is needed: the number of junctions depends on it as above; right form: --cutoff "5 um", a wave'
             " longer than the noise of the instrument"
         )
-    for option, value, example in (("--load", load, "0.2 N"), ("--hardness", hardness, "1 GPa")):
-        if value is None:
-            raise Refused(f'{option} is needed; right form: {option} "{example}"')
+    for option, example in (("load", "0.2 N"), ("hardness", "1 GPa")):
+        if asked[option] is None:
+            raise Refused(f'--{option} is needed; right form: --{option} "{example}"')
 
 
-def _wanted(speed: str | None, distance: str | None, mass: str | None, damping_ratio: float | None) -> dict[str, Any]:
+def _wanted(asked: dict[str, Any]) -> dict[str, Any]:
+    """Return what the scenario is to have beside the contact; raises Refused for what is no quantity."""
     from rubnoise.api import keywords
     from rubnoise.units import LENGTH, MASS, SPEED
 
-    if damping_ratio is not None and not (isfinite(damping_ratio) and damping_ratio >= 0.0):
-        raise Refused(f"--damping-ratio: {damping_ratio} is no number from 0 on")
-    return {
-        "speed": keywords.quantity("speed", speed, SPEED),
-        "distance": keywords.quantity("distance", distance, LENGTH),
-        "mass": keywords.quantity("mass", mass, MASS),
-        "damping_ratio": damping_ratio,
-    }
+    ratio, kinds = asked["damping_ratio"], {"speed": SPEED, "distance": LENGTH, "mass": MASS}
+    if ratio is not None and not (isfinite(ratio) and ratio >= 0.0):
+        raise Refused(f"--damping-ratio: {ratio} is no number from 0 on")
+    return {name: keywords.quantity(name, asked[name], kind) for name, kind in kinds.items()} | {"damping_ratio": ratio}
 
 
 def answer_of(contact: "SlidingContact", wanted: dict[str, Any]) -> Answer:
@@ -211,15 +194,17 @@ def _given(contact: "SlidingContact") -> Iterator[Row]:
     """Yield the surfaces as they were read, and what was asked of them."""
     for which, part in enumerate(("track", "slider")):
         surface = getattr(contact, part)
-        yield Row(part=part, name="name", value=surface.name)
-        yield Row(part=part, name="points", value=list(surface.heights.shape), note="along and across the sliding")
-        yield Row(part=part, name="spacing", value=list(surface.spacing), unit="um")
-        yield Row(part=part, name="history", value=list(surface.history))
-        yield Row(part=part, name="digest", value=contact.scans[which].digest)
+        yield from rows(
+            part,
+            ("name", surface.name),
+            ("points", list(surface.heights.shape), "", "along and across the sliding"),
+            ("spacing", list(surface.spacing), "um"),
+            ("history", list(surface.history)),
+            ("digest", contact.scans[which].digest),
+        )
     for name, unit in _UNITS["contact"].items():
         value = contact.gaussian.level if name == "level" else getattr(contact, name)
-        if value is not None and isfinite(value):
-            yield Row(part="contact", name=name, value=value, unit=unit)
+        yield from rows("contact", (name, value if value is not None and isfinite(value) else None, unit))
 
 
 def _figures(contact: "SlidingContact") -> Iterator[Row]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from rubnoise.answer import Answer, Row
+from rubnoise.answer import Answer, rows
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ReplaceFile
 
@@ -48,10 +48,7 @@ def command(
         points=points, spacing=spacing, roughness=roughness, hurst=hurst, rolloff=rolloff, cutoff=cutoff, seed=seed
     )
     made.save(path, force=force)
-    units = {"Sa": "um", "Sq": "um"}
-    rows = [
-        Row(part="roughness", name=name, value=value, unit=units.get(name, ""))
-        for name, value in made.roughness().items()
-    ]
-    about = (Row(name="surface", value=str(path)), Row(name="digest", value=made.map.digest))
-    show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*about, *rows)), as_json=as_json)
+    units, found = {"Sa": "um", "Sq": "um"}, made.roughness()
+    told = rows("", ("surface", str(path)), ("digest", made.map.digest))
+    rough = rows("roughness", *((name, value, units.get(name, "")) for name, value in found.items()))
+    show(Answer(title=f"{path}: {made.map.history[0]}", rows=(*told, *rough)), as_json=as_json)

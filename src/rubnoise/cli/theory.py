@@ -57,7 +57,7 @@ def command(
     Example: rubnoise theory scenarios/paper/fig5.toml --at-wavenumber 0,0.1,1
     """
     from rubnoise.cli.loading import scenario_or_result
-    from rubnoise.cli.theory_answer import Points, theory_answer
+    from rubnoise.cli.theory_answer import places, theory_answer
 
     if as_csv + as_json + plot > 1:
         raise typer.BadParameter("only one of --csv, --json and --plot")
@@ -78,15 +78,7 @@ def command(
 
         write_picture(picture, lambda kind: theory_picture(model, file.name, kind), force=force)
         return
-    brief = not (as_csv or as_json)
-    points = Points.of(
-        model,
-        wavenumbers=wavenumbers,
-        lags=lags,
-        areas=areas,
-        distances=distances,
-        brief=brief,
-    )
+    at = places({"wavenumber": wavenumbers, "lag": lags, "area": areas, "distance": distances})
     title = f"{file}: {scenario.title}".removesuffix(": ")
-    answer = theory_answer(title, model, points, segment, white=white)
+    answer = theory_answer(title, model, at, brief=not (as_csv or as_json), segment=segment, white=white)
     show(answer, as_json=as_json, as_csv=as_csv)

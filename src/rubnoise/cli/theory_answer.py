@@ -1,18 +1,17 @@
-"""The exact values of a model, by name, in working units and ready for JSON, at the points of the --at options."""
+"""The exact values of a model, by name, in working units and ready for JSON, at the places of the --at options."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations_with_replacement
 from math import isfinite
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.answer import Answer, Row, Table, printable
+from rubnoise.answer import Answer, Row, Table, printable, rows
 from rubnoise.arrays import Doubles
-from rubnoise.cli.derivation import ONE_WAY_ALONE, motion_rows, motion_warnings
-from rubnoise.cli.load import load_as_json, load_notes, load_rows
+from rubnoise.cli.derivation import ONE_WAY_ALONE, load_as_json, load_notes, load_rows, motion_rows, motion_warnings
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -38,60 +37,16 @@ REACH: Final = 6.0
 """How many standard deviations from the mean the areas reach by default."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Points:
-    """Wavenumbers in rad/um, lags in um and areas in um^2, in the order of the options.
+def places(given: Mapping[str, Sequence[str] | None]) -> dict[str, Doubles]:
+    """Return the places that options name: by wavenumber (rad/um), lag (um), area (um^2) and distance (um).
 
-    ``distances`` from an empty start are in um; None if no option names any.
-    ``areas_given``: whether an option names areas; ``brief``: whether default points are for a terminal.
+    Raises Refused, naming option and value, if a number is not finite.
     """
-
-    wavenumbers: Doubles
-    lags: Doubles
-    areas: Doubles
-    distances: Doubles | None
-    areas_given: bool
-    brief: bool
-
-    @classmethod
-    def of(
-        cls,
-        model: Model,
-        *,
-        wavenumbers: Sequence[str] | None,
-        lags: Sequence[str] | None,
-        areas: Sequence[str] | None,
-        distances: Sequence[str] | None,
-        brief: bool,
-    ) -> Self:
-        """Return the points that options name, otherwise default points that suit the model, few if ``brief``.
-
-        Raises Refused, naming option and value, if a number is not finite.
-        """
-        given = [
-            _read(option, texts)
-            for option, texts in (("--at-wavenumber", wavenumbers), ("--at-lag", lags), ("--at-area", areas))
-        ]
-        return cls(
-            wavenumbers=_wavenumbers(model, brief=brief) if given[0] is None else given[0],
-            lags=_lags(model, brief=brief) if given[1] is None else given[1],
-            areas=_areas(model, brief=brief) if given[2] is None else given[2],
-            distances=_read("--at-distance", distances),
-            areas_given=given[2] is not None,
-            brief=brief,
-        )
-
-    def distances_up_to(self, longest: float) -> Doubles:
-        """Return the given distances, or some from 0 to the longest life."""
-        if self.distances is not None:
-            return self.distances
-        return np.linspace(0.0, longest, FEW + 1 if self.brief else MANY)
-
-
-def _read(option: str, texts: Sequence[str] | None) -> Doubles | None:
-    if not texts:
-        return None
-    return np.array([_number(option, part.strip()) for text in texts for part in text.split(",")])
+    return {
+        name: np.array([_number(f"--at-{name}", part.strip()) for text in texts for part in text.split(",")])
+        for name, texts in given.items()
+        if texts
+    }
 
 
 def _number(option: str, text: str) -> float:
@@ -154,57 +109,52 @@ COVARYING: Final = {
 
 
 def theory_answer(
-    title: str, model: Model, points: Points, segment: int | None = None, *, white: bool = False
+    title: str, model: Model, at: Mapping[str, Doubles], *, brief: bool, segment: int | None = None, white: bool = False
 ) -> Answer:
-    """Return moments, and spectrum, autocovariance, distribution and the rest at the points.
+    """Return moments, and spectrum, autocovariance, distribution and the rest at places, by default some that suit.
 
-    ``segment``: ticks of a segment of Welch's method; ``white``: whether to add Kilburn's white noise. A part that
-    does not apply to the model is left out; raises Refused if an option requests it.
+    ``brief``: whether these are few, for a terminal; ``segment``: ticks of a segment of Welch's method; ``white``:
+    whether to add Kilburn's white noise. A part that does not apply to the model is left out; raises Refused if an
+    option requests it.
     """
     if model.slider is not None and model.slider.excitation == "velocity-weakening":
         # Without junctions there is no noise: of the contact's force only the mean is left.
         return Answer(title=title, rows=tuple(_weakening(model)))
     theory = exact(model)
-    rows = [*_moments(theory), *motion_rows(theory)]
-    rows += [*load_rows(theory), *_covariances(theory)] if model.held is not None else []
-    rows += _other_models(model, white=white)
+    found = [*_moments(theory), *motion_rows(theory)]
+    found += [*load_rows(theory), *_covariances(theory)] if model.held is not None else []
+    found += _other_models(model, white=white)
     tables = [_cumulants(theory), *_third_octaves(theory)]
     # The square of a far point may overflow: what is left there is 0.
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         for more_rows, table in (
-            *_at(model, points),
-            *_distribution(model, points),
+            *_at(model, at, brief=brief),
+            *_distribution(model, at, brief=brief),
             *_estimated(theory, segment),
-            *_from_empty(theory, points),
+            *_from_empty(theory, at.get("distance"), FEW if brief else MANY - 1),
         ):
-            rows += more_rows
+            found += more_rows
             tables.append(table)
     notes = [f"warning: {warning}" for warning in motion_warnings(theory)]
     notes += [ONE_WAY_ALONE] if model.is_two_way else []
     notes += load_notes(load_as_json(theory)) if model.held is not None else []
-    return Answer(title=title, rows=tuple(rows), tables=tuple(tables), notes=tuple(notes))
-
-
-def _rows(part: str, values: Mapping[str, Any], units: Mapping[str, str], note: str = "") -> Iterator[Row]:
-    """Yield rows of a part; what is not in ``units`` is a plain number."""
-    for name, value in values.items():
-        yield Row(part=part, name=name, value=value, unit=units.get(name, ""), note=note)
+    return Answer(title=title, rows=tuple(found), tables=tuple(tables), notes=tuple(notes))
 
 
 def _moments(theory: Exact) -> Iterator[Row]:
     held = "" if theory.free is None else "at constant separation"
-    sizes = {
-        "calibrated": theory.model.calibrated_diameter,
-        "mean": theory.mean_diameter,
-        "length_biased_mean": theory.length_biased_mean_diameter,
-    }
-    yield from _rows("diameter", sizes, dict.fromkeys(sizes, "um"))
-    yield from _rows("count", {"mean": theory.count_mean, "variance": theory.count_variance}, {}, held)
+    yield from rows(
+        "diameter",
+        ("calibrated", theory.model.calibrated_diameter, "um"),
+        ("mean", theory.mean_diameter, "um"),
+        ("length_biased_mean", theory.length_biased_mean_diameter, "um"),
+    )
+    yield from rows("count", ("mean", theory.count_mean, "", held), ("variance", theory.count_variance, "", held))
     for part, found, unit in (("area", theory.area, "um^2"), ("force", theory.force, "uN")):
         if found is not None:
-            names = ("mean", "std", "skewness", "excess_kurtosis")
-            known = {name: getattr(found, name) for name in names}
-            yield from _rows(part, known, {"mean": unit, "std": unit}, held)
+            yield from rows(part, ("mean", found.mean, unit, held), ("std", found.std, unit, held))
+            shapes = ("skewness", found.skewness, "", held), ("excess_kurtosis", found.excess_kurtosis, "", held)
+            yield from rows(part, *shapes)
 
 
 def _cumulants(theory: Exact) -> Table:
@@ -231,45 +181,39 @@ def _third_octaves(theory: Exact) -> Iterator[Table]:
 
 def _weakening(model: Model) -> Iterator[Row]:
     """Yield what a force that falls with speed does (Block; Oden and Martins)."""
-    units = {
-        "mean_force": "uN",
-        "border": "N*s/m",
-        "mean_displacement": "um",
-        "amplitude": "um",
-        "slowest": "um/s",
-        "fastest": "um/s",
-        "period": "s",
-    }
-    known = {"mean_force": force_cumulants(model).mean} | velocity_weakening(model)
-    yield from _rows("velocity_weakening", known, units)
+    units = {"border": "N*s/m", "slowest": "um/s", "fastest": "um/s", "period": "s"}
+    known = [(name, value, units.get(name, "um")) for name, value in velocity_weakening(model).items()]
+    yield from rows("velocity_weakening", ("mean_force", force_cumulants(model).mean, "uN"), *known)
 
 
 def _other_models(model: Model, *, white: bool) -> Iterator[Row]:
     """Yield the values of an older model, instead of or beside the contact's own force."""
-    units = {"base_mean": "um", "base_std": "um", "displacement_std": "um", "velocity_std": "um/s"}
     if model.slider is not None and model.slider.excitation == "base":
         # Of other pulses too: the base is made of triangles of the same diameters (Rice and Moslehy).
         triangles = replace(model, pulse=TRIANGLE)
         motion, area = response(triangles), area_cumulants(triangles)
-        known = {
-            "base_mean": model.base_per_area * area.mean,
-            "base_std": model.base_per_area * area.std,
-            "displacement_std": motion.displacement_std,
-            "velocity_std": motion.velocity_std,
-        }
-        yield from _rows("base_excitation", known, units)
+        yield from rows(
+            "base_excitation",
+            ("base_mean", model.base_per_area * area.mean, "um"),
+            ("base_std", model.base_per_area * area.std, "um"),
+            ("displacement_std", motion.displacement_std, "um"),
+            ("velocity_std", motion.velocity_std, "um/s"),
+        )
     if white:  # of the same level at low frequency (Kilburn)
-        yield from _rows("white_noise", white_noise(model), units | {"force_density": "uN^2*s", "wavenumber": "rad/um"})
+        units = {"displacement_std": "um", "velocity_std": "um/s", "force_density": "uN^2*s", "wavenumber": "rad/um"}
+        known = white_noise(model).items()
+        yield from rows("white_noise", *((name, value, units.get(name, "")) for name, value in known))
 
 
 Curve = tuple[Sequence[Row], Table]
 """A curve, and numbers that belong to it."""
 
 
-def _at(model: Model, points: Points) -> Iterator[Curve]:
+def _at(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Curve]:
     units = {"wavenumber": "rad/um", "density": "um^4/(rad/um)", "power": "um^4"}
-    density = spectral_density(model, points.wavenumbers)
-    columns: dict[str, Any] = {"wavenumber": points.wavenumbers, "density": density}
+    wavenumbers = at["wavenumber"] if "wavenumber" in at else _wavenumbers(model, brief=brief)
+    lags = at["lag"] if "lag" in at else _lags(model, brief=brief)
+    columns: dict[str, Any] = {"wavenumber": wavenumbers, "density": spectral_density(model, wavenumbers)}
     convention = Row(part="spectrum", name="convention", value=CONVENTION)
     yield [convention], Table(name="spectrum", columns=columns, units=units)
     wavenumber, power = visible_lines(model)
@@ -277,18 +221,19 @@ def _at(model: Model, points: Points) -> Iterator[Curve]:
         columns = {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}
         shown = range(min(power.size, LINES_SHOWN))
         yield [], Table(name="spectral_lines", columns=columns, units=units, shown=shown)
-    columns = {"lag": points.lags, "value": autocovariance(model, points.lags)}
+    columns = {"lag": lags, "value": autocovariance(model, lags)}
     yield [], Table(name="autocovariance", columns=columns, units={"lag": "um", "value": "um^4"})
 
 
-def _distribution(model: Model, points: Points) -> Iterator[Curve]:
+def _distribution(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Curve]:
     try:
         law = distribution(model)
     except Refused as refusal:
-        if points.areas_given:
+        if "area" in at:
             raise Refused(f"--at-area: {refusal}") from refusal
         return
-    columns = {"area": points.areas, "density": law.density(points.areas), "cdf": law.cdf(points.areas)}
+    areas = at["area"] if "area" in at else _areas(model, brief=brief)
+    columns = {"area": areas, "density": law.density(areas), "cdf": law.cdf(areas)}
     atom = Row(part="distribution", name="atom_at_zero", value=float(law.atom_at_zero))
     yield [atom], Table(name="distribution", columns=columns, units={"area": "um^2", "density": "1/um^2"})
 
@@ -306,22 +251,22 @@ def _estimated(theory: Exact, segment: int | None) -> Iterator[Curve]:
         columns["standard_error"] = seen.standard_error
     units = {"wavenumber": "rad/um", "density": "um^4/(rad/um)", "standard_error": "um^4/(rad/um)"}
     shown = sorted({0, *(round(each) for each in np.geomspace(1, seen.wavenumber.size - 1, BINS_SHOWN))})
-    known = {"ticks": seen.ticks, "segments": seen.segments}
-    rows = list(_rows("estimated_spectrum", known, {}))
-    yield rows, Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
+    known = list(rows("estimated_spectrum", ("ticks", seen.ticks), ("segments", seen.segments)))
+    yield known, Table(name="estimated_spectrum", columns=columns, units=units, shown=shown)
 
 
-def _from_empty(theory: Exact, points: Points) -> Iterator[Curve]:
+def _from_empty(theory: Exact, distances: Doubles | None, steps: int) -> Iterator[Curve]:
     """Yield the growth of a contact from an empty start, if the scenario has one or --at-distance requests it."""
-    if points.distances is None and theory.model.start != "empty":
+    if distances is None and theory.model.start != "empty":
         return
-    distances = points.distances_up_to(longest_life(theory.model))
+    distances = np.linspace(0.0, longest_life(theory.model), steps + 1) if distances is None else distances
     empty = exact(replace(theory.model, start="empty"))
     columns = {
         "distance": distances,
         "area_mean": empty.area_from_empty(distances),
         "count_mean": empty.count_from_empty(distances),
     }
-    known = {"run_area_mean": empty.expected_mean_area(), "run_count_mean": empty.expected_mean_count()}
-    rows = list(_rows("from_empty", known, {"run_area_mean": "um^2"}, "over the whole run"))
-    yield rows, Table(name="from_empty", columns=columns, units={"distance": "um", "area_mean": "um^2"})
+    area = "run_area_mean", empty.expected_mean_area(), "um^2", "over the whole run"
+    count = "run_count_mean", empty.expected_mean_count(), "", "over the whole run"
+    table = Table(name="from_empty", columns=columns, units={"distance": "um", "area_mean": "um^2"})
+    yield list(rows("from_empty", area, count)), table

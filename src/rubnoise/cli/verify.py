@@ -1,48 +1,28 @@
 """`rubnoise verify`: check that every value of a result file is right."""
 
 from dataclasses import replace
-from typing import Annotated, Any, Final
+from typing import Annotated
 
 import typer
 
 from rubnoise.answer import printable
-from rubnoise.cli.commands import Command
 from rubnoise.cli.layout import show
 from rubnoise.cli.options import AsJson, ResultFile
 from rubnoise.cli.progress import bar, on_terminal, watching_reads
 from rubnoise.errors import RunDiffers
 from rubnoise.regular_file import is_folder
 
-REGENERATE: Final = "--regenerate"
-
-
-class BareCount(Command):
-    """A command whose option --regenerate may have no number."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Add the default number to the option if it has none."""
-        words = []
-        for word, following in zip(args, [*args[1:], ""], strict=True):
-            bare = word == REGENERATE and not following.lstrip("-").isdigit()
-            words += [word, "1"] if bare else [word]
-        return super().parse_args(ctx, words)
-
-
-SETTINGS: Final = {"cls": BareCount}
-"""How the command is registered."""
-
 
 def command(
     file: ResultFile,
     *,
     regenerate: Annotated[
-        int | None,
+        bool,
         typer.Option(
-            REGENERATE,
+            "--regenerate",
             help="Refuse a file whose random numbers cannot be drawn again here; rows are made again in any case.",
-            metavar="[K]",
         ),
-    ] = None,
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Play a run again, and compare every value of its result.
@@ -56,17 +36,17 @@ def command(
     from rubnoise.cli.loading import finished_run
     from rubnoise.runs.verification import verify
 
-    if regenerate is not None and regenerate < 1:
-        raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number; it is 1 or more")
-    blocks, shown = regenerate or 0, on_terminal() and not as_json
+    shown = on_terminal() and not as_json
     if is_folder(file):
         from rubnoise.runs.verify import verify_sweep
 
         with bar(shown=shown) as show_bar:
-            found = verify_sweep(file, blocks, lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs"))
+            found = verify_sweep(
+                file, int(regenerate), lambda done, runs: show_bar(done, runs, f"{done:,} of {runs:,} runs")
+            )
     else:
         with finished_run(file) as run, watching_reads(run, shown=shown):
-            found = verify(run, blocks)
+            found = verify(run, int(regenerate))
     whole = (
         "its runs, made again, and the index of these" if is_folder(file) else "its hashes and its run, played again"
     )

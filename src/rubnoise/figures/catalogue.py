@@ -1,22 +1,27 @@
-"""The pictures of a run, by name, and those of a sweep."""
+"""The pictures of a run, by name, and those of a sweep: each a few panes, and how it is shown."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
 
 from rubnoise.analysis.sound import Heard
 from rubnoise.api.kinds import Kind, Style
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
-from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
-from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
-from rubnoise.figures.contact import contact_figure
-from rubnoise.figures.load import load_figure, motion_histogram_figure
-from rubnoise.figures.motion_spectrum import motion_spectrum_figure
+from rubnoise.figures.area_pictures import (
+    draw_acf,
+    draw_count,
+    draw_lifelines,
+    draw_population,
+    draw_psd,
+    draw_single_lives,
+    draw_trace,
+    draw_values,
+)
+from rubnoise.figures.contact import draw_contact
 from rubnoise.figures.narrow import fit_labels
-from rubnoise.figures.overview import overview_figure
-from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
-from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
+from rubnoise.figures.slider_pictures import draw_landmarks, draw_load, draw_motion, draw_overview, draw_phase
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import draw_study
@@ -27,7 +32,7 @@ from rubnoise.figures.style import (
     house_style,
     in_place_of,
     legend_above,
-    of_size,
+    new_figure,
     one_line,
     shortened,
 )
@@ -36,37 +41,32 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PICTURES: Final[dict[Kind, Callable[[Stretch], "Figure"]]] = {
-    "trace": trace_figure,
-    "lives": lives_figure,
-    "histogram": histogram_figure,
-    "psd": psd_figure,
-    "acf": acf_figure,
-    "count": count_figure,
-    "slider": slider_figure,
-    "phase": phase_figure,
-    "landmarks": landmarks_figure,
-    "lifelines": lifelines_figure,
-    "overview": overview_figure,
-    "sizes": sizes_figure,
-    "life_distances": life_distances_figure,
-    "gaps": gaps_figure,
-    "contact": contact_figure,
-    "load": load_figure,
-}
 
-HEARD: Final[dict[Kind, Callable[[Stretch, Heard], "Figure"]]] = {
-    "psd": motion_spectrum_figure,
-    "histogram": motion_histogram_figure,
+PICTURES: Final[dict[Kind, tuple[Callable[..., None], float, float]]] = {
+    "trace": (draw_trace, 7.2, 4.6),
+    "lives": (draw_single_lives, 7.2, 5.2),
+    "histogram": (draw_values, 7.2, 3.6),
+    "psd": (draw_psd, 7.2, 5.4),
+    "acf": (draw_acf, 7.2, 3.8),
+    "count": (draw_count, 7.2, 3.4),
+    "slider": (draw_motion, 7.2, 6.6),
+    "phase": (draw_phase, 7.2, 4.2),
+    "landmarks": (draw_landmarks, 7.2, 3.6),
+    "lifelines": (draw_lifelines, 7.2, 5.2),
+    "overview": (draw_overview, 9.0, 5.4),
+    "sizes": (partial(draw_population, of="sizes"), 7.2, 3.8),
+    "life_distances": (partial(draw_population, of="lives"), 7.2, 3.8),
+    "gaps": (partial(draw_population, of="gaps"), 7.2, 3.8),
+    "contact": (draw_contact, 7.2, 4.4),
+    "load": (draw_load, 7.2, 5.4),
 }
+"""What draws each picture of a run into a figure, and its own width and height in inches."""
+
+HEARD: Final = ("psd", "histogram")
 """Pictures that can be of force, motion or load, in place of the area."""
 
-OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {
-    "slider": slider_figure,
-    "phase": phase_figure,
-    "load": load_figure,
-}
-"""Pictures in which another run can be laid over the first."""
+OVERLAID: Final = ("slider", "phase", "load")
+"""Pictures in which another run can be laid over the first; so it can in a spectrum of anything but the area."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,19 +84,10 @@ Measured = tuple[str, Doubles, Doubles]
 """A spectrum of the user's own, to lay over that of a run: its name, places and densities in the picture's units."""
 
 
-def picture(
-    name: Kind,
-    stretch: Stretch,
-    kind: Format,
-    *,
-    heard: Heard | None = None,
-    beside: Stretch | None = None,
-    measured: Measured | None = None,
-    look: Appearance = AS_IT_IS,
-) -> bytes:
+def picture(name: Kind, stretch: Stretch, kind: Format, **how: Any) -> bytes:
     """Return a picture of a run as the bytes of a file; see `drawing`."""
-    with house_style(look.style):
-        return as_bytes(drawing(name, stretch, heard=heard, beside=beside, measured=measured, look=look), kind)
+    with house_style():
+        return as_bytes(drawing(name, stretch, **how), kind)
 
 
 def drawing(
@@ -115,9 +106,19 @@ def drawing(
     the first; measured: a spectrum of the user's; look: its size, its style, and whether it has titles. Raises Refused
     if a run does not have what the picture shows.
     """
-    with house_style(look.style), in_place_of(ax), of_size(look.inches):
-        figure = _figure(name, stretch, heard, beside, measured)
-        whole: Figure = _finished(figure, look, fitted=ax is None).figure
+    draw, *size = PICTURES[name]
+    options: dict[str, Any] = {} if heard is None else {"of": heard}
+    if beside is not None:
+        options["beside"] = beside
+    with house_style(look.style), in_place_of(ax) as place:
+        figure = new_figure(*(look.inches or size)) if place is None else place
+        draw(figure, stretch, **options)
+        if measured is not None:
+            label, over, density = measured
+            figure.axes[0].plot(over, density, color=INK, lw=1.0, label=shortened(one_line(label)))
+            legend_above(figure.axes[0], columns=3)
+        _finish(figure, look, fitted=ax is None)
+    whole: Figure = figure.figure
     return whole
 
 
@@ -135,11 +136,13 @@ def sweep_drawing(sweep: SweepResult, what: str | None, *, look: Appearance = AS
 
     Raises Refused if the sweep does not have the quantity.
     """
-    with house_style(look.style), of_size(look.inches):
-        return _finished(draw_study(study_of_sweep(sweep, what or first_quantity(sweep))), look)
+    with house_style(look.style):
+        figure = draw_study(study_of_sweep(sweep, what or first_quantity(sweep)), look.inches)
+        _finish(figure, look)
+        return figure
 
 
-def _finished(figure: "Figure", look: Appearance, *, fitted: bool = True) -> "Figure":
+def _finish(figure: "Figure", look: Appearance, *, fitted: bool = True) -> None:
     """Remove the titles of a figure that has a caption, and fit its labels into its size."""
     if not look.title:
         figure.suptitle("")
@@ -148,21 +151,3 @@ def _finished(figure: "Figure", look: Appearance, *, fitted: bool = True) -> "Fi
             axes.set_title("")
     if look.inches is not None and fitted:
         fit_labels(figure)
-    return figure
-
-
-def _figure(
-    name: Kind, stretch: Stretch, heard: Heard | None, beside: Stretch | None, measured: Measured | None
-) -> "Figure":
-    if heard is not None and beside is not None:
-        figure = motion_spectrum_figure(stretch, heard, beside)
-    elif heard is not None:
-        figure = HEARD[name](stretch, heard)
-    else:
-        figure = PICTURES[name](stretch) if beside is None else OVERLAID[name](stretch, beside)
-    if measured is not None:
-        label, place, density = measured
-        axes = figure.axes[0]
-        axes.plot(place, density, color=INK, lw=1.0, label=shortened(one_line(label)))
-        legend_above(axes, columns=3)
-    return figure

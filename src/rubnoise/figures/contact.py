@@ -1,7 +1,7 @@
 """The contact from above: junctions as pairs of circles, each pair at its own place."""
 
 from dataclasses import dataclass
-from math import ceil, floor, log10, pi
+from math import ceil, pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,30 +11,22 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above, new_figure
+from rubnoise.figures.style import FAINT, INK, PALE, add_title, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PolyCollection
-    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
 MOST_AT_ONCE: Final = 400
 """Pairs that a stage can show apart."""
 
-LEAD: Final = 0.15
-"""How long, in diameters, a pair is seen before it touches and after it has parted, then with the sign of a death."""
+LEAD, BORN = 0.15, 0.3
+"""How long, in diameters, a pair is seen before its first and after its last touch, and a birth has its sign."""
 
-BORN: Final = 0.3
-"""How long, in diameters, a birth has its sign."""
+CELL, MARGIN, ASPECT = (2.9, 1.12), 0.6, 2.2
+"""Width and height of a pair's place in diameters of the largest, places left free at an edge, width over height."""
 
-CELL: Final = (2.9, 1.12)
-"""Width and height of a pair's place, in diameters of the largest."""
-
-MARGINS: Final = (0.6, 0.4, 0.2)
-"""From the edge to the first pair, of every second row to the right, and above the last row, in places."""
-
-ASPECT: Final = 2.2
 ARC_POINTS: Final = 25
 SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
 """From little area to much; a grey printer keeps them in order."""
@@ -52,36 +44,31 @@ class Stage:
     height: float
     largest_area: float
 
-    def set_up(self, axes: "Axes") -> None:
-        """Give axes the size of the stage and a key, and remove their ticks and edges."""
-        axes.set_aspect("equal")
-        axes.set_xlim(0.0, self.width)
-        axes.set_ylim(-0.1 * self.height, self.height)  # below the stage is the scale bar
-        axes.set_xticks([])
-        axes.set_yticks([])
-        for side in ("left", "bottom"):
-            axes.spines[side].set_visible(False)
-        _add_scale_bar(axes, self.width, self.height)
-        _add_key(axes, self.largest_area)
-
     def draw(self, axes: "Axes") -> None:
-        """Draw the pairs, their overlaps, and signs of births and deaths."""
+        """Draw the pairs, their overlaps in shades of area, and signs of births and deaths."""
         from matplotlib.collections import PolyCollection
+        from matplotlib.colors import LinearSegmentedColormap
 
-        pairs = self.junctions
+        pairs, shades = self.junctions, LinearSegmentedColormap.from_list("area", SHADES)
         shift = self.distance - pairs.birth - pairs.half_life
         touching = np.flatnonzero((self.distance >= pairs.birth) & (self.distance < pairs.death))
         aside = None if pairs.offset is None else pairs.offset[touching]
         areas = area_of(pairs.pulse, self.distance - pairs.birth[touching], pairs.diameter[touching], aside)
         lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
+        overlaps = PolyCollection(lenses, array=areas, cmap=shades, clim=(0.0, self.largest_area), lw=0.0, zorder=2)
         axes.add_collection(self._circles(0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1))
-        axes.add_collection(
-            PolyCollection(lenses, array=areas, cmap=_shades(), clim=(0.0, self.largest_area), lw=0.0, zorder=2)
-        )
+        axes.add_collection(overlaps)
+        upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
         axes.add_collection(self._circles(shift, 0.5, facecolor="none", edgecolor=INK, zorder=3))
-        self._signs(axes, pairs.birth, BORN, marker="o", mfc="white", ms=5.0)
-        self._signs(axes, pairs.death, LEAD, marker="x", ms=6.0)
-        _edge_marks(axes, self.width, self.height, self.distance)
+        axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, ls="", color=INK, label=upper)
+        self._signs(axes, pairs.birth, BORN, marker="o", mfc="white", ms=5.0, label="birth")
+        self._signs(axes, pairs.death, LEAD, marker="x", ms=6.0, label="death")
+        axes.set(aspect="equal", xlim=(0.0, self.width), ylim=(-0.1 * self.height, self.height), yticks=[])
+        axes.xaxis.set_major_formatter("{x:g} µm")
+        axes.tick_params(axis="x", direction="in", pad=-14.0)  # below the pairs
+        axes.spines["left"].set_visible(False)
+        legend_above(axes)
+        axes.figure.colorbar(overlaps, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
 
     def _signs(self, axes: "Axes", events: Doubles, lasting: float, **look: Any) -> None:
         """Mark the first and last touch of pairs, and early ends, for some diameters of sliding."""
@@ -104,18 +91,6 @@ class Stage:
     def _lens(self, row: int, shift: float) -> Doubles:
         """Return the outline of the overlap of a pair's circles, with centres ``shift`` um apart along the motion."""
         radius = 0.5 * float(self.junctions.diameter[row])
-        if self.junctions.offset is not None:
-            return self._turned_lens(row, shift, radius)
-        half = np.arccos(min(abs(shift) / (2.0 * radius), 1.0))
-        arc = np.linspace(-half, half, ARC_POINTS)
-        # The right edge is that of the circle farther left, and the other way round.
-        left, right = min(shift, 0.0), max(shift, 0.0)
-        x = np.concatenate([left + radius * np.cos(arc), right - radius * np.cos(arc)])
-        y = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
-        return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
-
-    def _turned_lens(self, row: int, shift: float, radius: float) -> Doubles:
-        """Return the same for a pair with centres also apart across the motion."""
         across = 0.0 if self.junctions.offset is None else float(self.junctions.offset[row])
         apart, turn = np.hypot(shift, across), np.arctan2(across, shift)
         half = np.arccos(min(apart / (2.0 * radius), 1.0))
@@ -140,77 +115,24 @@ def stage_of(stretch: Stretch, distance: float) -> Stage:
     if count > MOST_AT_ONCE:
         raise Refused(f"{count:,} junctions are there at once, of which a picture shows {MOST_AT_ONCE} at most")
     largest = float(junctions.diameter.max(initial=1.0))
-    spread = 1.0 if junctions.offset is None else 2.0  # circles lie on either side of the line of motion
-    wide, high = CELL[0] * largest, spread * CELL[1] * largest
+    # Circles that miss the centre lie on either side of the line of motion.
+    wide, high = CELL[0] * largest, (1.0 if junctions.offset is None else 2.0) * CELL[1] * largest
     cells = max(count, 1)
-    columns = min(range(1, cells + 1), key=lambda columns: _height(cells, columns, spread))
-    rows = ceil(cells / columns)
+    sizes = {n: ((n + 2.0 * MARGIN - 0.6) * wide, (ceil(cells / n) + 0.2) * high) for n in range(1, cells + 1)}
+    columns = min(sizes, key=lambda n: max(sizes[n][1], sizes[n][0] / ASPECT))
     row, column = np.divmod(np.arange(count), columns)
     return Stage(
         junctions=junctions,
         distance=distance,
-        x=(column + MARGINS[0] + MARGINS[1] * (row % 2)) * wide,
-        y=(row + MARGINS[0]) * high,
-        width=_columns_width(columns) * wide,
-        height=(rows + MARGINS[2]) * high,
+        x=(column + MARGIN + 0.4 * (row % 2)) * wide,
+        y=(row + MARGIN) * high,
+        width=sizes[columns][0],
+        height=sizes[columns][1],
         largest_area=float(0.25 * pi * largest**2),
     )
 
 
-def _columns_width(columns: int) -> float:
-    return columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]
-
-
-def _height(cells: int, columns: int, spread: float) -> float:
-    """Return the height in diameters of a view with the places in ``columns`` columns.
-
-    Places are ``spread`` times as high as those of centred passes.
-    """
-    return max((ceil(cells / columns) + MARGINS[2]) * spread * CELL[1], _columns_width(columns) * CELL[0] / ASPECT)
-
-
-def _add_scale_bar(axes: "Axes", width: float, height: float) -> None:
-    """Draw a bar of 1, 2 or 5 times a power of ten below the stage, an eighth of its width at most."""
-    power = 10.0 ** floor(log10(0.125 * width))
-    length = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= 0.125 * width)
-    start, below = 0.02 * width, -0.05 * height
-    axes.plot([start, start + length], [below, below], color=INK, lw=2.5, solid_capstyle="butt")
-    axes.text(start + 1.2 * length, below, f"{length:g} µm", va="center")
-
-
-def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> None:
-    """Draw marks along both edges, those of the upper surface moving with it."""
-    from matplotlib.collections import LineCollection
-
-    spacing, length = width / 24.0, 0.035 * height
-    for edge, inwards, shift, colour in ((height, -length, distance % spacing, INK), (0.0, length, 0.0, FAINT)):
-        places = np.arange(0.0, width, spacing) + shift
-        marks = [[(x, edge), (x, edge + inwards)] for x in places.tolist()]
-        axes.add_collection(LineCollection(marks, colors=colour, lw=1.0))
-
-
-def _shades() -> "Colormap":
-    from matplotlib.colors import LinearSegmentedColormap
-
-    return LinearSegmentedColormap.from_list("area", SHADES)
-
-
-def _add_key(axes: "Axes", largest_area: float) -> None:
-    """Draw a key for outlines, signs and shades of area."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    shown: dict[str, Any] = {"ls": "", "color": INK}
-    upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
-    axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, label=upper, **shown)
-    axes.plot([], [], marker="o", ms=5.0, mfc="white", mew=1.2, label="birth", **shown)
-    axes.plot([], [], marker="x", ms=6.0, mew=1.2, label="death", **shown)
-    legend_above(axes)
-    scale = ScalarMappable(Normalize(0.0, largest_area), _shades())
-    axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
-
-
-def contact_figure(stretch: Stretch) -> "Figure":
+def draw_contact(figure: "Figure", stretch: Stretch) -> None:
     """Draw the junctions alive at the start of a stretch, in the middle of a run if none was chosen.
 
     The model has no places: those of junctions are only for the eye. Raises Refused if there are more of them than a
@@ -219,10 +141,6 @@ def contact_figure(stretch: Stretch) -> "Figure":
     distance = stretch.start if stretch.chosen else 0.5 * (stretch.start + stretch.stop)
     stage = stage_of(stretch, distance)
     alive = stage.junctions.alive(distance)
-    figure = new_figure(7.2, 4.4)
     words = f"{alive.rows.size} junctions, {float(alive.area(distance).sum()):.4g} µm² in contact"
     add_title(figure, stretch, f"The contact from above at {distance:,.1f} µm: {words}")
-    axes = figure.subplots()
-    stage.set_up(axes)
-    stage.draw(axes)
-    return figure
+    stage.draw(figure.subplots())

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rubnoise.analysis.life import Life
-from rubnoise.contact.pulses import area_of
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened, with_minus
 from rubnoise.record.rows import JunctionState
 
@@ -44,17 +43,15 @@ def _title(life: Life, source: str) -> str:
 
 
 def _draw_neighbours(axes: "Axes", life: Life) -> None:
-    others = life.others
-    count = others.birth.size
+    count = life.others.birth.size
     drawn = min(count, MOST_DRAWN)
-    label = "the others" if drawn == count else f"{drawn} of the {count:,} others"
-    age = np.linspace(0.0, 2.0, SAMPLES)
-    for i in np.arange(drawn) * count // max(drawn, 1):
-        lived = age * others.half_life[i]
-        shown = lived <= others.death[i] - others.birth[i]
-        area = area_of(life.pulse, lived, others.diameter[i], None if others.offset is None else others.offset[i])
-        axes.plot(others.birth[i] + lived[shown] - life.birth_distance, area[shown], color=FAINT, lw=0.7, label=label)
-        label = "_one entry is enough"
+    age = np.linspace(0.0, life.life_distance, SAMPLES)
+    some = np.zeros(count, dtype=np.bool_)
+    some[np.arange(drawn) * count // max(drawn, 1)] = True
+    areas = life.others.chosen(some).areas(life.birth_distance + age)
+    lines = axes.plot(age, np.where(areas > 0.0, areas, np.nan).T, color=FAINT, lw=0.7)
+    if lines:
+        lines[0].set_label("the others" if drawn == count else f"{drawn} of the {count:,} others")
 
 
 def _draw_own(axes: "Axes", life: Life) -> None:

@@ -1,7 +1,7 @@
 """A stretch of a result for a picture, read in chunks and thinned to the points that a picture can show."""
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import ceil, floor
 from typing import Any, Final, Self
@@ -96,20 +96,6 @@ class Stretch:
         first = ceil(self.start / self.model.tick - SLACK)
         last = floor(self.stop / self.model.tick + SLACK) + 1
         return first, min(last, self.file.rows(group))
-
-    def chunks(self, group: str, name: str, rows: int | None = None) -> Iterator[NDArray[Any]]:
-        """Yield a column of the stretch as arrays of ``rows`` rows (CHUNK_ROWS when None), the last one shorter."""
-        return column_chunks(self.file, group, name, *self.rows(group), size=rows)
-
-    def record(self, group: str, name: str) -> Doubles:
-        """Return a column of the stretch as doubles, or its beginning if there is more than a picture needs."""
-        first, last = self.rows(group)
-        return self.file.column(group, name, first, min(last, first + MOST_READ)).astype(np.float64)
-
-    def curve(self, group: str, name: str) -> tuple[Doubles, Doubles]:
-        """Return distances in um and values of a column of /trace; of many rows only the extremes of each few."""
-        place, value = thinned(self.file, group, name, *self.rows(group))
-        return self.model.tick * place, value
 
     def _passages(self) -> tuple[int, int]:
         """Return the rows of a two-way /slider from its first at the start to the last before it passes the stop.

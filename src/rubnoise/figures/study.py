@@ -16,7 +16,6 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figure_names import FIGURE_NAMES
-from rubnoise.figures.axis_labels import shown_unit
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import NUMBER, Quantity
 
@@ -45,7 +44,6 @@ class Spot:
 
 
 Curve = Callable[[Sequence[Spot]], tuple[Doubles, Doubles]]
-"""Finds exact values through the points of a line and between them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,41 +84,27 @@ class Study:
         return bool(np.ptp(ratios) <= _EVEN * ratios.mean() and np.ptp(steps) > _EVEN * steps.mean())
 
 
-def exact_curve(spots: Sequence[Spot], keys: Sequence[str], quantity: str) -> tuple[Doubles, Doubles]:
-    """Return exact values of a quantity between the points of a line; the first of the keys goes along the axis.
+def exact_curve(spots: Sequence[Spot], key: str, quantity: str) -> tuple[Doubles, Doubles]:
+    """Return exact values of a quantity between the points of a line, all but the key as at the first point.
 
-    The others change with it, linearly from point to point, in logarithms if they are positive; all else is as at the
-    first point. If that is not a valid scenario the curve has a gap.
+    Where that is not a valid scenario the curve has a gap.
     """
     places = np.array([spot.place for spot in spots])
     low, high = float(places.min()), float(places.max())
     between = np.geomspace(low, high, CURVE) if low > 0.0 and high > 2.0 * low else np.linspace(low, high, CURVE)
     across = np.unique(np.concatenate([places, between]))
     known = {spot.place: spot.exact for spot in spots}
-    values = [known[x] if x in known else _between(spots, keys, x, quantity) for x in across.tolist()]
+    values = [known[x] if x in known else exact_at(spots[0].scenario, key, x, quantity) for x in across.tolist()]
     return across, np.array(values)
 
 
-def _between(spots: Sequence[Spot], keys: Sequence[str], place: float, quantity: str) -> float:
-    changes = {key: _interpolated([spot.numbers[key] for spot in spots], spots, place) for key in keys[1:]}
-    return exact_at(spots[0].scenario, {keys[0]: place, **changes}, quantity)
-
-
-def _interpolated(values: Sequence[float], spots: Sequence[Spot], place: float) -> float:
-    places = np.array([spot.place for spot in spots])
-    if places[0] > 0.0 and min(values) > 0.0:
-        return float(np.exp(np.interp(np.log(place), np.log(places), np.log(values))))
-    return float(np.interp(place, places, values))
-
-
-def exact_at(scenario: Scenario, changes: Mapping[str, float], quantity: str) -> float:
-    """Return the exact quantity for a scenario with other values of some keys, in working units."""
-    resolved = scenario.resolved()
-    for key, value in changes.items():
-        table, _, name = key.partition(".")
-        resolved[table] = resolved[table] | {name: _as_written(scenario, table, name, value)}
+def exact_at(scenario: Scenario, key: str, value: float, quantity: str) -> float:
+    """Return the exact quantity for a scenario with another value of a key, in its working unit; nan without one."""
+    resolved, (table, _, name) = scenario.resolved(), key.partition(".")
+    there = getattr(getattr(scenario, table), name)
+    written = Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
     try:
-        return exact_of(build(resolved), quantity)
+        return exact_of(build(resolved | {table: resolved[table] | {name: written}}), quantity)
     except Refused:
         return nan
 
@@ -131,12 +115,6 @@ def exact_of(scenario: Scenario, quantity: str) -> float:
         return expected_figure(scenario.model(), quantity)
     except Refused:
         return nan
-
-
-def _as_written(scenario: Scenario, table: str, name: str, value: float) -> Any:
-    """Return a value in the form of the key: a number, or a quantity of the same kind."""
-    there = getattr(getattr(scenario, table), name)
-    return Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,8 +155,7 @@ def study_of_points(
     along = [each for each in together if each != key] if key in together else []
     # Of keys side by side one is enough to distinguish lines.
     others = tuple(each for each in varied if each != key and each not in (along or together[1:]))
-    smooth = bool(numeric) and set(along) <= set(numeric)
-    curve = partial(exact_curve, keys=(key, *along), quantity=quantity) if smooth else None
+    curve = partial(exact_curve, key=key, quantity=quantity) if numeric and not along else None
     lines = _lines(points, quantity, key if numeric else "", key, others, curve)
     if not any(isfinite(spot.seen.value) for line in lines for spot in line.spots):
         raise Refused(f"{quantity}: no run has it")
@@ -276,3 +253,8 @@ def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
             )
         )
     return found
+
+
+def shown_unit(unit: str) -> str:
+    """Return a unit in printed form."""
+    return unit.replace("um", "µm").replace("uN", "µN").replace("^2", "²").replace("*", " ")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.figures.axis_labels import key_label, key_words, quantity_label, quantity_words
-from rubnoise.figures.study import Study, StudyLine
+from rubnoise.figure_names import FIGURE_NAMES
+from rubnoise.figures.study import Study, StudyLine, shown_unit
 from rubnoise.figures.style import (
     SERIES,
     VERMILION,
@@ -49,9 +49,9 @@ def study_picture(study: Study, kind: Format) -> bytes:
         return as_bytes(draw_study(study), kind)
 
 
-def draw_study(study: Study) -> "Figure":
+def draw_study(study: Study, inches: tuple[float, float] | None = None) -> "Figure":
     """Draw the points of every line with their 95 % intervals, and the exact curves. Within ``house_style()``."""
-    figure = new_figure(6.4 if len(study.lines) > 1 else 5.4, 4.0)
+    figure = new_figure(*(inches or (6.4 if len(study.lines) > 1 else 5.4, 4.0)))
     axes = figure.subplots()
     for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(SERIES), strict=False)):
         shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
@@ -162,3 +162,26 @@ def _add_title(figure: "Figure", study: Study) -> None:
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
     whose = f"sweep {name}" if name else ""
     put_title(figure, shown[0].upper() + shown[1:], whose)
+
+
+def quantity_label(name: str) -> str:
+    """Return the label of a figure's axis."""
+    known = FIGURE_NAMES[name]
+    return f"{known.words} ({shown_unit(known.unit)})" if known.unit else known.words
+
+
+def quantity_words(name: str) -> str:
+    """Return a figure in words, on one line."""
+    return FIGURE_NAMES[name].words.replace("\n", " ")
+
+
+def key_label(key: str, unit: str) -> str:
+    """Return the label of a swept key's axis: its name in words, and the unit that its column has."""
+    return f"{key_words(key)} ({shown_unit(unit)})" if unit not in {"", "1"} else key_words(key)
+
+
+def key_words(key: str) -> str:
+    """Return a key in words, with its table if the name needs it."""
+    table, _, name = key.rpartition(".")
+    words = name.replace("_", " ")
+    return f"{table} {words}" if name in {"law", "spread", "mean", "start", "shape", "speed"} else words

@@ -6,7 +6,6 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from functools import cache, partial
 from io import BytesIO
 from math import log10
@@ -90,8 +89,7 @@ def new_figure(width: float, height: float) -> "Figure":
 
     To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
     """
-    place, size = _PLACE.get(), _SIZE.get() or (width, height)
-    figure: Figure = _picture_class()(figsize=size, layout="constrained") if place is None else place
+    figure: Figure = _picture_class()(figsize=(width, height), layout="constrained")
     return figure
 
 
@@ -104,44 +102,27 @@ def _picture_class() -> Any:
     return type("Figure", (Figure,), {"_repr_png_": as_png, "__doc__": Figure.__doc__})
 
 
-_PLACE: Final[ContextVar[Any]] = ContextVar("place", default=None)
-_SIZE: Final[ContextVar[tuple[float, float] | None]] = ContextVar("size", default=None)
-
-
 @contextmanager
-def of_size(inches: tuple[float, float] | None) -> Iterator[None]:
-    """Let `new_figure` return figures of this width and height in inches; of their own if None."""
-    token = _SIZE.set(inches)
-    try:
-        yield
-    finally:
-        _SIZE.reset(token)
-
-
-@contextmanager
-def in_place_of(ax: "Axes | None") -> Iterator[None]:
-    """Let `new_figure` return the place of axes in their own figure; without axes, a new figure.
+def in_place_of(ax: "Axes | None") -> Iterator[Any]:
+    """Yield a part of a figure in the place of axes, to draw on; None without axes.
 
     The axes leave their figure as soon as the picture is drawn; if it cannot be drawn, they stay. Raises Refused for
     what is no axes in the grid of a figure.
     """
     if ax is None:
-        yield
+        yield None
         return
     figure, place = _grid_place(ax)
     whole: Any = figure.figure
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")
     inner = figure.add_subfigure(place)
-    token = _PLACE.set(inner)
     try:
-        yield
+        yield inner
     except BaseException:
         inner.clear()
         figure.subfigs.remove(inner)
         raise
-    finally:
-        _PLACE.reset(token)
     ax.remove()
 
 
@@ -161,26 +142,17 @@ def _grid_place(ax: Any) -> tuple[Any, Any]:
     return figure, ax.get_subplotspec()
 
 
-STYLES: Final[dict[Style, dict[str, Any]]] = {
-    "screen": {},
-    "paper": {
-        "font.size": 7.0,
-        "axes.titlesize": 7.5,
-        "legend.fontsize": 6.0,
-        "lines.linewidth": 0.9,
-        "axes.linewidth": 0.6,
-        "figure.titlesize": 7.5,
-    },
-    "slides": {
-        "font.size": 15.0,
-        "axes.titlesize": 16.0,
-        "figure.titlesize": 16.0,
-        "legend.fontsize": 13.0,
-        "lines.linewidth": 2.4,
-        "axes.linewidth": 1.4,
-    },
-}
-"""What changes for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
+STYLES: Final[dict[Style, float]] = {"screen": 1.0, "paper": 0.72, "slides": 1.65}
+"""Factors to letters and lines: for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
+
+_SCALED: Final = (
+    "font.size",
+    "axes.titlesize",
+    "figure.titlesize",
+    "legend.fontsize",
+    "lines.linewidth",
+    "axes.linewidth",
+)
 
 
 def house_style(style: Style = "screen") -> Any:
@@ -191,7 +163,8 @@ def house_style(style: Style = "screen") -> Any:
         raise PicturesMissing(f"a picture needs matplotlib: {how_to_install('plot')}") from problem
     # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
     settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    return mpl.rc_context(settings | SETTINGS | STYLES[style] | {"backend": "agg"})
+    scaled = {name: STYLES[style] * SETTINGS[name] for name in _SCALED}
+    return mpl.rc_context(settings | SETTINGS | scaled | {"backend": "agg"})
 
 
 def as_bytes(figure: "Figure", kind: Format) -> bytes:
@@ -349,17 +322,3 @@ def fitting_columns(figure: "Figure", labels: Sequence[str], most: int) -> int:
     letter = font_manager.FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points() / 72.0
     entry = letter * (max(map(len, labels), default=0) * LETTER + HANDLE)
     return min(most, max(1, int(figure.get_figwidth() / entry)))
-
-
-def from_zero(axes: "Axes") -> None:
-    """Let the values begin at 0, and leave room above them if they are constant."""
-    highest = max(float(axes.dataLim.y1), 0.0)
-    axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * highest))
-
-
-def widen_if_constant(axes: "Axes") -> None:
-    """Let values that differ by rounding alone span a fifth of themselves: no axis has the digits for less."""
-    low, high = axes.get_ylim()
-    middle = 0.5 * (low + high)
-    if high - low < NEAREST * abs(middle):
-        axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))

@@ -1,11 +1,11 @@
 """What is exact about a model in one picture: distribution, autocovariance, spectrum, and the slider's response."""
 
+from contextlib import suppress
 from math import pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.style import (
     AREA,
@@ -67,25 +67,25 @@ def theory_figure(model: Model, title: str) -> "Figure":
 
 def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
     axes.set_title("Distribution")
-    if area.std == 0.0:
-        _write_note(axes, f"always {area.mean:.5g} µm²")
-        return
     try:
-        law = distribution(model)
+        law = distribution(model) if area.std else None
     except Refused:
         _write_note(axes, "known for births at random")
         return
-    axes.set_xlabel(AREA)
-    axes.set_ylabel("density (1/µm²)")
+    if law is None:
+        _write_note(axes, f"always {area.mean:.5g} µm²")
+        return
     span = np.linspace(max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std, POINTS)[1:]
     density = law.density(span)
     bell = np.exp(-0.5 * ((span - area.mean) / area.std) ** 2) / (np.sqrt(2.0 * pi) * area.std)
     axes.plot(span, bell, color=FAINT, lw=1.0, ls=(0, (4, 2)), label="normal")
     axes.fill_between(span, density, color=VERMILION, alpha=0.15, lw=0.0)
     axes.plot(span, density, color=VERMILION, lw=1.6, label="exact")
+    axes.set(
+        xlabel=AREA, ylabel="density (1/µm²)", xlim=(0.0 if area.mean < 2.0 * REACH * area.std else None, span[-1])
+    )
     # A density that is singular at 0 must not flatten the rest.
     axes.set_ylim(0.0, min(1.1 * float(density[np.isfinite(density)].max()), 6.0 * float(bell.max())))
-    axes.set_xlim(0.0 if area.mean < 2.0 * REACH * area.std else None, span[-1])
     axes.legend(loc="upper right")
     if law.atom_at_zero > RARE:
         axes.set_title(f"Distribution; no contact at all: {law.atom_at_zero:.3g}")
@@ -93,22 +93,11 @@ def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
 
 def _draw_covariance(axes: "Axes", model: Model) -> None:
     lag = np.linspace(0.0, max(covariance_reach(model, LITTLE), 1.25 * model.mean_life_distance), LAGS)
-    axes.set_title("Autocovariance")
     axes.axhline(0.0, color=FAINT, lw=0.6)
     axes.plot(lag, autocovariance(model, lag), color=VERMILION, lw=1.6)
-    axes.axvline(model.mean_life_distance, color=FAINT, lw=0.8, ls=(0, (2, 2)))
-    axes.text(
-        model.mean_life_distance,
-        0.5,
-        "mean life",
-        transform=axes.get_xaxis_transform(),
-        ha="center",
-        color=NOTE_COLOUR,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
-    )
-    axes.set_xlim(0.0, lag[-1])
-    axes.set_xlabel("lag in sliding distance (µm)")
-    axes.set_ylabel("covariance (µm⁴)")
+    axes.axvline(model.mean_life_distance, color=FAINT, lw=0.8, ls=(0, (2, 2)), label="mean life")
+    axes.set(title="Autocovariance", xlim=(0.0, lag[-1]), xlabel="lag (µm)", ylabel="covariance (µm⁴)")
+    axes.legend(loc="upper right")
 
 
 def _draw_spectrum(axes: "Axes", model: Model) -> None:
@@ -123,62 +112,41 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
         axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact")
     if power.size:
         shown = lines <= wavenumber[-1]
-        label = "lines of regular births (µm⁴)"
-        axes.vlines(lines[shown], 1e-3 * power[shown], power[shown], color=VERMILION, lw=1.2, label=label)
+        axes.vlines(lines[shown], 1e-3 * power[shown], power[shown], color=VERMILION, lw=1.2, label="lines (µm⁴)")
         axes.plot(lines[shown], power[shown], "o", color=VERMILION, ms=3.0)
-    _draw_tail(axes, model, wavenumber, density)
+    with suppress(Refused):
+        level = tail(model, wavenumber)
+        below = level < 5.0 * density[0]
+        label = f"tail k{_POWERS[model.pulse.tail[1]]}"
+        axes.plot(wavenumber[below], level[below], color=INK, lw=0.8, ls=(0, (4, 2)), label=label)
+        # Zeros of the triangle's spectrum would stretch the axis to nowhere.
+        axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
     logarithmic(axes.xaxis, axes.yaxis)
-    axes.set_xlim(wavenumber[0], wavenumber[-1])
-    axes.set_xlabel("wavenumber (rad/µm)")
-    axes.set_ylabel("µm⁴ per rad/µm")
+    axes.set(xlim=(wavenumber[0], wavenumber[-1]), xlabel="wavenumber (rad/µm)", ylabel="µm⁴ per rad/µm")
     axes.legend(loc="lower left")
 
 
 _POWERS = {4: "⁻⁴", 5: "⁻⁵"}
 
 
-def _draw_tail(axes: "Axes", model: Model, wavenumber: Doubles, density: Doubles) -> None:
-    try:
-        level = tail(model, wavenumber)
-    except Refused:
-        return
-    below = level < 5.0 * density[0]
-    axes.plot(
-        wavenumber[below],
-        level[below],
-        color=INK,
-        lw=0.8,
-        ls=(0, (4, 2)),
-        label=f"tail k{_POWERS[model.pulse.tail[1]]}",
-    )
-    # Zeros of the triangle's spectrum would stretch the axis to nowhere.
-    axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
-
-
 def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
     spread = response(model).displacement_std
     axes.set_title(f"One-way displacement, std {spread:.4g} µm")
-    if spread == 0.0:
-        _write_note(axes, "nothing varies")
-        return
     frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
     frequency *= slider.natural_frequency
     try:
-        density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * frequency)
+        density = 2.0 * motion_spectrum("displacement", model, 2.0 * pi * frequency) if spread else np.zeros(1)
     except Refused:
         _write_note(axes, "its spectrum is known for births at random")
         return
     if not density.any():
-        _write_note(axes, "regular births of one size leave lines alone")
+        _write_note(axes, "regular births of one size leave lines alone" if spread else "nothing varies")
         return
     axes.plot(frequency, density, color=VERMILION, lw=1.6)
     logarithmic(axes.xaxis, axes.yaxis)
-    axes.set_xlim(frequency[0], frequency[-1])
-    axes.set_xlabel("frequency (Hz)")
-    axes.set_ylabel("µm²/Hz")
+    axes.set(xlim=(frequency[0], frequency[-1]), xlabel="frequency (Hz)", ylabel="µm²/Hz")
 
 
 def _write_note(axes: "Axes", text: str) -> None:
     axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=NOTE_COLOUR)
-    axes.set_xticks([])
-    axes.set_yticks([])
+    axes.set(xticks=[], yticks=[])

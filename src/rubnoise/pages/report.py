@@ -12,11 +12,10 @@ from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.api.kinds import Kind
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
-from rubnoise.figures.axis_labels import key_label, quantity_words
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import quantities_of, study_of_sweep
-from rubnoise.figures.study_picture import study_picture
+from rubnoise.figures.study_picture import key_label, quantity_words, study_picture
 from rubnoise.figures.style import PicturesMissing
 from rubnoise.model import Model
 from rubnoise.pages.page import coded, written

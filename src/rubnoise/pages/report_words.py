@@ -6,7 +6,7 @@ from typing import Final
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.landmarks import Flights
-from rubnoise.analysis.one_way import one_way_warnings
+from rubnoise.analysis.moments import one_way_warnings
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import FreeSeparation, Model, Slider
 from rubnoise.theory.load import free_motion, load_motion
