@@ -10,10 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rubnoise
-from rubnoise.contact.pulses import OFF_CENTRE, PULSES
+from rubnoise.contact.pulses import LENS, OFF_CENTRE, PULSES
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
+from rubnoise.simulation import draws
+from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.state import LiveRows
 from tests.models import contents, model, recorded
@@ -111,6 +113,18 @@ def datasets(path: Path) -> dict[str, tuple[bytes, bytes]]:
             for name, dataset in file.get(group, {}).items():
                 found[f"{group}/{name}"] = dataset[:].tobytes(), dataset.attrs["xxh3_128"]
     return found
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+def test_lives_go_on_into_the_next_block(monkeypatch: pytest.MonkeyPatch, engine: Engine) -> None:
+    monkeypatch.setattr(draws, "BLOCK", 250)
+    run = model(distance=600.0, tick=0.5, slider=None)
+    record = recorded(run, 9, engine=engine)
+    lives, trace = record["junctions"], record["trace"]
+    assert lives["junction"].size > 3 * draws.births_per_block(run)
+    ages = trace["distance"][:, None] - lives["birth_distance"]
+    assert trace["real_contact_area"] == pytest.approx(LENS.area(ages, lives["diameter"]).sum(axis=1), rel=1e-12)
+    assert np.array_equal(trace["junction_count"], ((ages >= 0.0) & (ages < lives["life_distance"])).sum(axis=1))
 
 
 def test_an_intervention_needs_events() -> None:
