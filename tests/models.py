@@ -19,7 +19,8 @@ from rubnoise.contact.births import (
     RegularBirths,
 )
 from rubnoise.contact.calibration import calibrated_diameter
-from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
+from rubnoise.contact.distributions import Fixed, Law, Lognormal
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.model import FreeSeparation, Model, Separation, Slider
 from rubnoise.record.memory import MemoryRecord

@@ -5,7 +5,7 @@ from math import pi, sqrt
 from typing import Literal
 
 from rubnoise.contact.births import BirthLaw
-from rubnoise.contact.laws import Law
+from rubnoise.contact.distributions import Law
 from rubnoise.contact.pulses import LENS, Pulse
 
 Start = Literal["stationary", "empty"]

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import xxhash
 
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Spread, Weibull
+from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import OFF_CENTRE_LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.extent import Engine

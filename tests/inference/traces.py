@@ -3,7 +3,8 @@
 import numpy as np
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.laws import LAWS, Law
+from rubnoise.contact.distributions import Law
+from rubnoise.contact.laws import LAWS
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord

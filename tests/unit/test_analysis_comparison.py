@@ -13,7 +13,8 @@ from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import Comparison
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.laws import Lognormal, Spread
+from rubnoise.contact.distributions import Lognormal
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import Cumulants

@@ -13,18 +13,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.special import gammainc, ndtr
 
-from rubnoise.contact.laws import (
-    LAWS,
-    Exponential,
-    Fixed,
-    Gamma,
-    Lognormal,
-    Normal,
-    Power,
-    Spread,
-    Weibull,
-    law_for,
-)
+from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.laws import LAWS, Spread, law_for
 from tests.frozen import frozen
 from tests.verification.scores import seed_of
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
-from rubnoise.contact.laws import Fixed, Lognormal, Normal
+from rubnoise.contact.distributions import Fixed, Lognormal, Normal
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std

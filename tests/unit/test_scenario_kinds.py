@@ -6,7 +6,8 @@ import pytest
 
 import rubnoise
 from rubnoise.contact.births import BIRTHS
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Spread, Weibull, law_for
+from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Weibull
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.scenario import build, loads
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact.laws import Fixed, Normal
+from rubnoise.contact.distributions import Fixed, Normal
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Slider
 from rubnoise.scenario import build, load, loads

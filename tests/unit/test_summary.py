@@ -21,7 +21,8 @@ from rubnoise.analysis.findings import (
     tail_of_squares,
 )
 from rubnoise.analysis.moments import FEWEST_LIVES, missing_for_motion
-from rubnoise.contact.laws import Exponential, Gamma, Lognormal, Spread
+from rubnoise.contact.distributions import Exponential, Gamma, Lognormal
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.laws import Fixed, Normal, Weibull
+from rubnoise.contact.distributions import Fixed, Normal, Weibull
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share

@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Spread, law_for
+from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Law, Lognormal
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.distribution import Distribution, distribution

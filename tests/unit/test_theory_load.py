@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model
 from rubnoise.theory.exact import exact
 from rubnoise.theory.load import level, load_motion, overlap_scale, third_octaves

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.distributions import Lognormal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, force_cumulants

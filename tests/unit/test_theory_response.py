@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.laws import Lognormal, Normal
+from rubnoise.contact.distributions import Lognormal, Normal
 from rubnoise.contact.pulses import junction_area
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import force_cumulants

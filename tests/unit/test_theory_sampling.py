@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.laws import Fixed, Law, Lognormal, Power, Weibull
+from rubnoise.contact.distributions import Fixed, Law, Lognormal, Power, Weibull
 from rubnoise.contact.pulses import TRIANGLE, junction_area
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants

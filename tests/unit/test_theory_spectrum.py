@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import struve
 
-from rubnoise.contact.laws import Exponential, Normal
+from rubnoise.contact.distributions import Exponential, Normal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import force_slope_std

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.laws import Fixed, Normal
+from rubnoise.contact.distributions import Fixed, Normal
 from rubnoise.contact.pulses import TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model

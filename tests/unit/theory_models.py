@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import calibrated_diameter
-from rubnoise.contact.laws import Fixed, Law, Normal, Spread, law_for
+from rubnoise.contact.distributions import Fixed, Law, Normal
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.model import Model, Slider
 

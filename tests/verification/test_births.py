@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.laws import Fixed, Spread
+from rubnoise.contact.distributions import Fixed
+from rubnoise.contact.laws import Spread
 from rubnoise.model import Model
 from rubnoise.scenario import build, loads
 from rubnoise.scenario.scenario import Scenario

@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 import rubnoise
 from rubnoise.analysis.comparison import compare
-from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.distributions import Lognormal
 from rubnoise.record.rows import ContactKind, JunctionState
 from rubnoise.simulation.free_motion import Scales
 from rubnoise.theory.load import free_motion, load_motion

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 import rubnoise
 from rubnoise.analysis.figures import summarise
 from rubnoise.analysis.third_octaves import heard_bands
-from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally

@@ -11,7 +11,7 @@ from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import ContactKind

@@ -22,7 +22,8 @@ from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.findings import NORMAL, Finding, judged, judged_mean, poisson_figure
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.contact.births import PoissonBirths, RegularBirths
-from rubnoise.contact.laws import Fixed, Spread, law_for
+from rubnoise.contact.distributions import Fixed
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import load

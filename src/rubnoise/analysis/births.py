@@ -25,7 +25,7 @@ from rubnoise.analysis.records import longer
 from rubnoise.answer import LeftOut
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths, RegularBirths
-from rubnoise.contact.laws import Fixed, has_single_values
+from rubnoise.contact.distributions import Fixed, has_single_values
 from rubnoise.contact.pulses import half_life
 from rubnoise.model import Model
 from rubnoise.theory.second_order import need_random_births

@@ -33,7 +33,7 @@ from rubnoise.analysis.records import RecordTooShort, longer
 from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
 from rubnoise.answer import LeftOut
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows

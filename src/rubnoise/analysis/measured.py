@@ -20,7 +20,7 @@ from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.pulses import area_of
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model

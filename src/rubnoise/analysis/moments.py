@@ -8,7 +8,7 @@ import numpy as np
 
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.model import Model, Slider
 from rubnoise.theory.coupling import coupling
 from rubnoise.theory.motion import response

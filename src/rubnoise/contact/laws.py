@@ -22,30 +22,7 @@ from rubnoise.contact.distributions import (
     Normal,
     Power,
     Weibull,
-    has_single_values,
-    largest_of,
-    parts_of,
 )
-
-__all__ = [
-    "LAWS",
-    "Exponential",
-    "Fixed",
-    "Gamma",
-    "Law",
-    "LawEntry",
-    "Lognormal",
-    "Mixture",
-    "Normal",
-    "Parameter",
-    "Power",
-    "Spread",
-    "Weibull",
-    "has_single_values",
-    "largest_of",
-    "law_for",
-    "parts_of",
-]
 
 WIDEST: Final = 3.0
 """Standard deviation over mean up to which laws with a long tail are drawn: their moments need ever longer runs."""

@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import LAWS, Law
+from rubnoise.contact.distributions import Law
+from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.theory.unit_pulse import energy as unit_energy
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
-from rubnoise.contact.laws import Fixed, Law, Normal
+from rubnoise.contact.distributions import Fixed, Law, Normal
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario

@@ -11,7 +11,8 @@ from typing import Any, Final, Literal, cast
 
 from rubnoise.contact.births import BIRTHS, BirthLaw
 from rubnoise.contact.calibration import calibrated_diameter
-from rubnoise.contact.laws import LAWS, Law, Spread, law_for
+from rubnoise.contact.distributions import Law
+from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.pulses import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import FreeSeparation, Model, Separation, Slider

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.kernel import count_live, sum_at_places, sum_over_cells

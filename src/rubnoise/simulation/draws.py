@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import largest_of
+from rubnoise.contact.distributions import largest_of
 from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import Stream, uniforms

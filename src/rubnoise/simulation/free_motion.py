@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Appender, Columns, Sink

@@ -8,7 +8,7 @@ from math import sqrt
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import Fixed
+from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.real_numbers import at_each, real_numbers

@@ -13,7 +13,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import GammaBirths, PoissonBirths
-from rubnoise.contact.laws import Law
+from rubnoise.contact.distributions import Law
 from rubnoise.model import Model
 from rubnoise.theory.motion import FORCE, covariances, strengths_of
 from rubnoise.theory.second_order import (

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
-from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.distributions import Fixed, Law
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider

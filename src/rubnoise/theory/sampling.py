@@ -7,7 +7,7 @@ from math import factorial, hypot, inf, sqrt
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.laws import Law
+from rubnoise.contact.distributions import Law
 from rubnoise.model import Model
 from rubnoise.theory.moments import area_cumulants, shot_cumulants
 from rubnoise.theory.motion import (

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths, RegularBirths
-from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.distributions import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_number

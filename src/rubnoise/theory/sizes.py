@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Complexes, Doubles
-from rubnoise.contact.laws import Law, parts_of
+from rubnoise.contact.distributions import Law, parts_of
 from rubnoise.model import Model
 
 Function = Callable[[Doubles], Doubles]

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
-from rubnoise.contact.laws import Law as StrengthLaw
+from rubnoise.contact.distributions import Law as StrengthLaw
 from rubnoise.errors import RubnoiseError
 from rubnoise.simulation.free.contacts import CONTACT, Law, Records
 from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
