@@ -18,17 +18,10 @@ from scipy import special
 from rubnoise.arrays import Doubles
 from rubnoise.streams import Stream, uniforms
 
-_FORGOTTEN: Final = 30.0
-"""E-folds after which nothing is remembered of a gap."""
-
-_REMEMBERED: Final = 11.0
-"""Sqrt 2 widths, as e-folds of a normal law: exp(-11^2/4) = 7e-14."""
-
-_FARTHEST: Final = 8.3
-"""Widths that the least and the largest uniform move a birth."""
-
-_IN_A_CELL: Final = 4096.0
-"""Births of a cell, about; it is at least four widths long, or a stretch would need many."""
+_FORGOTTEN: Final = 30.0  # e-folds after which nothing is remembered of a gap
+_REMEMBERED: Final = 11.0  # sqrt 2 widths, as e-folds of a normal law: exp(-11^2/4) = 7e-14
+_FARTHEST: Final = 8.3  # widths that the least and the largest uniform move a birth
+_IN_A_CELL: Final = 4096.0  # births of a cell, about; it is at least four widths long, or a stretch would need many
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

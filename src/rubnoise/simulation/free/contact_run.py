@@ -9,7 +9,7 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.distributions import Law as StrengthLaw
 from rubnoise.errors import RubnoiseError
-from rubnoise.simulation.free.contacts import CONTACT, Law, Records
+from rubnoise.simulation.free.contacts import CONTACT, Law, Records, series_in_memory
 from rubnoise.simulation.free.encounters import LAYERS, RoughSurface
 from rubnoise.simulation.free.motion import (
     DEEPER,
@@ -24,7 +24,6 @@ from rubnoise.simulation.free.motion import (
     Output,
     Surface,
     advance,
-    series_in_memory,
 )
 from rubnoise.streams import Stream, uniforms
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_within
+from rubnoise.simulation.free.series import ORDER
 
 Records = NDArray[Any]
 """An array of records, of CONTACT and of the kinds in `motion`; compiled code knows their fields."""
@@ -40,6 +41,19 @@ class Sums(NamedTuple):
     loads: Doubles
     shares: Doubles
     powers: Doubles
+
+
+class Series(NamedTuple):
+    """Powers of time in a step, of z and of x, and the sums that they are made of."""
+
+    z: Doubles
+    x: Doubles
+    sums: Sums
+
+
+def series_in_memory() -> Series:
+    """Return memory for the series of a step."""
+    return Series(np.zeros(ORDER + 1), np.zeros(ORDER + 1), Sums(np.zeros(4), np.zeros(4), np.zeros(4)))
 
 
 @compiled_within

@@ -10,7 +10,7 @@ from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.free.contacts import (
     Law,
     Records,
-    Sums,
+    Series,
     add_up,
     load_of,
     overlap_of,
@@ -19,7 +19,6 @@ from rubnoise.simulation.free.contacts import (
     turned,
 )
 from rubnoise.simulation.free.series import (
-    ORDER,
     TURN,
     bounds,
     motion_series,
@@ -94,19 +93,6 @@ class Output(NamedTuple):
     ticks: Records
     touches: Records
     marks: Records
-
-
-class Series(NamedTuple):
-    """Powers of time in a step, of z and of x, and the sums that they are made of."""
-
-    z: Doubles
-    x: Doubles
-    sums: Sums
-
-
-def series_in_memory() -> Series:
-    """Return memory for the series of a step."""
-    return Series(np.zeros(ORDER + 1), np.zeros(ORDER + 1), Sums(np.zeros(4), np.zeros(4), np.zeros(4)))
 
 
 @compiled_within
