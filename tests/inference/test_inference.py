@@ -274,7 +274,7 @@ def test_too_short_and_too_coarse_records_name_what_is_needed(normal: Signal) ->
 @pytest.mark.parametrize("law", ["normal", "lognormal", "exponential"])
 def test_errors_are_as_large_as_they_say(law: str) -> None:
     """z over independent traces has mean 0 and variance 1: bounds 4/sqrt(n) and 4 sqrt(2/n) (1 + 1/2 for its tails)."""
-    model, n = contact(law, SHAPES[law], 20, 450), 60
+    model, n = contact(law, SHAPES[law], 20, 450), 40
     scores = []
     for seed in range(100, 100 + n):
         got = infer_signal(signal(model, seed), zero="known", law=law, tests=False)

@@ -33,7 +33,7 @@ MASS, STIFFNESS = 0.005, 300.0
 CRITICAL = 2 * math.sqrt(MASS * STIFFNESS)
 EQUILIBRIUM = (250 * 204.6736 / STIFFNESS, 0.0)
 SLIDERS = {
-    "figure 5": (0.05, 200.0),
+    "figure 5": (0.05, 80.0),
     "over-damped": (20 * CRITICAL, 40.0),
     "critical": (CRITICAL, 40.0),
     "nearly critical": (1.001 * CRITICAL, 40.0),

@@ -214,13 +214,12 @@ class Point:
 
 
 POINTS = (
-    Point(speed=5e4, damping=0.2, count=20.0, distance=1e5),
     Point(speed=3.5e4, damping=0.2, count=20.0, distance=6e4),
     Point(speed=2.5e4, damping=0.5, count=20.0, distance=4e4),
     Point(speed=3.5e4, damping=0.5, count=20.0, distance=4e4),
     Point(speed=2.2e4, damping=0.2, count=80.0, distance=4e4),
 )
-FIELDS = 24
+FIELDS = 14
 told = logging.getLogger(__name__)
 
 
@@ -240,10 +239,10 @@ def ratio_of_spreads(point: Point) -> tuple[float, float]:
 
 
 @pytest.mark.slow
-def test_weak_coupling_at_five_points_by_one_chi_square() -> None:
-    """Sum of z^2 over five points, each z a Student deviate of 23 degrees of freedom.
+def test_weak_coupling_at_four_points_by_one_chi_square() -> None:
+    """Sum of z^2 over four points, each z a Student deviate of 13 degrees of freedom.
 
-    The bound is the quantile 0.9999 of chi-square with five degrees of freedom, widened by the deviates' variance.
+    The bound is the quantile 0.9999 of chi-square with four degrees of freedom, widened by the deviates' variance.
     ``--log-cli-level=INFO`` shows the points.
     """
     from scipy.stats import chi2
