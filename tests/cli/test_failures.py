@@ -1,11 +1,9 @@
 """What is left when writing, printing or reading fails, and in tampered folders."""
 
-import errno
 import os
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 from random import Random
 
@@ -14,53 +12,12 @@ from fuzz_results import DAMAGES
 
 import rubnoise
 from rubnoise.errors import RubnoiseError
-from rubnoise.simulation import ticks
 from tests.cli.tampered import TABLE
-from tests.cli.terminal import CONTACT, call, command, names, start
+from tests.cli.terminal import CONTACT, call, command, start
 from tests.frozen import examples
 
 # What is left when writing, printing or reading fails: one line, an exit code, no half file.
 SHORT = Path("../given/contact.toml")
-
-
-def _failing_after(writes: int) -> Callable[..., int]:
-    """Return a replacement of the call that writes rows, which finds the disk broken after so many large pieces."""
-    write, seen = os.pwrite, []
-
-    def failing(descriptor: int, data: memoryview, offset: int) -> int:
-        seen.append(len(data))
-        if sum(size > 16_384 for size in seen) > writes:
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
-        return write(descriptor, data, offset)
-
-    return failing
-
-
-@pytest.fixture
-def many_panels(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a run reach the disk in many pieces."""
-    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 4096)
-
-
-@pytest.mark.usefixtures("many_panels")
-@pytest.mark.parametrize("writes", [0, 2])
-def test_a_disk_that_breaks_in_the_middle_leaves_nothing(
-    here: Path, monkeypatch: pytest.MonkeyPatch, writes: int
-) -> None:
-    monkeypatch.setattr(os, "pwrite", _failing_after(writes))
-    answer = call("run", SHORT, "--set", "sliding.distance=20 mm")
-    assert (answer.code, answer.out) == (1, "")
-    assert answer.err == f"{here / 'contact.h5'}: writing failed: Input/output error\n"
-    assert names(here) == []
-
-
-@pytest.mark.usefixtures("many_panels")
-def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (here / "contact.h5").write_bytes(b"precious")
-    monkeypatch.setattr(os, "pwrite", _failing_after(1))
-    assert call("run", SHORT, "--force", "--set", "sliding.distance=20 mm").code == 1
-    assert (here / "contact.h5").read_bytes() == b"precious"
-    assert names(here) == ["contact.h5"]
 
 
 @pytest.mark.slow
