@@ -321,10 +321,14 @@ class Power:
         return self.smallest, self.largest
 
     def quantile(self, probability: Doubles) -> Doubles:
-        """Return smallest exp(L y)."""
+        """Return smallest exp(L y); of a falling law from the largest value downward, where less is lost."""
         rate, logs = 1.0 - self.exponent, self._log_ratio
-        part = logs * probability if rate == 0.0 else np.log1p(probability * expm1(rate * logs)) / rate
-        return np.clip(self.smallest * np.exp(part), self.smallest, self.largest)
+        if rate < 0.0:
+            values = self.largest * np.exp(np.log1p((1.0 - probability) * expm1(-rate * logs)) / rate)
+        else:
+            part = logs * probability if rate == 0.0 else np.log1p(probability * expm1(rate * logs)) / rate
+            values = self.smallest * np.exp(part)
+        return np.clip(values, self.smallest, self.largest)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
