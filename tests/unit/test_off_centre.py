@@ -20,8 +20,7 @@ from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, ov
 from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import (
     area_noise,

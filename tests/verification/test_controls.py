@@ -17,8 +17,7 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.moments import area_cumulants, distribution
 from tests.models import bare, recorded
 from tests.verification.scores import REJECTED, Made, made, seed_of
 from tools import right_runs

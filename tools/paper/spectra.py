@@ -18,8 +18,7 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.runs.measuring import Measurement
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.periodogram import expected_periodogram
-from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.sampling import expected_periodogram, standard_errors
 from rubnoise.theory.second_order import spectral_density
 
 LAW: Final = 1.5 * sqrt(2.0 * pi / 3.0 - 64.0 / 45.0)

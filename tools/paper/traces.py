@@ -12,7 +12,7 @@ from rubnoise.figures.area import draw_lives
 from rubnoise.figures.motion import Motion, shade_sticks
 from rubnoise.figures.slider import MILLI, draw_in_time
 from rubnoise.figures.style import BLUE, FAINT, INK, STUCK, VERMILION, legend_above, new_figure
-from rubnoise.theory.distribution import distribution
+from rubnoise.theory.moments import distribution
 
 
 def draw_fig4(sources: Sources) -> Figure:

@@ -29,10 +29,9 @@ from rubnoise.figures.style import (
     logarithmic,
     new_figure,
 )
-from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.periodogram import expected_periodogram
-from rubnoise.theory.second_order import autocovariance, spectral_density, visible_lines
+from rubnoise.theory.moments import Distribution, area_cumulants, distribution
+from rubnoise.theory.sampling import expected_periodogram
+from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -255,7 +254,7 @@ def _draw_exact_density(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
     density = spectral_density(stretch.model, wavenumber)
     if density.any():
         axes.plot(wavenumber, density, color=VERMILION, lw=2.4, label="exact S(k)")
-    lines, _ = visible_lines(stretch.model)
+    lines, _ = area_noise(stretch.model).lines
     label = "exact lines"
     for line in lines[:MOST_LINES]:
         axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)

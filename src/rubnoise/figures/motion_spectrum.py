@@ -30,9 +30,9 @@ from rubnoise.figures.style import (
     new_figure,
 )
 from rubnoise.model import Model
-from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum
-from rubnoise.theory.motion import force_spectral_density, motion_spectrum, need_friction, response
-from rubnoise.theory.periodogram import through_window
+from rubnoise.theory.ancestors import white_spectrum
+from rubnoise.theory.motion import FORCE, density_of, motion_spectrum, need_friction, response
+from rubnoise.theory.sampling import through_window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     if model.strengths is None or model.sliding_speed is None:
         raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
     speed = model.sliding_speed
-    return force_spectral_density(model, angular_frequency / speed) / speed
+    return density_of(model, FORCE, angular_frequency / speed) / speed
 
 
 def _mean_force(motion: Motion) -> float:
@@ -109,7 +109,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         scale=1.0,
         unit="µm",
         exact=partial(motion_spectrum, "displacement"),
-        white=white_displacement_spectrum,
+        white=partial(white_spectrum, "displacement"),
         still=_deflection,
     ),
     "velocity": Audible(
@@ -117,7 +117,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         scale=1e-3,
         unit="mm/s",
         exact=partial(motion_spectrum, "velocity"),
-        white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
+        white=partial(white_spectrum, "velocity"),
         still=lambda motion: motion.slider.natural_angular_frequency * _deflection(motion),
     ),
     "force": Audible(
@@ -125,7 +125,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         scale=1e-3,
         unit="mN",
         exact=_exact_force,
-        white=white_force_spectrum,
+        white=partial(white_spectrum, FORCE),
         still=_mean_force,
     ),
     "normal-velocity": Audible(

@@ -23,7 +23,7 @@ from rubnoise.figures.style import (
     new_figure,
     widen_if_constant,
 )
-from rubnoise.theory.load import load_motion
+from rubnoise.theory.coupling import load_motion
 from rubnoise.theory.moments import area_cumulants, force_cumulants
 from rubnoise.theory.motion import response
 
