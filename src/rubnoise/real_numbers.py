@@ -70,19 +70,19 @@ def with_unit(values: Any, what: str, unit: Any) -> tuple[Doubles, str]:
 
 
 def at_each(
-    function: Callable[[Doubles], Doubles], places: Doubles, what: str, limits: tuple[float, float] | None
+    function: Callable[[Doubles], Doubles], given: Any, what: str, unit: str, limits: tuple[float, float] | None
 ) -> Doubles:
     """Return the values of a function at places of any shape: nan at nan, and the ``limits`` at -inf and inf.
 
-    Raises Refused for an infinite place if ``limits`` is None.
+    Raises Refused as `real_numbers`, and for an infinite place if ``limits`` is None.
     """
+    places = real_numbers(given, what, unit)
     finite = np.isfinite(places)
     if places.size and finite.all():
         return function(places)
     if limits is None and np.isinf(places).any():
         raise Refused(f"{what}: inf: there is no limit; finite numbers are needed")
-    low, high = limits or (np.nan, np.nan)
-    values = np.where(np.isnan(places), np.nan, np.where(places < 0.0, low, high))
+    values = np.where(np.isnan(places), np.nan, np.where(places < 0.0, *(limits or (np.nan, np.nan))))
     if finite.any():
         values[finite] = function(places[finite])
     return values[()]

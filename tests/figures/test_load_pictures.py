@@ -14,7 +14,7 @@ from rubnoise.figures.catalogue import PICTURES, drawing, picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.record.rows import ContactKind
 from rubnoise.storage.reader import open_run
-from rubnoise.theory.load import load_motion
+from rubnoise.theory.coupling import load_motion
 from tests.architecture.sources import ROOT
 
 LOAD = ROOT / "scenarios" / "load"

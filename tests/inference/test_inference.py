@@ -15,7 +15,7 @@ from rubnoise.inference.populations import POPULATIONS, energy_table
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 from rubnoise.scenario.scenario import RAYLEIGH
-from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.sampling import expected_periodogram
 from tests.inference.traces import contact, signal
 
 SHAPES = {"fixed": 0.0, "normal": 0.2, "lognormal": 0.5, "exponential": 1.0, "gamma": 0.4}

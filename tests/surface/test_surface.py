@@ -16,7 +16,7 @@ from rubnoise.surface.height_map import HeightMap, without_form
 from rubnoise.surface.normal_motion import filtered_variance
 from rubnoise.surface.sliding import SlidingContact, patches
 from rubnoise.surface.waves import Waves, self_affine
-from rubnoise.theory.load import load_motion, overlap_scale
+from rubnoise.theory.coupling import load_motion, overlap_scale
 from tests.cli.terminal import call
 from tests.oracle.sliding_surfaces import areas_at, heights_at, patch_counts, slid
 

@@ -25,7 +25,7 @@ from rubnoise.analysis.spectra import Band, WelchSum, band_powers, hann, welch
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.storage.wave_file import STEPS, write_wave
-from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.sampling import expected_periodogram
 from tests.models import bare, recorded
 from tests.unit.theory_models import memory, white
 from tests.verification.scores import seed_of

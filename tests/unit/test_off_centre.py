@@ -19,8 +19,7 @@ from rubnoise.contact.distributions import Fixed, Lognormal, Normal
 from rubnoise.contact.pulses import LENS, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, PARABOLA, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.coupling import coupling, force_slope_std
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import response
 from rubnoise.theory.second_order import (
     area_noise,

@@ -16,8 +16,7 @@ from rubnoise.contact.distributions import Exponential, Fixed, Gamma, Law, Logno
 from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
-from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.moments import Distribution, area_cumulants, distribution
 from tests.oracle.slow_contact import brackets, davies
 from tests.unit.theory_models import model_of
 

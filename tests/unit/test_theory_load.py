@@ -10,8 +10,8 @@ from scipy.integrate import quad
 
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.model import Model
+from rubnoise.theory.coupling import level, load_motion, overlap_scale, third_octaves
 from rubnoise.theory.exact import exact
-from rubnoise.theory.load import level, load_motion, overlap_scale, third_octaves
 from rubnoise.theory.moments import force_cumulants
 from rubnoise.theory.motion import motion_spectrum, response
 from rubnoise.theory.sampling import load_errors

@@ -12,7 +12,7 @@ from rubnoise.contact.distributions import Lognormal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, force_cumulants
-from rubnoise.theory.motion import force_spectral_density, response
+from rubnoise.theory.motion import FORCE, density_of, response
 from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 from rubnoise.theory.sizes import longest_life, panels
 from tests.unit.theory_models import FIG5_SLIDER, drawn, regular
@@ -173,7 +173,7 @@ def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines()
     lags, weights = panels(np.linspace(0.0, 11.06, 41), 20)
     force = area_noise(model, psi).covariance(lags)
     unphased = 2.0 * weights * (force - 250.0**2 * autocovariance(model, lags))
-    found = float(force_spectral_density(model, 0.4))
+    found = float(density_of(model, FORCE, np.array(0.4)))
     assert np.sum(unphased * np.cos(0.4 * lags)) == pytest.approx(found, rel=1e-9)
 
 

@@ -10,8 +10,8 @@ from rubnoise.contact.distributions import Fixed, Normal
 from rubnoise.contact.pulses import TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.periodogram import cross_spectrum, expected_periodogram, through_window, welch_errors
-from rubnoise.theory.second_order import autocovariance, spectral_density, visible_lines
+from rubnoise.theory.sampling import cross_spectrum, expected_periodogram, through_window, welch_errors
+from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
 from tests.unit.theory_models import Doubles, drawn_trace, model_of, one_size, periodograms
 from tests.verification.scores import seed_of
 
@@ -182,7 +182,7 @@ def _regular(count: int, pulse: Pulse) -> Model:
 
 def test_of_an_odd_number_every_second_is_left() -> None:
     model = _regular(3, TRIANGLE)
-    wavenumber, power = visible_lines(model)
+    wavenumber, power = area_noise(model).lines
     order = wavenumber / (2.0 * np.pi * model.birth_rate)
     np.testing.assert_allclose(order[:50], np.arange(1, 100, 2), rtol=1e-12)
     # A triangular ripple: a variance of the squared mean over 3 N^4, and powers as 1/n^4.

@@ -18,7 +18,7 @@ from rubnoise.scenario.text import text_of
 from rubnoise.simulation import draws
 from rubnoise.theory.exact import exact
 from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.periodogram import expected_periodogram, through_window
+from rubnoise.theory.sampling import expected_periodogram, through_window
 from rubnoise.theory.second_order import area_noise, autocovariance, spectral_density
 from rubnoise.theory.sizes import panels, sizes_of
 from rubnoise.theory.unit_pulse import amplitude
@@ -118,7 +118,7 @@ def _shown(run: Model, ticks: int) -> np.ndarray[Any, Any]:
     """Return what the window would show of births whose lives are taken about their middle."""
 
     def density(k: Any) -> Any:
-        return area_noise(run).alone(k) + run.birth_rate * run.births.excess(k) * _centred(run, k)
+        return area_noise(run).parts(k)[0] + run.birth_rate * run.births.excess(k) * _centred(run, k)
 
     window = np.square(np.sin(pi * np.arange(ticks) / ticks))
     return through_window(density, run.tick, window, int(BINS[-1]))[BINS]

@@ -16,7 +16,7 @@ from rubnoise.analysis.comparison import compare
 from rubnoise.contact.distributions import Lognormal
 from rubnoise.record.rows import ContactKind, JunctionState
 from rubnoise.simulation.free_motion import Scales
-from rubnoise.theory.load import free_motion, load_motion
+from rubnoise.theory.coupling import free_motion, load_motion
 from rubnoise.theory.sampling import load_errors
 from tests.models import bouncing, contents, recorded
 from tests.unit.tampering import change, scenario_of

@@ -21,7 +21,7 @@ from rubnoise.record.tally import Tally
 from rubnoise.simulation import draws, run
 from rubnoise.simulation import linear as engine
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import THIRD, load_motion
+from rubnoise.theory.coupling import THIRD, load_motion
 from rubnoise.theory.sampling import load_errors
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of

@@ -17,8 +17,8 @@ from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.wave_file import STEPS
-from rubnoise.theory.load import load_motion
-from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.coupling import load_motion
+from rubnoise.theory.sampling import expected_periodogram
 from tests.architecture.sources import ROOT
 from tests.verification.scores import BOUND, REJECTED, seed_of
 

@@ -11,7 +11,7 @@ from rubnoise.figures.area_pictures import draw_lives
 from rubnoise.figures.panes import draw_along
 from rubnoise.figures.style import BLUE, VERMILION, legend_above, new_figure
 from rubnoise.figures.tracks import Track
-from rubnoise.theory.distribution import distribution
+from rubnoise.theory.moments import distribution
 
 
 def draw_fig4(sources: Sources) -> Figure:

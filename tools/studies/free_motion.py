@@ -27,7 +27,7 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.rows import ContactKind
 from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
-from rubnoise.theory.load import level as decibels
+from rubnoise.theory.coupling import level as decibels
 from tests.models import bouncing
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "load.md"

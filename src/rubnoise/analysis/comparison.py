@@ -38,12 +38,10 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import FreeSeparation, Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.load import load_motion
-from rubnoise.theory.moments import area_cumulants, force_cumulants, zero_share
+from rubnoise.theory.coupling import load_motion
+from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants, zero_share
 from rubnoise.theory.motion import contact_drive_of, drive_of
-from rubnoise.theory.periodogram import expected_periodogram
-from rubnoise.theory.sampling import mean_force_error
+from rubnoise.theory.sampling import expected_periodogram, mean_force_error
 from rubnoise.theory.second_order import area_noise, autocovariance, need_random_births
 
 BANDS, FEWEST_SEGMENTS = 8, 8

@@ -22,8 +22,7 @@ from rubnoise.figure_names import FIGURE_NAMES
 from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import RENAMED, Tally
-from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
-from rubnoise.theory.load import free_motion, load_motion
+from rubnoise.theory.coupling import coupling, free_motion, load_motion, weak_motion, weak_motion_errors
 from rubnoise.theory.moments import area_cumulants, count_variance, force_cumulants
 from rubnoise.theory.motion import Response, contact_drive_of, response, strengths_of
 from rubnoise.theory.sampling import (

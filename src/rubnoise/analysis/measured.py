@@ -28,8 +28,7 @@ from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Columns
 from rubnoise.record.tally import WATCHED, Moments
-from rubnoise.theory.coupling import weak_motion
-from rubnoise.theory.load import load_motion
+from rubnoise.theory.coupling import load_motion, weak_motion
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import contact_drive_of, drive_of, response
 from rubnoise.theory.sizes import longest_life

@@ -24,9 +24,8 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.record.tally import Tally
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants
-from rubnoise.theory.periodogram import expected_periodogram
+from rubnoise.theory.moments import area_cumulants, distribution
+from rubnoise.theory.sampling import expected_periodogram
 from rubnoise.theory.second_order import are_at_random, area_noise, autocovariance, spectral_density
 
 BINS: Final = 64

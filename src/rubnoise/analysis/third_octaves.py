@@ -12,7 +12,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows, column_chunks
 from rubnoise.record.tally import Moments
-from rubnoise.theory.load import THIRD, band_numbers, level, third_octaves
+from rubnoise.theory.coupling import THIRD, band_numbers, level, third_octaves
 
 MOST_ROWS: Final = 1 << 22
 """Rows of /load that are looked at, from the first on: more would make a look at a long run slow."""

@@ -211,7 +211,7 @@ def spectrum_of(run: "Run", quantity: str, segment: Any = None) -> PowerSpectrum
 
 def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
     """Return the exact density at the places of a spectrum; None if theory has none."""
-    from rubnoise.theory.motion import drive_of, force_spectral_density, motion_spectrum, need_friction
+    from rubnoise.theory.motion import FORCE, density_of, drive_of, motion_spectrum, need_friction
     from rubnoise.theory.second_order import spectral_density
 
     try:
@@ -219,7 +219,7 @@ def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles 
             if quantity == "real_contact_area":
                 return spectral_density(model, seen.place)
             if quantity == "friction_force" and model.strengths is not None:
-                return force_spectral_density(model, seen.place)
+                return density_of(model, FORCE, seen.place)
             return None
         if model.is_two_way:
             return None
@@ -227,7 +227,7 @@ def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles 
         if quantity == "friction_force":
             need_friction(model)
             speed = drive_of(model).speed
-            found = force_spectral_density(model, angular / speed) / speed
+            found = density_of(model, FORCE, angular / speed) / speed
         else:
             found = motion_spectrum(quantity, model, angular)
     except (Refused, KeyError):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.contact.pulses import LENS, Pulse, area_of
-from rubnoise.real_numbers import at_each, real_numbers
+from rubnoise.real_numbers import at_each
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
 from rubnoise.tables import as_html
@@ -50,7 +50,7 @@ class Junction:
         b = lateral_offset has d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and
         x = s - birth_distance - sqrt(d^2 - b^2).
         """
-        return at_each(self._area, real_numbers(distance, "distance", "um"), "distance", (0.0, 0.0))
+        return at_each(self._area, distance, "distance", "um", (0.0, 0.0))
 
     def _area(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
         alive = (self.birth_distance <= distance) & (distance < self.death_distance)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rubnoise.api.surface import Surface
     from rubnoise.surface.normal_motion import NormalMotion
     from rubnoise.surface.sliding import SlidingContact
-    from rubnoise.theory.load import LoadMotion
+    from rubnoise.theory.coupling import LoadMotion
 
 Form = StrEnum("Form", "none tilt polynomial cylinder sphere")
 """Forms that can be removed."""

@@ -16,12 +16,11 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.ancestors import velocity_weakening, white_noise
-from rubnoise.theory.distribution import distribution
+from rubnoise.theory.coupling import third_octaves
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.theory.load import third_octaves
-from rubnoise.theory.moments import area_cumulants, force_cumulants
+from rubnoise.theory.moments import area_cumulants, distribution, force_cumulants
 from rubnoise.theory.motion import response
-from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, visible_lines
+from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, spectral_density
 from rubnoise.theory.sizes import longest_life
 
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -216,7 +215,7 @@ def _at(model: Model, at: Mapping[str, Doubles], *, brief: bool) -> Iterator[Cur
     columns: dict[str, Any] = {"wavenumber": wavenumbers, "density": spectral_density(model, wavenumbers)}
     convention = Row(part="spectrum", name="convention", value=CONVENTION)
     yield [convention], Table(name="spectrum", columns=columns, units=units)
-    wavenumber, power = visible_lines(model)
+    wavenumber, power = area_noise(model).lines
     if power.size:  # the first lines of regular births
         columns = {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}
         shown = range(min(power.size, LINES_SHOWN))

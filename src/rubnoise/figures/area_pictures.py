@@ -32,8 +32,7 @@ from rubnoise.figures.style import (
     logarithmic,
 )
 from rubnoise.figures.tracks import Track, tracks_of
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants, share_of
+from rubnoise.theory.moments import area_cumulants, distribution, share_of
 from rubnoise.theory.second_order import autocovariance, spectral_density
 
 if TYPE_CHECKING:

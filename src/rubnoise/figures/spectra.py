@@ -14,8 +14,8 @@ from rubnoise.errors import Refused
 from rubnoise.figures.panes import curve_styles
 from rubnoise.figures.style import FAINT, INK, NEAREST, VERMILION, draw_band, draw_ratio, legend_above, logarithmic
 from rubnoise.figures.tracks import Track, labels_of
-from rubnoise.theory.periodogram import expected_periodogram, through_window
-from rubnoise.theory.second_order import visible_lines
+from rubnoise.theory.sampling import expected_periodogram, through_window
+from rubnoise.theory.second_order import area_noise
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -166,7 +166,7 @@ def _draw_exact(axes: "Axes", track: Track, lowest: float, highest: float) -> No
         lines: dict[str, Any] = {"lw": 1.0} if track.timed else {"lw": 2.4, "zorder": 1.9}
         axes.plot(place, density, color=VERMILION, **lines, **look)
     if not track.timed:
-        for number, line in enumerate(visible_lines(model)[0][:MOST_LINES]):
+        for number, line in enumerate(area_noise(model).lines[0][:MOST_LINES]):
             label = "_one entry is enough" if number else "exact lines"
             axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)
     elif quantity.white and track.swings and model.separation is None and track.swings.excitation != "base":

@@ -22,10 +22,9 @@ from rubnoise.figures.style import (
     shortened,
 )
 from rubnoise.model import Model, Slider
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import Cumulants, area_cumulants
+from rubnoise.theory.moments import Cumulants, area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum, response
-from rubnoise.theory.second_order import autocovariance, covariance_reach, spectral_density, tail, visible_lines
+from rubnoise.theory.second_order import area_noise, autocovariance, covariance_reach, spectral_density, tail
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,7 +103,7 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     wavenumber = np.geomspace(0.1, 300.0, POINTS) / model.mean_life_distance
     axes.set_title("Spectral density of the area, two-sided")
     density = spectral_density(model, wavenumber)
-    lines, power = visible_lines(model)
+    lines, power = area_noise(model).lines
     if not (density.any() or power.size):
         _write_note(axes, "nothing varies")
         return

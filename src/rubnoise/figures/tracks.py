@@ -17,11 +17,11 @@ from rubnoise.figures.stretch import MOST_READ, Stretch, thinned
 from rubnoise.figures.style import one_line, shortened
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import column_chunks
-from rubnoise.theory.ancestors import white_displacement_spectrum, white_force_spectrum
+from rubnoise.theory.ancestors import white_spectrum
+from rubnoise.theory.coupling import load_motion
 from rubnoise.theory.exact import exact
-from rubnoise.theory.load import load_motion
 from rubnoise.theory.moments import area_cumulants, force_cumulants
-from rubnoise.theory.motion import force_spectral_density, motion_spectrum, need_friction, response
+from rubnoise.theory.motion import FORCE, density_of, motion_spectrum, need_friction, response
 from rubnoise.theory.second_order import spectral_density
 
 LIVES, PERIODS, STICKS = 40.0, 20.0, 20
@@ -64,7 +64,7 @@ def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     need_friction(model)
     if model.strengths is None or model.sliding_speed is None:
         raise Refused("the spectrum of the force over frequency needs [strength] and sliding.speed")
-    return force_spectral_density(model, angular_frequency / model.sliding_speed) / model.sliding_speed
+    return density_of(model, FORCE, angular_frequency / model.sliding_speed) / model.sliding_speed
 
 
 def _of_area(model: Model) -> Moments:
@@ -93,20 +93,15 @@ def _of_base(model: Model) -> Moments:
     return response(model).mean_displacement, model.base_per_area * area_cumulants(model).std
 
 
-def _white_velocity(model: Model, frequency: Doubles) -> Doubles:
-    return np.square(frequency) * white_displacement_spectrum(model, frequency)
-
-
 _MOVING: Final = ("displacement", "velocity", "normal_velocity", "load")
 _density: Final = {name: partial(motion_spectrum, name) for name in _MOVING}
+_white: Final = {name: partial(white_spectrum, name) for name in (FORCE, "displacement", "velocity")}
 QUANTITIES: Final[Mapping[str, Quantity]] = {
     "area": Quantity("real contact area", "trace", "real_contact_area", "µm²", _of_area, spectral_density),
     "count": Quantity(
         "live junctions", "trace", "junction_count", "", lambda model: (exact(model).count_mean, exact(model).count_std)
     ),
-    "force": Quantity(
-        "friction force", "slider", COLUMNS["force"], "mN", _of_force, _exact_force, white_force_spectrum
-    ),
+    "force": Quantity("friction force", "slider", COLUMNS["force"], "mN", _of_force, _exact_force, _white[FORCE]),
     "base": Quantity("height of the base", "slider", "base_displacement", "µm", _of_base),
     "displacement": Quantity(
         "displacement",
@@ -115,10 +110,16 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
         "µm",
         _of_motion("displacement_std"),
         _density["displacement"],
-        white_displacement_spectrum,
+        _white["displacement"],
     ),
     "velocity": Quantity(
-        "velocity", "slider", "velocity", "mm/s", _of_motion("velocity_std"), _density["velocity"], _white_velocity
+        "velocity",
+        "slider",
+        "velocity",
+        "mm/s",
+        _of_motion("velocity_std"),
+        _density["velocity"],
+        _white["velocity"],
     ),
     "load": Quantity("load", "load", "load", "mN", _of_load("load_std"), _density["load"]),
     "separation": Quantity("separation", "load", "separation", "µm", _of_load("separation_std")),

@@ -13,10 +13,9 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.pages.page import packed
 from rubnoise.record.reader import Rows
-from rubnoise.theory.distribution import distribution
-from rubnoise.theory.moments import area_cumulants
+from rubnoise.theory.moments import area_cumulants, distribution
 from rubnoise.theory.motion import motion_spectrum
-from rubnoise.theory.periodogram import expected_periodogram, through_window
+from rubnoise.theory.sampling import expected_periodogram, through_window
 
 LIVES: Final = 8.0
 PERIODS: Final = 16.0

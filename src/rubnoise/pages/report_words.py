@@ -9,7 +9,7 @@ from rubnoise.analysis.landmarks import Flights
 from rubnoise.analysis.moments import one_way_warnings
 from rubnoise.figures.stretch import Stretch
 from rubnoise.model import FreeSeparation, Model, Slider
-from rubnoise.theory.load import free_motion, load_motion
+from rubnoise.theory.coupling import free_motion, load_motion
 from rubnoise.theory.moments import area_cumulants
 
 _SMALLEST, _LARGEST = 1e-4, 1e7  # of numbers that are written without a power of ten

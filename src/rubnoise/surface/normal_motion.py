@@ -1,6 +1,6 @@
 """The normal motion of a slider on two Gaussian surfaces under a load, to first order, from their spectra.
 
-At constant load the gap D less its mean is s_0 (A/A_rm - 1); with a mass and a dashpot as in `rubnoise.theory.load`.
+At constant load the gap D less its mean is s_0 (A/A_rm - 1); with a mass and a dashpot as in `theory.coupling`.
 Source: Rice (1944) for the slope of a Gaussian field's excursion area.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.surface.gaussian import GaussianContact
-from rubnoise.theory.load import level
+from rubnoise.theory.coupling import level
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,7 +18,7 @@ from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap
 from rubnoise.surface.normal_motion import NormalMotion, gap_slope, normal_motion
 from rubnoise.surface.waves import Waves, band_limited
-from rubnoise.theory.load import LoadMotion, load_motion, overlap_scale
+from rubnoise.theory.coupling import LoadMotion, load_motion, overlap_scale
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.second_order import autocovariance
 

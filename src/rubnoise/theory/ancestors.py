@@ -13,9 +13,10 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.real_numbers import number_in
 from rubnoise.theory.moments import force_cumulants
-from rubnoise.theory.motion import drive_of, force_spectral_density, need_friction
+from rubnoise.theory.motion import FORCE, density_of, drive_of, need_friction
 from rubnoise.theory.second_order import are_at_random, half_power_wavenumber
-from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, Kind
+from rubnoise.units import AREA, DENSITY, LENGTH, STRESS, Kind
+from rubnoise.units import FORCE as FORCE_UNIT
 
 _FARTHEST = 12.0  # separations over the height scale, to either side, among which a load is looked for
 
@@ -36,16 +37,13 @@ def velocity_weakening(model: Model) -> dict[str, float]:
     known = {"steady": steady, "border": slider.damping, "mean_displacement": force / slider.stiffness}
     if steady:
         return known | dict.fromkeys(("amplitude", "slowest", "fastest", "period", "stick_fraction"), 0.0)
-    cycle = _cycle(slider, speed, force)
-    return known | cycle | {"mean_displacement": known["mean_displacement"] + cycle["mean_displacement"]}
+    return known | _cycle(slider, speed, force)
 
 
 def _cycle(slider: Slider, speed: float, force: float) -> dict[str, float]:
-    """Return the cycle of sticks and slips: with y = x - F_m/k and g = a - c a slip is m y'' - g y' + k y = 0.
-
-    y' = V Re((1 + i s/w) e^(r t)), r = s + i w, s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before 2
-    pi/w; y = (g y' - m y'')/k is largest where y' = 0 for the first time, and least a half turn later.
-    """
+    """Return the cycle of sticks and slips: with y = x - F_m/k and g = a - c a slip is m y'' - g y' + k y = 0."""
+    # y' = V Re((1 + i s/w) e^(r t)), r = s + i w, s = g/2m, w^2 = k/m - s^2. It is slowest at pi/w and V again before
+    # 2 pi/w; y = (g y' - m y'')/k is largest where y' = 0 for the first time, and least a half turn later.
     from scipy.optimize import brentq
 
     growth = slider.slope - slider.damping
@@ -69,7 +67,7 @@ def _cycle(slider: Slider, speed: float, force: float) -> dict[str, float]:
     # The integral of y over the slip is g/k times the way; over the stick y is straight.
     mean = (start + end) * (0.5 * stuck) + growth / slider.stiffness * (end - start)
     return {
-        "mean_displacement": mean / (slipped + stuck),
+        "mean_displacement": force / slider.stiffness + mean / (slipped + stuck),
         "amplitude": 0.5 * (place(first_still) - place(first_still + slowest)),
         "slowest": velocity(slowest),
         "fastest": speed,
@@ -86,7 +84,7 @@ def white_noise(model: Model) -> dict[str, float | None]:
     half, life_phase is that times the mean life; None unless births are Poisson. Raises Refused as `drive_of`.
     Source: Kilburn (1974); Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
-    density, slider = float(white_force_spectrum(model, np.zeros(1))[0]), drive_of(model).slider
+    density, slider = float(white_spectrum(FORCE, model, np.zeros(1))[0]), drive_of(model).slider
     lost = 2.0 * slider.damping
     place, speed = (sqrt(density / (lost * each)) if lost else inf for each in (slider.stiffness, slider.mass))
     corner = half_power_wavenumber(model) if are_at_random(model) else None
@@ -95,25 +93,19 @@ def white_noise(model: Model) -> dict[str, float | None]:
     return known | {"wavenumber": corner, "life_phase": phase}
 
 
-def white_displacement_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return S_F / ((k - m w^2)^2 + (c w)^2) in um^2 per rad/s, what white noise would leave; w in rad/s."""
-    drive = drive_of(model)
-    compliance = drive.compliance(np.asarray(angular_frequency) / drive.speed)
-    return white_force_spectrum(model, angular_frequency) * np.square(np.abs(compliance))
-
-
-def white_force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
-    """Return S_F in uN^2 per rad/s at every w in rad/s; errors and source as `white_noise`."""
+def white_spectrum(name: str, model: Model, angular_frequency: Doubles) -> Doubles:
+    """Return S_F per rad/s, or S_F / ((k - m w^2)^2 + (c w)^2) of displacement, w^2 times that of velocity."""
     need_friction(model)
-    return np.full_like(angular_frequency, float(force_spectral_density(model, 0.0)) / drive_of(model).speed)
+    density, drive = density_of(model, FORCE, np.zeros(1)), drive_of(model)
+    if name == FORCE:
+        return np.full_like(angular_frequency, density[0] / drive.speed)
+    moved = drive.compliance(angular_frequency / drive.speed) * (angular_frequency if name == "velocity" else 1.0)
+    return np.asarray(density[0] / drive.speed * np.square(np.abs(moved)), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)
 class RoughContact:
-    """A static contact: separation in um, load in uN, real contact area in um^2, contacts, mean pressure in MPa.
-
-    ``plasticity_index`` is (E*/H) sqrt(s/R), None without a hardness: contacts are elastic below 0.6, plastic above 1.
-    """
+    """A static contact in um, uN, um^2, MPa; plasticity index (E*/H) sqrt(s/R): elastic below 0.6, plastic above 1."""
 
     separation: float
     load: float
@@ -160,8 +152,7 @@ def greenwood_williamson(
     radius R, height scale s (standard deviation; of exponential heights the mean), density eta of asperities, modulus
     E* (of both, plane strain), as texts with units, quantities of pint, or numbers in um, 1/um^2, MPa, uN.
     With h the separation over s, n eta times the nominal area: N = n F_0(h), elastic A = pi n R s F_1(h),
-    P = (4/3) n E* sqrt(R) s^1.5 F_1.5(h); plastic twice that area, and P = H A. It is static: sliding changes the
-    contact. Raises Refused.
+    P = (4/3) n E* sqrt(R) s^1.5 F_1.5(h); plastic twice that area, and P = H A. Sliding changes it. Raises Refused.
     Source: Greenwood and Williamson (1966), doi:10.1098/rspa.1966.0242.
 
     >>> import rubnoise
@@ -195,7 +186,7 @@ def greenwood_williamson(
         from scipy.optimize import brentq
 
         least = 0.0 if heights == "exponential" else -_FARTHEST
-        wanted, fewest, most = _positive("load", load, FORCE), load_at(_FARTHEST), load_at(least)
+        wanted, fewest, most = _positive("load", load, FORCE_UNIT), load_at(_FARTHEST), load_at(least)
         if not fewest <= wanted <= most:
             raise Refused(f"a load of {wanted:g} uN: this surface carries {fewest:.3g} to {most:.3g} uN")
         h = float(brentq(lambda h: load_at(h) - wanted, least, _FARTHEST, xtol=1e-14, rtol=1e-14))

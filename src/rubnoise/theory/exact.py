@@ -1,6 +1,5 @@
 """All exact results for one model, in one frozen object."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from math import sqrt
@@ -11,15 +10,13 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import Fixed
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.real_numbers import at_each, real_numbers
+from rubnoise.real_numbers import at_each
 from rubnoise.tables import as_html, fields_as_text, in_short
-from rubnoise.theory.coupling import Coupling, coupling
-from rubnoise.theory.distribution import Distribution, distribution
-from rubnoise.theory.load import FreeMotion, LoadMotion, free_motion, load_motion
-from rubnoise.theory.moments import Cumulants, area_cumulants, count_variance, expected_junction_rows, force_cumulants
+from rubnoise.theory import moments
+from rubnoise.theory.coupling import Coupling, FreeMotion, LoadMotion, coupling, free_motion, load_motion
 from rubnoise.theory.motion import Response, response
-from rubnoise.theory.periodogram import EstimatedSpectrum, estimated_spectrum
-from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density, visible_lines
+from rubnoise.theory.sampling import EstimatedSpectrum, estimated_spectrum
+from rubnoise.theory.second_order import area_noise, autocovariance, count_noise, spectral_density
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -38,14 +35,14 @@ class Exact:
     """
 
     model: Model = field(repr=False)
-    area: Cumulants
+    area: moments.Cumulants
     count_mean: float
     count_variance: float
     mean_diameter: float
     length_biased_mean_diameter: float
     expected_births: float
     expected_junction_rows: float
-    force: Cumulants | None
+    force: moments.Cumulants | None
     slider: Response | None
     load: LoadMotion | None = None
     free: FreeMotion | None = None
@@ -64,22 +61,18 @@ class Exact:
 
     def spectral_density(self, wavenumber: ArrayLike) -> Doubles:
         """Return the two-sided S(k) of the area in um^4 per rad/um at wavenumbers in rad/um, of any shape."""
-        return _at(partial(spectral_density, self.model), wavenumber, "wavenumber", "rad/um", (0.0, 0.0))
+        return at_each(partial(spectral_density, self.model), wavenumber, "wavenumber", "rad/um", (0.0, 0.0))
 
-    psd = spectral_density
-    """The same under the word of other programs."""
+    psd = spectral_density  # the same under the word of other programs
 
     def autocovariance(self, lag: ArrayLike) -> Doubles:
-        """Return R(tau) of the area in um^4 at lags in um, of any shape.
+        """Return R(tau) of the area in um^4 at lags in um, of any shape; Refused at inf if lines swing for ever."""
+        swings = area_noise(self.model).lines[1].size > 0
+        return at_each(partial(autocovariance, self.model), lag, "lag", "um", None if swings else (0.0, 0.0))
 
-        Raises Refused for an infinite lag if births have lines in their spectrum: R then swings for ever.
-        """
-        swings = visible_lines(self.model)[1].size > 0
-        return _at(partial(autocovariance, self.model), lag, "lag", "um", None if swings else (0.0, 0.0))
-
-    def distribution(self) -> Distribution:
+    def distribution(self) -> moments.Distribution:
         """Return the distribution of the area; raises Refused for births that are not Poisson."""
-        return distribution(self.model)
+        return moments.distribution(self.model)
 
     def estimated_spectrum(self, ticks: int | None = None) -> EstimatedSpectrum:
         """Return the expectation of Welch's method for a run, and its standard error; see `estimated_spectrum`."""
@@ -87,11 +80,11 @@ class Exact:
 
     def area_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean area in um^2 at distances in um after an empty start, of any shape."""
-        return _at(area_noise(self.model).from_empty, distance, "distance", "um", (0.0, self.area.mean))
+        return at_each(area_noise(self.model).from_empty, distance, "distance", "um", (0.0, self.area.mean))
 
     def count_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean number of live junctions at distances in um after an empty start, of any shape."""
-        return _at(count_noise(self.model).from_empty, distance, "distance", "um", (0.0, self.count_mean))
+        return at_each(count_noise(self.model).from_empty, distance, "distance", "um", (0.0, self.count_mean))
 
     def expected_mean_area(self, distance: float | None = None) -> float:
         """Return the expected mean of the area in um^2 over a run from its own start, or its first ``distance`` um."""
@@ -106,30 +99,22 @@ class Exact:
         return coupling(self.model)
 
 
-def _at(
-    function: Callable[[Doubles], Doubles], places: ArrayLike, what: str, unit: str, limits: tuple[float, float] | None
-) -> Doubles:
-    return at_each(function, real_numbers(places, what, unit), what, limits)
-
-
 def exact(model: Model) -> Exact:
-    """Return the exact results for a model: cumulants of area and force, the live count, the one-way slider's response.
-
-    The response is known by friction or over a base of equal triangles, and not if the contact is left.
-    """
+    """Return the exact results for a model: cumulants of area and force, the live count, the one-way response."""
+    # The response is known by friction or over a base of equal triangles, and not if the contact is left.
     slider = model.slider
     base = slider is not None and slider.excitation == "base" and model.pulse == TRIANGLE
     known = slider is not None and (slider.excitation == "friction" or (base and isinstance(model.sizes, Fixed)))
     return Exact(
         model=model,
-        area=area_cumulants(model),
+        area=moments.area_cumulants(model),
         count_mean=model.mean_live_junctions,
-        count_variance=count_variance(model),
+        count_variance=moments.count_variance(model),
         mean_diameter=model.sizes.moment(1),
         length_biased_mean_diameter=model.sizes.moment(2) / model.sizes.moment(1),
         expected_births=model.birth_rate * model.distance,
-        expected_junction_rows=expected_junction_rows(model),
-        force=None if model.strengths is None else force_cumulants(model),
+        expected_junction_rows=moments.expected_junction_rows(model),
+        force=None if model.strengths is None else moments.force_cumulants(model),
         load=None if model.separation is None else load_motion(model),
         free=None if model.free is None else free_motion(model),
         slider=response(model) if known and model.free is None else None,

@@ -60,10 +60,7 @@ def need_friction(model: Model) -> None:
 
 
 def drive_of(model: Model) -> Drive:
-    """Return the slider that friction or a base drives.
-
-    Raises Refused if slider, strength or sliding speed is missing, and over a base if lives are not equal triangles.
-    """
+    """Return the slider that friction, or a base of equal triangles, drives; Refused if something is missing."""
     if model.slider is None or model.sliding_speed is None or model.slider.excitation != "base":
         need_friction(model)
         if model.slider is None or model.strengths is None or model.sliding_speed is None:
@@ -76,10 +73,7 @@ def drive_of(model: Model) -> Drive:
 
 
 def contact_drive_of(model: Model) -> Drive:
-    """Return the separation as an oscillator: s_0 + z is driven by H A, A at constant separation.
-
-    Raises Refused without a load that weighs, or without a sliding speed.
-    """
+    """Return the separation as an oscillator, s_0 + z driven by H A; Refused without a load that weighs or a speed."""
     held = model.separation
     if held is None or model.sliding_speed is None:
         raise Refused("the separation moves under a load that weighs alone ([load])")
@@ -146,26 +140,18 @@ def frequencies(model: Model) -> tuple[Doubles, Doubles, Doubles, Doubles]:
     edges = np.unique(np.concatenate([response_edges(model, drive) for drive in drives]))
     k, weight = panels(edges, _NODES)
     follows = np.repeat(np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING, _NODES)
-    noise = area_noise(model)
-    return k, weight / pi, noise.alone(k, exact=follows), noise.together(k, exact=follows)
+    return k, weight / pi, *area_noise(model).parts(k, exact=follows)
 
 
 def response_edges(model: Model, drive: Drive) -> Doubles:
-    """Return the ends of panels in rad/um: octaves, no wider than a phase of 8 where the spectrum's swing counts.
-
-    About the resonance they are octaves of the distance from it, from half of its half-width on.
-    """
+    """Return the ends of panels in rad/um: octaves, of the distance from the resonance too, and short in a swing."""
     reach, swinging = size_range(model.sizes)[1], float(sizes_of(model.sizes).followed.max())
     half_width, breadth = drive.slider.damping_ratio * drive.resonance, max(1.0, 2.0 * drive.slider.damping_ratio)
     resolved = min(min(_RESOLVED, max(_SETTLED, _ABOVE * drive.resonance * breadth * reach)) / reach, swinging)
     lowest = 1e-3 * min(1.0 / reach, drive.resonance / breadth)
     apart = np.minimum(_octaves(0.5 * min(half_width, drive.resonance), drive.resonance), drive.resonance)
-    parts = [
-        _octaves(lowest, 1e4 * max(resolved, drive.resonance * breadth)),
-        np.arange(0.0, resolved, _SWING / reach),
-        drive.resonance - apart,
-        drive.resonance + np.append(0.0, apart),
-    ]
+    around, swings = drive.resonance + np.concatenate([-apart, [0.0], apart]), np.arange(0.0, resolved, _SWING / reach)
+    parts = [around, swings, _octaves(lowest, 1e4 * max(resolved, drive.resonance * breadth))]
     if resolved < drive.resonance < swinging and half_width * reach < _SHARP:
         parts.append(drive.resonance + np.arange(-_AROUND, _AROUND, _SWING) / reach)
     return np.unique(np.concatenate(parts))
@@ -192,18 +178,11 @@ def std_of(model: Model, name: str) -> float:
     return sqrt(covariances(model)[name, name])
 
 
-def force_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
-    """Return the two-sided spectral density of friction force in uN^2 per rad/um between lines; k in rad/um."""
-    strengths_of(model)
-    return density_of(model, FORCE, np.abs(np.asarray(wavenumber, dtype=np.float64)))
-
-
 def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Doubles:
     """Return the two-sided S_u(w) = |h|^2 S(w/V)/V of a motion or load, in its unit squared per rad/s, w in rad/s.
 
     ``name`` is displacement or velocity of the slider, or separation, normal_velocity or load; between lines at
-    w = V k_n. Raises Refused as `drive_of` and `contact_drive_of`, and without damping, if nothing is
-    stationary. Source: paper Eq. (1) and Fig. 5; see above.
+    w = V k_n. Refused as `drive_of`, `contact_drive_of`, and without damping. Source: paper Eq. (1), Fig. 5; see above.
     """
     drive = drive_of(model) if name in MOTION else contact_drive_of(model)
     if drive.slider.damping == 0.0:
@@ -213,8 +192,10 @@ def motion_spectrum(name: str, model: Model, angular_frequency: ArrayLike) -> Do
 
 def density_of(model: Model, name: str, k: Doubles, *, exact: bool = True) -> Doubles:
     """Return the two-sided density of a quantity per rad/um at wavenumbers k >= 0 in rad/um, between lines."""
+    if name == FORCE:
+        strengths_of(model)
     own, mean = np.square(np.abs(answers(model, k)[name]))
-    alone, together = area_noise(model).alone(k, exact=exact), area_noise(model).together(k, exact=exact)
+    alone, together = area_noise(model).parts(k, exact=exact)
     return np.asarray(spread_of(model.strengths) * own * alone + mean * (alone + together), dtype=np.float64)
 
 
@@ -239,11 +220,7 @@ class Response:
 
 
 def response(model: Model) -> Response:
-    """Return the stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
-
-    The mean is the static deflection E[psi] mean A_r / k, or that of a base. The spreads are those of `covariances`,
-    inf without damping. Raises Refused as `drive_of`.
-    """
+    """Return the one-way slider's stationary mean and spreads, which are inf without damping; Refused as `drive_of`."""
     drive = drive_of(model)
     if drive.slider.excitation == "base":
         lift = model.base_per_area

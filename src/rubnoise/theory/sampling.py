@@ -1,49 +1,44 @@
-"""Standard errors of the figures of a finite record of area, friction force or motion, from theory alone."""
+"""How far a finite record errs, from theory alone: standard errors of its figures, Welch's estimate of its spectrum."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from itertools import product
-from math import factorial, hypot, inf, sqrt
+from math import factorial, hypot, inf, pi, sqrt
+from numbers import Integral
 
 import numpy as np
 
-from rubnoise.arrays import Doubles
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.distributions import Law
+from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.tables import fields_as_text
+from rubnoise.theory import motion, second_order
 from rubnoise.theory.moments import area_cumulants, shot_cumulants
-from rubnoise.theory.motion import (
-    FORCE,
-    MOTION,
-    Drive,
-    contact_drive_of,
-    drive_of,
-    response,
-    spread_errors,
-    std_of,
-    strengths_of,
-)
-from rubnoise.theory.second_order import (
-    AREA_ITSELF,
-    area_noise,
-    joint_cumulant,
-    lag_rule,
-    need_random_births,
-)
+from rubnoise.theory.second_order import AREA_ITSELF
+from rubnoise.theory.sizes import COARSE, sizes_of
+from rubnoise.theory.unit_pulse import energy
 
+SEGMENTS = 64  # about how many, which half overlap, a record has by default
+MOST_TICKS = 1 << 18  # of one segment: its errors take some ten seconds and a hundred megabytes
 _ORDERS = 5  # 0 to 4
+_NOTHING = 1e-12  # of the variance, a covariance that is left out
+_LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
+_LONGEST = 4  # lengths of a segment beyond which a correlation is left out: a record of a few such lives says nothing
+_EMPTY_BIN = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
 
 def mean_force_error(model: Model, distance: float | None = None) -> float:
-    """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
-
-    Under a load only the deviations of strengths err, and momentum bounds the mean of P. Refused without a strength.
-    """
-    psi = strengths_of(model)
-    noise = area_noise(model, psi)
+    """Return the standard error in uN of the mean friction force over a stationary record; Refused without strength."""
+    psi = motion.strengths_of(model)
+    noise = second_order.area_noise(model, psi)
     if model.separation is None:
         return noise.error_of_mean(distance)
+    # Under a load only the deviations of strengths err, and momentum bounds the mean of P.
     deviations = replace(noise, square=max(noise.square - noise.squared_mean, 0.0), squared_mean=0.0)
-    drive, slid = contact_drive_of(model), distance or (model.tick_count + 1) * model.tick
-    carried = _carried_momentum(drive, std_of(model, "separation"), std_of(model, "normal_velocity"), slid)
+    drive, slid = motion.contact_drive_of(model), distance or (model.tick_count + 1) * model.tick
+    place, velocity = (motion.std_of(model, name) for name in ("separation", "normal_velocity"))
+    carried = _carried_momentum(drive, place, velocity, slid)
     return deviations.error_of_mean(distance) + psi.mean / drive.gain * carried
 
 
@@ -52,17 +47,16 @@ def standard_errors(model: Model, distance: float | None = None, strengths: Law 
 
     The record is as in `lag_rule`; the errors are of first order in life/distance (from some 100 lives on). Each
     estimate moves with the mean of its influence function of z = (A_r - mean)/std: z; (z^2 - 1)/2; z^3 - g - 3z - (3/2)
-    g (z^2 - 1); z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis. Raises Refused unless births are a
-    Poisson process.
+    g (z^2 - 1); z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness and b the kurtosis. Refused unless births are Poisson.
     Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
     """
-    need_random_births(model, "the standard error of a moment")
+    second_order.need_random_births(model, "the standard error of a moment")
     cumulants = shot_cumulants(model, strengths)
-    lags, weights = lag_rule(model, distance)
+    lags, weights = second_order.lag_rule(model, distance)
     series = np.zeros((_ORDERS, _ORDERS, lags.size))
     for i, j in product(range(_ORDERS), repeat=2):
         if i and j:
-            joint = strengths.moment(i + j) * joint_cumulant(model, lags, i, j)
+            joint = strengths.moment(i + j) * second_order.joint_cumulant(model, lags, i, j)
         else:
             joint = np.full(lags.size, cumulants.values[i + j - 1] if i + j > 1 else 0.0)
         series[i, j] = joint / (cumulants.std ** (i + j) * factorial(i) * factorial(j))
@@ -71,9 +65,8 @@ def standard_errors(model: Model, distance: float | None = None, strengths: Law 
     scale = np.array([factorial(i) for i in range(_ORDERS)])
     covariances = (covariances * np.outer(scale, scale))[1:, 1:]
     g, b = cumulants.skewness, cumulants.excess_kurtosis + 3.0
-    influence = np.array(
-        [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0]]
-    )
+    rows = [1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-3.0, -1.5 * g, 1.0, 0.0], [-4.0 * g, -2.0 * b, 0.0, 1.0]
+    influence = np.array(rows)
     errors = np.sqrt(np.diag(influence @ covariances @ influence.T)) * [cumulants.std, cumulants.std, 1.0, 1.0]
     return dict(zip(("mean", "std", "skewness", "excess_kurtosis"), errors.tolist(), strict=True))
 
@@ -91,36 +84,32 @@ def _exponential(series: Doubles) -> Doubles:
 
 
 def expected_mean_displacement(model: Model, distance: float) -> float:
-    """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
-
-    From rest the mean decay of -x_e is missing, (c (y(0) - y(T)) - m y'(T)) / (k T), x_e being the mean.
-    """
+    """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start."""
     from scipy.linalg import expm
 
-    drive, still = drive_of(model), response(model).mean_displacement
+    drive, still = motion.drive_of(model), motion.response(model).mean_displacement
     slider, duration = drive.slider, distance / drive.speed
     if slider.start == "equilibrium":
         return still
+    # From rest the mean decay of -x_e is missing, (c (y(0) - y(T)) - m y'(T)) / (k T), x_e being the mean.
     decay = np.array([[0.0, 1.0], [-slider.stiffness / slider.mass, -slider.damping / slider.mass]])
     y, velocity = expm(decay * duration)[:, 0].tolist()
     return still * (1.0 - (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration))
 
 
 def mean_displacement_error(model: Model, distance: float) -> float:
-    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, exact for long runs.
-
-    k mean x = mean F - (m dv + c dx)/T, dv and dx the changes over the run; over a base y, k mean y + (c dy - m dv - c
-    dx)/T. inf without damping.
-    """
-    drive, motion = drive_of(model), response(model)
-    change = _carried_momentum(drive, motion.displacement_std, motion.velocity_std, distance)
+    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, exact for long runs."""
+    # k mean x = mean F - (m dv + c dx)/T, d the changes over the run; over a base y, k mean y + (c dy - m dv - c dx)/T.
+    drive, moves = motion.drive_of(model), motion.response(model)
+    change = _carried_momentum(drive, moves.displacement_std, moves.velocity_std, distance)
     if drive.slider.excitation != "base":
         return (mean_force_error(model, distance) + change) / drive.slider.stiffness
-    change += 2.0 * drive.slider.damping * model.base_per_area * area_cumulants(model).std * drive.speed / distance
-    return model.base_per_area * area_noise(model).error_of_mean(distance) + change / drive.slider.stiffness
+    lift, noise = model.base_per_area, second_order.area_noise(model)
+    change += 2.0 * drive.slider.damping * lift * area_cumulants(model).std * drive.speed / distance
+    return lift * noise.error_of_mean(distance) + change / drive.slider.stiffness
 
 
-def _carried_momentum(drive: Drive, std: float, velocity_std: float, distance: float) -> float:
+def _carried_momentum(drive: motion.Drive, std: float, velocity_std: float, distance: float) -> float:
     """Return a bound in uN of the spread of (m dv + c dx)/T: of stationary motion plus a decaying start."""
     slider, natural = drive.slider, drive.slider.natural_angular_frequency
     start = hypot(std, velocity_std / natural)
@@ -129,16 +118,12 @@ def _carried_momentum(drive: Drive, std: float, velocity_std: float, distance: f
 
 
 def motion_errors(model: Model, distance: float) -> dict[str, float]:
-    """Return standard errors of mean_displacement and displacement_std (um) and velocity_std (um/s) over a run.
-
-    ``distance`` is in um, the contact stationary; of the stds as `spread_errors`, inf without damping. Raises Refused
-    as `drive_of`, and unless births are a Poisson process.
-    """
-    drive = drive_of(model)
-    need_random_births(model, "the standard error of the slider's motion")
+    """Return standard errors over a run, in um and um/s, inf without damping; Refused unless births are Poisson."""
+    drive = motion.drive_of(model)
+    second_order.need_random_births(model, "the standard error of the slider's motion")
     names, errors = ("mean_displacement", "displacement_std", "velocity_std"), [inf] * 3
     if drive.slider.damping > 0.0:
-        errors = [mean_displacement_error(model, distance), *spread_errors(model, MOTION, distance)]
+        errors = [mean_displacement_error(model, distance), *motion.spread_errors(model, motion.MOTION, distance)]
     return dict(zip(names, errors, strict=True))
 
 
@@ -148,11 +133,11 @@ def load_errors(model: Model, distance: float, *, from_start: bool = True) -> di
     Of stds as `spread_errors`; of the mean of P (m dz' + c dz)/T. A run ``from_start`` z = z' = 0 has the squares of a
     decay less in z' and P - W, as uncertain as they are large: for Gaussian z and z' at most sqrt(3) times as much.
     """
-    names = ("separation", "normal_velocity", "load", *((FORCE,) if model.strengths else ()))
-    place, velocity, load, *force = spread_errors(model, names, distance)
-    std, fast, varying = (std_of(model, name) for name in names[:3])
-    drive, psi = contact_drive_of(model), model.strengths
-    slider, slid = drive.slider, drive.speed / distance
+    names = ("separation", "normal_velocity", "load", *((motion.FORCE,) if model.strengths else ()))
+    place, velocity, load, *force = motion.spread_errors(model, names, distance)
+    std, fast, varying = (motion.std_of(model, name) for name in names[:3])
+    drive, psi = motion.contact_drive_of(model), model.strengths
+    slider, slid, noise = drive.slider, drive.speed / distance, second_order.area_noise(model)
     mean_load = _carried_momentum(drive, std, fast, distance)
     # Of the free decay of a stationary separation int z'^2 dt = e/c, e = (m z'_0^2 + K z_0^2)/2, and
     # K int z^2 dt = c z_0^2/2 + m z_0 z'_0 + m e/c.
@@ -160,13 +145,152 @@ def load_errors(model: Model, distance: float, *, from_start: bool = True) -> di
     decay = (0.5 * slider.damping * std**2 + slider.mass / slider.damping * energy) * slider.stiffness
     faster, more = (sqrt(3.0) * each * slid * from_start for each in (energy / slider.damping, decay))
     errors = {
-        "separation_mean": (drive.gain * area_noise(model).error_of_mean(distance) + mean_load) / slider.stiffness,
+        "separation_mean": (drive.gain * noise.error_of_mean(distance) + mean_load) / slider.stiffness,
         "separation_std": place,
         "velocity_std": hypot(velocity, faster / (2.0 * fast)),
         "load_mean": mean_load,
         "load_std": hypot(load, more / (2.0 * varying)),
     }
     if psi is not None:
-        part = (psi.mean / drive.gain) ** 2 * more / (2.0 * std_of(model, FORCE))
+        part = (psi.mean / drive.gain) ** 2 * more / (2.0 * motion.std_of(model, motion.FORCE))
         errors |= {"force_mean": mean_force_error(model, distance), "force_std": hypot(force[0], part)}
     return errors
+
+
+def cross_spectrum(covariance: Doubles, window: Doubles, shift: int) -> Complexes:
+    """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks, exactly.
+
+    X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n), X' the same over a segment that begins ``shift`` >= 0 ticks
+    later. C is the covariance by ticks (zero beyond), rho the autocorrelation of the window, W its transform, u and v
+    the covariances of a tick with the mean of the other segment, U and V the transforms of w u and w v: sum_tau
+    rho(tau) C(shift - tau) exp(-i k tau) - U conj W - W conj V + mean(u) |W|^2.
+    """
+    n = window.size
+    taus = np.arange(1 - n, n)
+    steps = np.abs(shift + taus)
+    around = np.where(steps < covariance.size, covariance[np.minimum(steps, covariance.size - 1)], 0.0)
+    autocorrelation = np.fft.irfft(np.square(np.abs(np.fft.rfft(window, 2 * n))), 2 * n)
+    products = autocorrelation[np.abs(taus)] * around[::-1]
+    folded = np.append(products[n - 1], products[n:] + products[: n - 1])
+    plain: Complexes = np.fft.rfft(folded)
+    sums = np.cumsum(np.append(0.0, around))
+    later = (sums[n:] - sums[:n]) / n  # of the ticks of the later segment with the mean of the earlier one
+    transform, u, v = (np.fft.rfft(window * part) for part in (np.ones(n), later[::-1], later))
+    return plain - u * transform.conj() - transform * v.conj() + later.mean() * np.square(np.abs(transform))
+
+
+def expected_periodogram(model: Model, tick: float, window: Doubles) -> tuple[Doubles, Doubles]:
+    """Return wavenumbers k in rad/um and the exact mean of a windowed periodogram of A_r there, in um^4 per rad/um.
+
+    P(k) = h |sum_j w_j (x_j - mean x) exp(-i k j h)|^2 / sum_j w_j^2 over n = len(window) ticks of h = ``tick`` um,
+    two-sided like S(k), at k = 2 pi p / (n h), p = 0 ... n // 2: Welch's estimate, with aliases, leakage and the
+    removed mean. Raises Refused for a window of fewer than 2 ticks or none but zeros.
+    Source: Priestley, Spectral Analysis and Time Series (1981), chapter 6.
+    """
+    weights = _checked(window)
+    covariance = second_order.autocovariance(model, tick * np.arange(weights.size))
+    power = cross_spectrum(covariance, weights, 0).real
+    wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(weights.size, tick), dtype=np.float64)
+    return wavenumber, np.maximum(tick / float(weights @ weights) * power, 0.0)
+
+
+def through_window(density: Callable[[Doubles], Doubles], step: float, window: Doubles, last: int) -> Doubles:
+    """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the two-sided density S(w).
+
+    E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), W the transform of the window padded to 2 n values,
+    S_a(w) = sum_a S(|w + 2 pi a / h|): exact for covariances that end within n values of ``step`` h, to 8 bins of
+    leakage and two aliases; a mean that is subtracted changes bins 0 and 1. Raises Refused as above.
+    """
+    weights = _checked(window)
+    n = weights.size
+    leaked = np.square(np.abs(np.fft.rfft(weights, 2 * n)))[: _LEAKS + 1] / (2.0 * n * float(weights @ weights))
+    kernel = np.concatenate([leaked[:0:-1], leaked])
+    places = np.pi / (n * step) * np.arange(1 - leaked.size, 2 * last + leaked.size, dtype=np.float64)
+    turn = 2.0 * np.pi / step
+    folded = sum((density(np.abs(places + alias * turn)) for alias in _ALIASES), np.zeros(places.size))
+    return np.convolve(folded, kernel, "valid")[::2]
+
+
+def _checked(window: Doubles) -> Doubles:
+    weights = np.asarray(window, dtype=np.float64)
+    if weights.ndim != 1 or weights.size < 2 or not weights.any():
+        raise Refused("a window needs at least 2 ticks in one row, and not all of them zero")
+    return weights
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class EstimatedSpectrum:
+    """The expectation of Welch's method for the real contact area, and the standard error of one estimate.
+
+    Two-sided ``density`` in um^4 per rad/um at ``wavenumber`` in rad/um, with aliases and leakage; ``standard_error``:
+    inf of a bin without power, nan if births are not Poisson or passes off the centre line; ``ticks`` of a segment.
+    """
+
+    ticks: int
+    segments: int
+    wavenumber: Doubles
+    density: Doubles
+    standard_error: Doubles
+
+    __repr__ = fields_as_text
+
+
+def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpectrum:
+    """Return the expectation of Welch's method for a record of the model: every tick from 0 to its distance.
+
+    Segments of ``ticks`` values half overlap, under the Hann window sin^2(pi j / n), each less its own mean; without
+    ``ticks`` there are about 64. Raises Refused for a segment longer than the record or 262 144 ticks.
+    """
+    record = model.tick_count + 1
+    length = min(max(2, 2 * (record // (SEGMENTS + 1))), MOST_TICKS) if ticks is None else ticks
+    if isinstance(length, bool) or not isinstance(length, Integral):
+        raise Refused(f"ticks: {length!r:.40}: a segment has a whole number of ticks, such as 256")
+    if not 2 <= length <= min(record, MOST_TICKS):
+        raise Refused(f"a segment of {length} ticks: it has 2 to {min(record, MOST_TICKS)}, of a record of {record}")
+    window = np.square(np.sin(pi * np.arange(length) / length))
+    step = max(1, int(length) // 2)
+    count = (record - int(length)) // step + 1
+    wavenumber, density = expected_periodogram(model, model.tick, window)
+    errors = np.full(density.size, np.nan)
+    if second_order.are_at_random(model) and model.pulse.offset == "none":
+        errors = np.where(density > 0.0, density, 1.0) * welch_errors(model, window, count, step)
+    return EstimatedSpectrum(int(length), count, wavenumber, density, errors)
+
+
+def welch_errors(model: Model, window: Doubles, count: int, step: int) -> Doubles:
+    """Return the standard error of a Welch estimate over its own mean, ``count`` segments ``step`` ticks apart.
+
+    Var[P] / E[P]^2 is the sum over pairs of segments of |E[X conj X']|^2 / E[|X|^2]^2, of |E[X X']|^2 / E[|X|^2]^2,
+    which counts at the ends of the axis and is taken from the window alone, and of the fourth cumulant E[|A^|^4]/(lam
+    E[|A^|^2]^2) times sum_j w_j^2 w'_j^2 / (h (sum w^2)^2). inf of empty bins. Refused unless births are Poisson.
+    Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem; Rice (1944).
+    """
+    second_order.need_random_births(model, "the error of a spectrum")
+    if model.pulse.offset != "none":
+        raise Refused("the error of a spectrum is known for passes through both centres alone (pulse.offset)")
+    n, energy_of_window = window.size, float(window @ window)
+    lags = min(2 + int(second_order.covariance_reach(model, _NOTHING) / model.tick), _LONGEST * n)
+    covariance = second_order.autocovariance(model, model.tick * np.arange(lags))
+    mean = cross_spectrum(covariance, window, 0).real
+    held = mean > _EMPTY_BIN * mean.max()
+    variance, shared = np.where(held, 0.0, np.inf), 0.0
+    for apart in range(min(count, 1 + (n + lags) // step)):
+        shift, weight = apart * step, (2.0 if apart else 1.0) / count * (1.0 - apart / count)
+        product = np.zeros(n)
+        product[shift:] = window[shift:] * window[: max(n - shift, 0)]
+        ordinary = cross_spectrum(covariance, window, shift)[held] / mean[held]
+        turned = np.fft.fft(product)[2 * np.arange(mean.size) % n][held] / energy_of_window
+        variance[held] += weight * (np.square(np.abs(ordinary)) + np.square(np.abs(turned)))
+        shared += weight * float(product @ product) / energy_of_window**2
+    scatter = _scatter(model, 2.0 * pi * np.fft.rfftfreq(n, model.tick)[held])
+    variance[held] += shared / (model.birth_rate * model.tick) * scatter
+    return np.sqrt(variance)
+
+
+def _scatter(model: Model, wavenumber: Doubles) -> Doubles:
+    """Return E[|A^|^4] / E[|A^|^2]^2 at each wavenumber."""
+    sizes, mean, fourth = sizes_of(model.sizes, COARSE), np.zeros(wavenumber.size), np.zeros(wavenumber.size)
+    for diameter, share in zip(sizes.diameter.tolist(), sizes.probability.tolist(), strict=True):
+        own = diameter**6 * energy(model.pulse, wavenumber * diameter)
+        mean, fourth = mean + share * own, fourth + share * np.square(own)
+    return fourth / np.square(mean)

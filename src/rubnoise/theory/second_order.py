@@ -13,8 +13,8 @@ Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); 
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
-from math import ceil, inf, isfinite, pi, sqrt
+from functools import lru_cache, partial
+from math import ceil, inf, isfinite, log2, pi, sqrt
 from typing import Final
 
 import numpy as np
@@ -26,23 +26,13 @@ from rubnoise.contact.distributions import Fixed, Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.real_numbers import real_number
-from rubnoise.theory.sizes import (
-    longest_life,
-    over_phases,
-    over_sizes,
-    panels,
-    size_range,
-    sizes_of,
-    table_over_sizes,
-)
+from rubnoise.theory.sizes import longest_life, over_phases, over_sizes, panels, size_range, sizes_of
 from rubnoise.theory.unit_pulse import UnitLife, area_life, count_life, energy, from_birth, overlaps
 
 _ROUNDING, _VISIBLE = 1e-12, 1e-26
 _MOST_TICKS, _FEW_TICKS, _LAG_PANELS = 512, 64, 32
-_AGES, _PHASES, _MOST_LINES = 1 << 19, 1 << 16, 1 << 18
-_RARE = 1e-12
-AREA_ITSELF: Final = Fixed(value=1.0)
-"""The strengths with which force is area."""
+_AGES, _RARE = 1 << 19, 1e-12
+AREA_ITSELF: Final = Fixed(value=1.0)  # the strengths with which force is area
 
 
 def are_at_random(model: Model) -> bool:
@@ -57,78 +47,74 @@ def need_random_births(model: Model, quantity: str) -> None:
 
 
 class BirthPart:
-    """What births that are not at random add to a covariance: the lines, and the rest by a transform of the mean life.
-
-    ``wavenumber`` (rad/um) and ``power`` are those of the lines; as much power lies at -k_n.
-    """
+    """What births that are not at random add to a covariance: lines (rad/um), and the rest from the mean life."""
 
     def __init__(self, model: Model, life: UnitLife) -> None:
-        self._model, self._jumps = model, life.power == 0 and isinstance(model.births, RegularBirths)
-        sizes, memory, self._spacing = sizes_of(model.sizes), model.births.memory, model.births.mean
+        births, rate, sizes = model.births, model.birth_rate, sizes_of(model.sizes)
         weight = sizes.probability * sizes.diameter**3
         longest = 2.0 * float(sizes.diameter[weight > _RARE * weight.max()].max())
-        self._reach = longest + (memory if isfinite(memory) else 0.0)
-        # A whole number of spacings, so that lines lie at wavenumbers of the transform.
-        spacings = ceil(2.0 * self._reach / self._spacing)
-        self._step = spacings * self._spacing / _AGES
-        mean_life, ages = np.zeros(_AGES), np.arange(min(int(longest / self._step) + 2, _AGES), dtype=np.float64)
-        mean_life[: ages.size] = table_over_sizes(model, life.mean, life.power)(self._step * ages)
-        mean_life[0] *= 0.5  # by the trapezoidal rule, for a count that jumps at birth
-        self._wavenumber = np.asarray(2.0 * pi * np.fft.rfftfreq(_AGES, self._step), dtype=np.float64)
-        self._squares = np.square(np.abs(np.fft.rfft(mean_life)) * self._step)
-        lines = slice(spacings, spacings * _MOST_LINES + 1, spacings)
-        self.wavenumber, power = self._wavenumber[lines], self._squares[lines]
-        if is_one_life(model):
+        reach = longest + (births.memory if isfinite(births.memory) else 0.0)
+        # A whole number of spacings of a whole number of points, so that lines lie at wavenumbers of the transform.
+        spacings = ceil(2.0 * reach * rate)
+        self._points = 2 ** ceil(log2(_AGES / spacings)) if 4 * spacings <= _AGES else 1
+        self._rate, self._step, count = rate, 1.0 / (rate * self._points), spacings * self._points
+        mean_life, ages = np.zeros(count), np.arange(min(int(longest / self._step) + 2, count), dtype=np.float64)
+        if life.power:
+            mean_life[: ages.size] = over_sizes(model, life.mean, life.power, self._step * ages)
+        else:  # a count jumps: means over steps hold half of a birth and the right part of a death
+            grown = over_sizes(model, life.so_far, 1, self._step * (ages + 0.5))
+            mean_life[: ages.size] = np.diff(grown, prepend=0.0) / self._step
+        k = np.asarray(2.0 * pi * np.fft.rfftfreq(count, self._step), dtype=np.float64)
+        squares = np.square(np.abs(np.fft.rfft(mean_life)) * self._step)
+        power = squares[spacings::spacings]
+        equal, jumps = is_one_life(model), life.power == 0 and isinstance(births, RegularBirths)
+        if equal:
             d = float(sizes.diameter[0])
-            power = np.square(model.birth_rate * d ** (life.power + 1) * life.amplitude(self.wavenumber * d))
-            if life.power:
-                power[power < _VISIBLE * model.stationary_mean_area**2] = 0.0
-        self.power = power * model.births.line_share(self.wavenumber)
+            power = np.square(rate * d ** (life.power + 1)) * life.energy(k[spacings::spacings] * d)
+        power = power * births.line_share(k[spacings::spacings])
+        mean = model.stationary_mean_area if life.power else model.mean_live_junctions
+        seen = power > _VISIBLE * mean**2
+        self.wavenumber, self.power = k[spacings::spacings][seen], power[seen]
+        between = np.fft.irfft(births.excess(k) * squares, count)[: int(reach / self._step) + 3] / (self._step * rate)
+        self._between = np.append(between, 0.0)
+        self._swing = np.fft.irfft(np.append(0.0, power * seen), self._points) * self._points
+        # The square of half a jump is a quarter.
+        self._between[0] -= 0.25 * jumps / self._points
+        self._swing[0] += 0.25 * jumps / self._points
+        # Regular births have a whole number of equal lives, and one more with some probability.
+        lives = longest * rate
+        one_more = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives % 1.0
+        self._one_more = one_more if equal and jumps else None
 
     def covariance(self, lag: Doubles) -> Doubles:
         """Return the part of births at lags >= 0 in um, lines apart; 0 beyond its reach."""
-        piece = np.minimum((lag / self._step).astype(np.intp), self._values.size - 3)
-        past = np.minimum(lag / self._step - piece, 2.0)
-        here, there, then = (self._values[piece + n] for n in range(3))
-        bend = then - 2.0 * there + here
-        return np.asarray(here + past * (there - here + 0.5 * (past - 1.0) * bend), dtype=np.float64)
-
-    @cached_property
-    def _values(self) -> Doubles:
-        births, rate = self._model.births, self._model.birth_rate
-        values = np.fft.irfft(births.excess(self._wavenumber) * self._squares) / (self._step * rate)
-        values[0] -= 0.25 * self._step * rate * self._jumps  # of births that jump, whose square has half the weight
-        return np.append(values[: int(self._reach / self._step) + 3], 0.0)
+        return _on_parabolas(self._between, lag / self._step)
 
     def lines(self, lag: Doubles) -> Doubles:
-        """Return 2 sum of power cos(k_n tau) at lags tau >= 0 in um; of births that jump lam^2/k^2 has a known sum."""
-        part = (lag / self._spacing) % 1.0
-        if self._jumps and is_one_life(self._model):
-            # A whole number of equal lives, and one more with probability f.
-            lives = longest_life(self._model) / self._spacing
-            f = 0.0 if abs(lives - round(lives)) <= 1e-12 * lives else lives % 1.0
-            return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
-        known = 0.5 * self._jumps * (part * part - part + 1.0 / 6.0)
-        return np.interp(part, np.linspace(0.0, 1.0, self._swing.size), self._swing) + known
-
-    @cached_property
-    def _swing(self) -> Doubles:
-        turn = 0.5 * self._step
-        births = np.square(self._model.birth_rate * turn / np.tan(turn * self.wavenumber)) if self._jumps else 0.0
-        points = 2 * max(self.power.size, _PHASES)
-        values = np.fft.irfft(np.append(0.0, self.power - births), points) * points
-        return np.append(values, values[0])
+        """Return 2 sum of power cos(k_n tau) at lags tau >= 0 in um, even and periodic in the spacing."""
+        part = np.abs((lag * self._rate + 0.5) % 1.0 - 0.5)
+        if self._one_more is None:
+            return _on_parabolas(self._swing, part * self._points)
+        f = self._one_more
+        return np.maximum(0.0, f - part) + np.maximum(0.0, f - 1.0 + part) - f * f
 
 
 _birth_part = lru_cache(maxsize=16)(BirthPart)
+
+
+def _on_parabolas(values: Doubles, place: Doubles) -> Doubles:
+    """Return values given at 0, 1, 2 ... at places between, each on a parabola through the next three."""
+    piece = np.minimum(place.astype(np.intp), values.size - 3)
+    past = np.minimum(place - piece, 2.0)
+    here, there, then = (values[piece + n] for n in range(3))
+    return np.asarray(here + past * (there - here + 0.5 * (past - 1.0) * (then - 2.0 * there + here)), dtype=np.float64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShotNoise:
     """The sum over live junctions of psi d^power a(s/d): area in um^2, friction force in uN, or the live count.
 
-    ``square`` is E[psi^2], ``squared_mean`` E[psi]^2. Error some 1e-9 of the variance; of a count whose births are not
-    at random 1e-6.
+    ``square`` is E[psi^2], ``squared_mean`` E[psi]^2. Error some 1e-9 of the variance; of the count of others 1e-6.
     """
 
     model: Model
@@ -139,14 +125,14 @@ class ShotNoise:
     @property
     def mean(self) -> float:
         """The stationary mean."""
-        model = self.model
-        return sqrt(self.squared_mean) * (model.stationary_mean_area if self.life.power else model.mean_live_junctions)
+        known = self.model.stationary_mean_area if self.life.power else self.model.mean_live_junctions
+        return sqrt(self.squared_mean) * known
 
     def from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean at distances in um of any shape after an empty start, E[psi] lam E[int_0^s A ds']."""
-        grown = table_over_sizes(self.model, self.life.so_far, self.life.power + 1)
         slid = np.maximum(np.asarray(distance, dtype=np.float64), 0.0)
-        return sqrt(self.squared_mean) * grown(slid) * (slid > 0.0)
+        grown = over_sizes(self.model, self.life.so_far, self.life.power + 1, slid)
+        return sqrt(self.squared_mean) * grown * (slid > 0.0)
 
     def expected_mean(self, distance: float | None = None) -> float:
         """Return the expected mean over a run, or its first ``distance`` um, from the model's start."""
@@ -161,37 +147,28 @@ class ShotNoise:
 
     def single(self, lag: Doubles) -> Doubles:
         """Return the covariance of each junction with itself, lam E[int A(s) A(s + tau) ds], at lags >= 0 in um."""
-        return table_over_sizes(self.model, self.life.overlap, 2 * self.life.power + 1)(lag)
-
-    @property
-    def births(self) -> BirthPart:
-        """What births that are not at random add."""
-        return _birth_part(self.model, self.life)
+        return over_sizes(self.model, self.life.overlap, 2 * self.life.power + 1, lag)
 
     def density(self, wavenumber: ArrayLike, *, exact: ArrayLike = True) -> Doubles:
         """Return the two-sided density between lines, k in rad/um; not ``exact``, without the swing of its tail."""
-        k = np.abs(np.asarray(wavenumber, dtype=np.float64))
-        return self.square * self.alone(k, exact=exact) + self.squared_mean * self.together(k, exact=exact)
+        alone, together = self.parts(np.abs(np.asarray(wavenumber, dtype=np.float64)), exact=exact)
+        return self.square * alone + self.squared_mean * together
 
-    def alone(self, wavenumber: Doubles, *, exact: ArrayLike = True) -> Doubles:
-        """Return the part of single junctions in the density, lam E[|A^(k)|^2]."""
-        unit = partial(energy, self.model.pulse)
-        return self.model.birth_rate * over_phases(self.model.sizes, wavenumber, unit, 6, exact=exact).real
-
-    def together(self, wavenumber: Doubles, *, exact: ArrayLike = True) -> Doubles:
-        """Return the part of births in the density, (S_N - lam) |E[A^(k)]|^2; 0 for births at random."""
-        if are_at_random(self.model):
-            return np.zeros_like(wavenumber)
-        if is_one_life(self.model):
-            return self.model.births.excess(wavenumber) * self.alone(wavenumber, exact=exact)
-        unit = partial(from_birth, self.model.pulse)
-        mean_life = np.square(np.abs(over_phases(self.model.sizes, wavenumber, unit, 3, exact=exact)))
-        return self.model.birth_rate * self.model.births.excess(wavenumber) * mean_life
+    def parts(self, wavenumber: Doubles, *, exact: ArrayLike = True) -> tuple[Doubles, Doubles]:
+        """Return the parts of single junctions and of births in the density, lam E[|A^|^2], (S_N - lam) |E[A^]|^2."""
+        model, pulse = self.model, self.model.pulse
+        alone = model.birth_rate * over_phases(model.sizes, wavenumber, partial(energy, pulse), 6, exact).real
+        excess = model.births.excess(wavenumber)
+        if is_one_life(model) or are_at_random(model):
+            return alone, excess * alone
+        mean_life = over_phases(model.sizes, wavenumber, partial(from_birth, pulse), 3, exact)
+        return alone, model.birth_rate * excess * np.square(np.abs(mean_life))
 
     def covariance(self, lag: ArrayLike) -> Doubles:
         """Return the covariance at lags in um of any shape; at 0 the variance."""
         lags = np.abs(np.asarray(lag, dtype=np.float64))
-        return self.unphased(lags) + (self.squared_mean * self.births.lines(lags) if self.lines[1].size else 0.0)
+        lines = _birth_part(self.model, self.life).lines(lags) if self.lines[1].size else 0.0
+        return self.unphased(lags) + self.squared_mean * lines
 
     def unphased(self, lag: Doubles) -> Doubles:
         """Return the covariance without the lines, at lags >= 0 in um: given the phase of regular births."""
@@ -199,13 +176,11 @@ class ShotNoise:
             return self.square * self.single(lag)
         if is_one_life(self.model) and isinstance(self.model.births, RegularBirths):
             return (self.square - self.squared_mean) * self.single(lag)
-        return self.square * self.single(lag) + self.squared_mean * self.births.covariance(lag)
+        return self.square * self.single(lag) + self.squared_mean * _birth_part(self.model, self.life).covariance(lag)
 
     def variance_of_mean(self, distance: float | None = None) -> float:
-        """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`.
-
-        A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks h apart (sin(n k h/2) / (n sin(k h/2)))^2.
-        """
+        """Return the variance of the mean over a stationary record of T um, or the model's ticks; see `lag_rule`."""
+        # A line keeps (sin(k T/2) / (k T/2))^2 of its power, and over n ticks (sin(n k h/2) / (n sin(k h/2)))^2.
         lags, weights = lag_rule(self.model, distance)
         k, power = self.lines
         turns = k / (2.0 * pi)
@@ -223,10 +198,11 @@ class ShotNoise:
 
     @property
     def lines(self) -> tuple[Doubles, Doubles]:
-        """Wavenumbers k_n = 2 pi n lam in rad/um and powers of the lines; as much power lies at -k_n."""
+        """Wavenumbers k_n = 2 pi n lam (rad/um) and powers, over 1e-26 of the squared mean; as much lies at -k_n."""
         if not self.model.births.line_share(np.zeros(1))[0]:
             return np.empty(0), np.empty(0)
-        return self.births.wavenumber, self.births.power
+        found = _birth_part(self.model, self.life)
+        return found.wavenumber, found.power
 
 
 def is_one_life(model: Model) -> bool:
@@ -255,24 +231,13 @@ def spectral_density(model: Model, wavenumber: ArrayLike, *, exact: bool = True)
     """Return the two-sided S(k) of real contact area in um^4 per rad/um, for k in rad/um of any shape.
 
     R(tau) = (1/2 pi) int S(k) exp(i k tau) dk. Errors: 1e-8 of S(0) and 1e-6 of the value up to k d = 16, 1e-5 beyond;
-    1e-4 far out where sizes end hard, and off the centre line the tail has no swing from k d = 256 on, as without
-    ``exact``.
+    1e-4 far out where sizes end hard. Not ``exact``, and off the centre line from k d = 256 on, the tail has no swing.
     """
     return area_noise(model).density(wavenumber, exact=exact)
 
 
-def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
-    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area."""
-    k, power = area_noise(model).lines
-    seen = power > _VISIBLE * model.stationary_mean_area**2
-    return k[seen], power[seen]
-
-
 def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
-    """Return the level about which S(k) falls off, lam c m_(6-p) / k^p in um^4 per rad/um, k > 0 in rad/um.
-
-    c and p are those of the pulse (Watson's lemma for its kinks). Raises Refused unless births are a Poisson process.
-    """
+    """Return the level about which S(k) falls off, lam c m_(6-p) / k^p, by the kinks of pulses; Refused as above."""
     need_random_births(model, "the tail of the spectrum")
     factor, power = model.pulse.tail
     return model.birth_rate * factor * model.sizes.moment(6 - power) / np.asarray(wavenumber, dtype=np.float64) ** power
@@ -291,10 +256,7 @@ def half_power_wavenumber(model: Model) -> float:
 
 
 def joint_cumulant(model: Model, lag: Doubles, i: int, j: int) -> Doubles:
-    """Return the joint cumulant of i times A_r(s) and j times A_r(s + tau) in um^(2i + 2j), lags >= 0 in um.
-
-    lam E[d^(2i + 2j + 1) q_ij(tau/d)] for births at random (Campbell); for others the part of single junctions.
-    """
+    """Return the joint cumulant of i times A_r(s), j times A_r(s + tau) in um^(2i + 2j), births taken for random."""
     return over_sizes(model, overlaps(model.pulse, min(i, j), max(i, j)), 2 * (i + j) + 1, lag)
 
 
@@ -302,16 +264,14 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
     """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
 
     The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or over the model's n ticks
-    h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0; many ticks a life count as a continuous record of n h.
-    Lines are not in it.
+    h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at 0; many ticks a life count as continuous. Without lines.
     """
     memory = model.births.memory
     ticks, reach = model.tick_count + 1, longest_life(model) + (memory if isfinite(memory) else 0.0)
     within = min(ticks - 1, int(reach / model.tick))
     typical = 2.0 * model.sizes.moment(2) / model.sizes.moment(1)
-    if distance is None and (
-        within <= _MOST_TICKS or (typical < _FEW_TICKS * model.tick and within <= 32 * _MOST_TICKS)
-    ):
+    few = within <= _MOST_TICKS or (typical < _FEW_TICKS * model.tick and within <= 32 * _MOST_TICKS)
+    if distance is None and few:
         step = np.arange(within + 1, dtype=np.float64)
         return step * model.tick, np.where(step > 0.0, 2.0 / ticks * (1.0 - step / ticks), 1.0 / ticks)
     length = ticks * model.tick if distance is None else distance

@@ -1,7 +1,4 @@
-"""A law of sizes as diameters with probabilities, by Gauss's rule over log d; averages of g(x/d) and g(k d).
-
-Beside them tables: scipy has splines, but a command that loads them takes half as long again.
-"""
+"""A law of sizes as diameters with probabilities, by Gauss's rule over log d; averages of g(x/d) and g(k d); tables."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,46 +13,34 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.distributions import Law, parts_of
 from rubnoise.model import Model
 
-Function = Callable[[Doubles], Doubles]
+Function = Callable[[Doubles], Any]
 
-FINE, COARSE = 160.0, 20.0
-"""Diameters for a factor e of size: for averages right to 1e-8, and for errors of errors."""
-
-SETTLED = 160.0
-"""Phase k d from which lives of many sizes swing against one another, so that nothing of the swing is left."""
-
+FINE, COARSE = 160.0, 20.0  # diameters for a factor e of size: for averages right to 1e-8, and for errors of errors
+SETTLED = 160.0  # phase k d from which lives of many sizes swing against one another: nothing of the swing is left
 _HARD = 6.0  # times as many for a law whose density jumps: its swings do not fade
 _PANEL = 16
 _PHASE = 110.0  # k times the width of a law to which FINE diameters follow the swing of a spectrum
 _NARROWEST = 1e-6  # spread over diameter of a law that counts as one size
-_LEFT_OUT = 1e-17
-_CUT_PANELS, _FEWEST = 3.0, 8
+_LEFT_OUT, _UNSEEN = 1e-17, 1e-13
+_CUT_PANELS, _FEWEST, _TABLE, _TURNS = 3.0, 8, 300, 50
 _NARROW = 0.8  # logarithm of the factor that a narrow law counts as
-_AT_ONCE = 1 << 17
+_AT_ONCE, _PHASES_AT_ONCE = 1 << 12, 1 << 17  # more places than a table has
 _rule = cache(np.polynomial.legendre.leggauss)
-_TABLE, _TURNS = 300, 50
 
 
-class Table:
-    """A function as a polynomial of some powers on panels between ascending edges; from the last edge on it stays."""
+class Table:  # scipy has splines, but a command that loads them takes half as long again
+    """A function as a polynomial of some powers on panels between ascending edges; outside it stays as at the ends."""
 
     def __init__(self, edges: ArrayLike, function: Callable[[Doubles], Any], count: int = 8) -> None:
         self._edges = np.asarray(edges, dtype=np.float64)
         values = np.asarray(function(panels(self._edges, count)[0])).reshape(-1, count)
-        self._even = bool(np.ptp(np.diff(self._edges)) < 1e-9 * np.diff(self._edges)[0])
         self._powers = np.linalg.solve(np.vander(_rule(count)[0], increasing=True), values.T)
 
-    def __call__(self, place: ArrayLike) -> Any:
-        """Return the values at places of any shape, before the first edge by the first polynomial."""
-        x, edges = np.minimum(np.asarray(place, dtype=np.float64), self._edges[-1]), self._edges
-        if self._even:  # a search takes as long as the polynomial
-            turned = (x - edges[0]) * ((edges.size - 1) / (edges[-1] - edges[0]))
-            piece = np.clip(turned.astype(np.intp), 0, edges.size - 2)
-            turned = 2.0 * (turned - piece) - 1.0
-        else:
-            piece = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, edges.size - 2)
-            low, high = edges[piece], edges[piece + 1]
-            turned = (2.0 * x - low - high) / (high - low)
+    def __call__(self, place: Doubles) -> Any:
+        """Return the values at places of any shape."""
+        panel = np.interp(place, self._edges, np.arange(self._edges.size, dtype=np.float64))
+        piece = np.minimum(panel.astype(np.intp), self._edges.size - 2)
+        turned = 2.0 * (panel - piece) - 1.0
         found = self._powers[-1][piece]
         for power in self._powers[-2::-1]:
             found = found * turned + power[piece]
@@ -64,10 +49,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SizeRule:
-    """Diameters in um with their probabilities.
-
-    ``followed`` is the wavenumber in rad/um to which each follows the swing of a spectrum, inf for single sizes.
-    """
+    """Diameters in um, their probabilities, and the wavenumber in rad/um to which each follows a spectrum's swing."""
 
     diameter: Doubles
     probability: Doubles
@@ -75,10 +57,7 @@ class SizeRule:
 
 
 def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
-    """Return nodes and weights of a ``count``-point rule on each panel between consecutive edges.
-
-    Edges may have leading axes. ``rooted``, the rule is for functions that may end like roots at the edges.
-    """
+    """Return a rule of ``count`` nodes between consecutive edges; ``rooted``, for functions like roots at the edges."""
     edge = np.asarray(edges, dtype=np.float64)
     x, w = _rule(count)
     if rooted:
@@ -154,10 +133,12 @@ def longest_life(model: Model) -> float:
 
 
 def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
-    """Return lam E[d^power unit(x/d)] at x >= 0 in um, sizes cut where x is the end or the middle of a life."""
+    """Return lam E[d^power unit(x/d)] at x >= 0 in um; for many places and sizes by a table."""
+    if x.size > _AT_ONCE and sizes_of(model.sizes).diameter.size >= _FEWEST:
+        return np.asarray(_table_over_sizes(model, unit, power)(x), dtype=np.float64)
     found = np.zeros(x.size)
     for share, leaf in _leaves(model.sizes):
-        for rows in np.array_split(np.arange(x.size), 1 + x.size // 4096):
+        for rows in np.array_split(np.arange(x.size), 1 + x.size // _AT_ONCE):
             some = x.ravel()[rows, None]
             diameter, probability = _gauss(leaf, _CUT_PANELS, _FEWEST, some * (0.5, 1.0))
             found[rows] += np.sum(unit(some / diameter) * (share * probability) * diameter**power, axis=-1)
@@ -165,13 +146,8 @@ def over_sizes(model: Model, unit: Function, power: int, x: Doubles) -> Doubles:
 
 
 @lru_cache(maxsize=64)
-def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
-    """Return `over_sizes` as a function of x, for many sizes by a table; beyond the longest life it is constant.
-
-    Its edges are closer at 0, where lives begin, and far apart in the rare longest lives.
-    """
-    if sizes_of(model.sizes).diameter.size < _FEWEST:
-        return lambda x: over_sizes(model, unit, power, x)
+def _table_over_sizes(model: Model, unit: Function, power: int) -> Table:
+    """Return a table of `over_sizes`, closer at 0, where lives begin, and far apart in the rare longest lives."""
     low, high = size_range(model.sizes)
     scale = 0.5 * model.sizes.moment(2) / model.sizes.moment(1)
     edges = scale * np.expm1(log1p(2.0 * high / scale) * np.square(np.linspace(0.0, 1.0, _TABLE + 1)))
@@ -181,15 +157,16 @@ def table_over_sizes(model: Model, unit: Function, power: int) -> Function:
     return Table(edges, lambda x: over_sizes(model, unit, power, x))
 
 
-def over_phases(
-    law: Law, wavenumber: Doubles, unit: Callable[..., Any], power: int, *, exact: ArrayLike = True
-) -> Complexes:
+def over_phases(law: Law, wavenumber: Doubles, unit: Callable[..., Any], power: int, exact: ArrayLike) -> Complexes:
     """Return E[d^power unit(k d, settled)], with the swing where diameters follow it; not ``exact``, to k d = 160."""
     sizes, k = sizes_of(law), wavenumber.ravel()
-    weight, found = sizes.probability * sizes.diameter**power, np.zeros(k.size, dtype=np.complex128)
+    share, weight = (sizes.probability * sizes.diameter**n for n in (2, power))  # the first in the tail of a spectrum
+    seen = (share > _UNSEEN * share.max()) | (weight > _UNSEEN * weight.max())
+    diameter, followed, weight = sizes.diameter[seen], sizes.followed[seen], weight[seen]
+    found = np.zeros(k.size, dtype=np.complex128)
     follows = np.broadcast_to(exact, k.shape)
-    for rows in np.array_split(np.arange(k.size), 1 + k.size * weight.size // _AT_ONCE):
+    for rows in np.array_split(np.arange(k.size), 1 + k.size * weight.size // _PHASES_AT_ONCE):
         some = k[rows, None]
-        settled = np.where(follows[rows, None] & (some <= sizes.followed), inf, SETTLED)
-        found[rows] = unit(some * sizes.diameter, settled) @ weight
+        settled = np.where(follows[rows, None] & (some <= followed), inf, SETTLED)
+        found[rows] = unit(some * diameter, settled) @ weight
     return found.reshape(wavenumber.shape)
