@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass, field
 from math import pi, sqrt
-from typing import Literal
+from typing import Final, Literal
 
 from rubnoise.contact.births import BirthLaw
 from rubnoise.contact.distributions import Law
 from rubnoise.contact.pulses import LENS, Pulse
 
 Start = Literal["stationary", "empty"]
+
+CELLS: Final = 50
+"""Cells per diameter of a two-way motion, if no other number is given."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +28,7 @@ class Slider:
     damping: float
     start: Literal["equilibrium", "rest"] = "equilibrium"
     coupling: Literal["one-way", "two-way"] = "one-way"
-    cells: int = field(default=50, repr=False)
+    cells: int = field(default=CELLS, repr=False)
     excitation: Literal["friction", "base", "velocity-weakening"] = "friction"
     asperity_height: float = 0.0
     slope: float = 0.0

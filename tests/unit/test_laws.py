@@ -261,8 +261,9 @@ def test_extremes_give_finite_positive_values(name, spread, exponent):
 def test_any_range_of_a_power_law_gives_values_in_it(fall, low, ratio):
     law = Power(exponent=fall, smallest=low, largest=low * ratio)
     _hold_extremes(law)
-    assert law.quantile(ENDS)[[0, -1]] == pytest.approx([low, law.largest], rel=1e-9)
-    assert law.quantile(ENDS).max() <= law.largest
+    values = law.quantile(ENDS)
+    assert np.all(np.diff(values) >= 0.0)
+    assert law.smallest <= values[0] <= values[-1] <= law.largest
 
 
 def _hold_extremes(law):

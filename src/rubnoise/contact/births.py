@@ -13,9 +13,9 @@ from math import ceil, floor, inf
 from typing import Any, Final
 
 import numpy as np
-from scipy import special
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.distributions import special
 from rubnoise.streams import Stream, uniforms
 
 _FORGOTTEN: Final = 30.0  # e-folds after which nothing is remembered of a gap
@@ -181,12 +181,12 @@ class GammaBirths(GapLaw):
 
     def gaps(self, uniform: Doubles) -> Doubles:
         """Return one gap in um for each uniform; a gap of 0, which a small shape makes of a small one, is left."""
-        return np.asarray(special.gammaincinv(self.shape, uniform) * (self.mean_spacing / self.shape))
+        return np.asarray(special().gammaincinv(self.shape, uniform) * (self.mean_spacing / self.shape))
 
     def around(self, seed: int) -> tuple[float, float]:
         """Return a gap about the start: a place at random lies in one of density x f(x)/s_jm, gamma of shape a + 1."""
         chance, share = uniforms(seed, Stream.FIRST_BIRTH, 0, 2).tolist()
-        gap = float(special.gammaincinv(self.shape + 1.0, chance)) * self.mean_spacing / self.shape
+        gap = float(special().gammaincinv(self.shape + 1.0, chance)) * self.mean_spacing / self.shape
         return -gap * (1.0 - share), gap * share
 
 
@@ -253,7 +253,7 @@ class ScatteredBirths(BirthLaw):
 def _of_cell(births: ScatteredBirths, seed: int, number: int) -> Doubles:
     """Return the places in um of the births of a cell, in any order."""
     centres = births.parents(seed, number)
-    return centres + births.width * special.ndtri(uniforms(seed, Stream.CHILDREN, number % 2**64, centres.size))
+    return centres + births.width * special().ndtri(uniforms(seed, Stream.CHILDREN, number % 2**64, centres.size))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -298,7 +298,7 @@ class ClusteredBirths(ScatteredBirths):
 def _poisson(mean: float, chance: Doubles) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     """Return a Poisson number for each uniform: the least n with P(N <= n) above it."""
     most = ceil(mean + 10.0 * mean**0.5 + 60.0)
-    return np.searchsorted(special.pdtr(np.arange(most), mean), chance, side="right")
+    return np.searchsorted(special().pdtr(np.arange(most), mean), chance, side="right")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

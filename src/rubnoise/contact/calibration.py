@@ -45,12 +45,12 @@ def calibrated_diameter(
     if calibration == "paper":
         if pulse.name != "lens":
             raise PaperMeansLens(pulse.name)
-        return sqrt(mean_area / mean_count / _PAPER_LIFE_MEAN)
-    wanted = mean_area / mean_count / pulse.life_mean()
+        return sqrt(mean_area / (mean_count * _PAPER_LIFE_MEAN))
+    wanted = mean_area / (mean_count * pulse.life_mean())
     if calibration == "exact":
         return sqrt(wanted)
     if not (spread.absolute and spread.entry.takes_spread):
-        return sqrt(wanted / law_for(1.0, spread).moment(3))
+        return sqrt(mean_area / (mean_count * pulse.life_mean() * law_for(1.0, spread).moment(3)))
     turning, least = _least_third_moment(spread.law)
     if wanted < least * spread.absolute**2:
         factor = pulse.life_mean() * least

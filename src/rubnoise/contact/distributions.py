@@ -6,29 +6,27 @@ law, write its class here and its entry in `contact.laws`.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import exp, expm1, factorial, fsum, lgamma, log, log1p, pi, prod, sqrt
-from typing import Final, Protocol
+from math import erfc, exp, expm1, factorial, fsum, gamma, lgamma, log, log1p, pi, prod, sqrt
+from typing import Any, Final, Protocol
 
 import numpy as np
-from scipy import special
 
 from rubnoise.arrays import Doubles
 from rubnoise.streams import LARGEST_UNIFORM
 
-LEAST: Final = 2.0**-100
-"""Values below this part of the mean, which a small uniform or a steep law can make, become it: a junction needs an
-extent to divide by, and its square and fifth power may not vanish. No moment notices."""
+LEAST: Final = 2.0**-100  # of the mean: smaller values become it, for a fifth power may not vanish
+_BEYOND: Final = 5e-17  # chance of a value below or above the support of a law without bounds
 
-_BEYOND: Final = 5e-17
-"""Chance of a value below or above the support of a law without bounds."""
+
+def special() -> Any:
+    """Return the special functions of scipy, which take long to load: who reads a result needs none."""
+    import scipy.special
+
+    return scipy.special
 
 
 class Law(Protocol):
-    """A law of a positive quantity x, in whatever unit its parameters have."""
-
-    def __hash__(self) -> int:
-        """Laws of equal parameters are one: tables are kept by law."""
-        ...
+    """A law of a positive quantity x, in whatever unit its parameters have; equal laws hash alike."""
 
     @property
     def mean(self) -> float:
@@ -98,10 +96,13 @@ class Normal:
         """E[x] after drawing again, which exceeds the centre."""
         return self.moment(1)
 
+    @property
+    def _mass_above_0(self) -> float:
+        return 0.5 * erfc(-self.centre / (sqrt(2.0) * self.std))
+
     def moment(self, power: int) -> float:
         """Return E[x^n] of the conditioned law."""
-        ratio = self.centre / self.std
-        height = exp(-0.5 * ratio * ratio - special.log_ndtr(ratio)) / sqrt(2.0 * pi)
+        height = exp(-0.5 * (self.centre / self.std) ** 2) / (sqrt(2.0 * pi) * self._mass_above_0)
         before, moment = 1.0, self.centre + self.std * height
         for n in range(2, power + 1):
             before, moment = moment, self.centre * moment + (n - 1) * self.std**2 * before
@@ -110,7 +111,7 @@ class Normal:
     def density(self, value: Doubles) -> Doubles:
         """Return the density of the conditioned law."""
         z = (value - self.centre) / self.std
-        height = 1.0 / (sqrt(2.0 * pi) * self.std * special.ndtr(self.centre / self.std))
+        height = 1.0 / (sqrt(2.0 * pi) * self.std * self._mass_above_0)
         return np.where(value > 0.0, height * np.exp(-0.5 * z * z), 0.0)
 
     @property
@@ -120,9 +121,9 @@ class Normal:
 
     def quantile(self, probability: Doubles) -> Doubles:
         """Return centre - std z, z leaving 1 - p of the mass above 0 below it."""
-        below = (1.0 - probability) * special.ndtr(self.centre / self.std)
+        below = (1.0 - probability) * self._mass_above_0
         # Rounding may land on the excluded bound itself; a diameter of no extent has no life to divide by.
-        return np.maximum(self.centre - self.std * special.ndtri(below), self.std * 2.0**-52)
+        return np.maximum(self.centre - self.std * special().ndtri(below), self.std * 2.0**-52)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,7 +162,7 @@ class Lognormal:
     def quantile(self, probability: Doubles) -> Doubles:
         """Return the median times e^(z times the standard deviation of ln x)."""
         median, log_std = self._median_and_log_std
-        return median * np.exp(log_std * special.ndtri(probability))
+        return median * np.exp(log_std * special().ndtri(probability))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -219,12 +220,12 @@ class Gamma:
     def support(self) -> tuple[float, float]:
         """Values with 5e-17 of the law below and above them. Averages of x^n have weight beyond."""
         unit, shape = self.mean / self._shape, self._shape
-        low, high = unit * special.gammaincinv(shape, _BEYOND), unit * special.gammainccinv(shape, _BEYOND)
+        low, high = unit * special().gammaincinv(shape, _BEYOND), unit * special().gammainccinv(shape, _BEYOND)
         return max(float(low), self.mean * LEAST), float(high)
 
     def quantile(self, probability: Doubles) -> Doubles:
         """Return the inverse of the regularised incomplete gamma function, which takes 0.5 us a value."""
-        values = self.mean / self._shape * special.gammaincinv(self._shape, probability)
+        values = self.mean / self._shape * special().gammaincinv(self._shape, probability)
         return np.maximum(values, self.mean * LEAST)
 
 
@@ -234,7 +235,7 @@ def _weibull_exponent(variation: float) -> float:
     from scipy.optimize import brentq  # takes long to load, and few laws need it
 
     def excess(exponent: float) -> float:
-        return float(special.gammaln(1.0 + 2.0 * exponent) - 2.0 * special.gammaln(1.0 + exponent) - wanted)
+        return lgamma(1.0 + 2.0 * exponent) - 2.0 * lgamma(1.0 + exponent) - wanted
 
     wanted = log1p(variation * variation)
     return float(brentq(excess, variation / 3.0, 2.0 * variation, xtol=1e-17, rtol=1e-15))
@@ -254,12 +255,12 @@ class Weibull:
     @property
     def _scale_and_exponent(self) -> tuple[float, float]:
         exponent = _weibull_exponent(self.std / self.mean)
-        return self.mean / float(special.gamma(1.0 + exponent)), exponent
+        return self.mean / gamma(1.0 + exponent), exponent
 
     def moment(self, power: int) -> float:
         """Return E[x^n]."""
         scale, exponent = self._scale_and_exponent
-        return float(scale**power * special.gamma(1.0 + power * exponent))
+        return float(scale**power * gamma(1.0 + power * exponent))
 
     def density(self, value: Doubles) -> Doubles:
         """Return the density; 0 if x is not positive."""
@@ -305,14 +306,14 @@ class Power:
     def moment(self, power: int) -> float:
         """Return E[x^n]."""
         rate, logs = 1.0 - self.exponent, self._log_ratio
-        return float(self.smallest**power * special.exprel((rate + power) * logs) / special.exprel(rate * logs))
+        return float(self.smallest**power * _growth((rate + power) * logs) / _growth(rate * logs))
 
     def density(self, value: Doubles) -> Doubles:
         """Return the density; 0 outside [smallest, largest]."""
         logs = self._log_ratio
         inside = (value >= self.smallest) & (value <= self.largest)
         ratio = np.where(inside, value / self.smallest, 1.0)
-        height = 1.0 / (self.smallest * logs * special.exprel((1.0 - self.exponent) * logs))
+        height = 1.0 / (self.smallest * logs * _growth((1.0 - self.exponent) * logs))
         return np.where(inside, height * ratio**-self.exponent, 0.0)
 
     @property
@@ -329,6 +330,11 @@ class Power:
             part = logs * probability if rate == 0.0 else np.log1p(probability * expm1(rate * logs)) / rate
             values = self.smallest * np.exp(part)
         return np.clip(values, self.smallest, self.largest)
+
+
+def _growth(rate: float) -> float:
+    """Return (exp z - 1)/z, 1 at z = 0."""
+    return expm1(rate) / rate if rate else 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -366,7 +372,7 @@ class Mixture:
         """Return values that are not in order: p chooses the part and, within its share of (0, 1), the value."""
         sums = np.cumsum(self.weights)
         which = np.minimum(np.searchsorted(sums, probability, side="right"), len(self.laws) - 1)
-        if has_only_single_values(self):
+        if all(isinstance(law, Fixed) for law in self.laws):  # measured values
             return np.array([law.mean for law in self.laws])[which]
         values = np.empty(probability.shape)
         for number, (weight, law) in enumerate(self.parts):
@@ -383,11 +389,6 @@ def parts_of(law: Law) -> tuple[tuple[float, Law], ...]:
 def has_single_values(law: Law) -> bool:
     """Whether a law has single values with a probability of their own, so that a density is not enough."""
     return isinstance(law, Fixed) or any(has_single_values(part) for _, part in parts_of(law))
-
-
-def has_only_single_values(law: Mixture) -> bool:
-    """Whether a mixture is made of measured values."""
-    return all(isinstance(part, Fixed) for part in law.laws)
 
 
 def largest_of(law: Law) -> float:

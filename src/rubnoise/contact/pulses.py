@@ -71,6 +71,15 @@ _SQUARED_SLOPES: Final[Mapping[tuple[Shape, Offset], float]] = {
     ("parabola", "uniform"): pi**3 / 32.0,
 }
 
+_MEANS: Final[Mapping[tuple[Shape, Offset], float]] = {
+    ("lens", "none"): 2.0 / 3.0,
+    ("triangle", "none"): 0.25 * pi,
+    ("parabola", "none"): pi / 3.0,
+    ("lens", "uniform"): pi**2 / 32.0,
+    ("parabola", "uniform"): pi**2 / 16.0,
+}
+"""c_1, rounded once."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse:
@@ -119,7 +128,7 @@ class Pulse:
 
     def life_integral(self, power: int) -> float:
         """Return c_n: 2 int_0^1 L^n dr, or pi int_0^1 r L^n dr over offsets; of the lens 2/3, pi/3 - 32/45."""
-        return _life_integral(self.shape, self.offset, power)
+        return _MEANS[self.shape, self.offset] if power == 1 else _life_integral(self.shape, self.offset, power)
 
     def life_mean(self) -> float:
         """Return the mean area over lives in units of d^2, c_1 over the mean life: 1/3 of the lens."""
@@ -218,7 +227,7 @@ def _life_integral(shape: Shape, offset: Offset, power: int) -> float:
 def _integral_moment(shape: Shape, offset: Offset, power: int) -> float:
     """Return the mean of (int A ds)^n over offsets of unit diameter; at b it is 2 int_0^sqrt(1 - b^2) L(r) dx."""
     if offset == "none":
-        return _life_integral(shape, offset, 1) ** power
+        return _MEANS[shape, offset] ** power
     from scipy.integrate import quad  # takes long to load, and few pulses need it
 
     def over_life(b: float) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rubnoise.errors import NoColumn, Refused, RunFileRefused, ScenarioRefused
-from rubnoise.model import Model
+from rubnoise.model import CELLS, Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled
 from rubnoise.scenario.document import SECTIONS, TOP, Document
@@ -20,7 +20,7 @@ from rubnoise.scenario.fields import Sizes, did_you_mean, keys_of
 from rubnoise.scenario.keys import ALTERNATIVES
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Problem, in_order, report
-from rubnoise.scenario.scenario import AREA_KEYS, CELLS, Scenario, sized
+from rubnoise.scenario.scenario import AREA_KEYS, Scenario, sized
 from rubnoise.scenario.sweep_keys import SWEEP
 from rubnoise.units import Quantity, Unfit
 

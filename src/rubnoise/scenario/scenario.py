@@ -15,7 +15,7 @@ from rubnoise.contact.distributions import Law
 from rubnoise.contact.laws import LAWS, Spread, law_for
 from rubnoise.contact.pulses import pulse_of
 from rubnoise.errors import ScenarioRefused
-from rubnoise.model import FreeSeparation, Model, Separation, Slider
+from rubnoise.model import CELLS, FreeSeparation, Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.fields import Section, keys_of, ratio_of
 from rubnoise.scenario.layers import Layers, gives
@@ -158,8 +158,6 @@ def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-CELLS: Final = 50
-"""Of a two-way motion, if the file has none."""
 _ROUNDING, _STEPS = 1e-14, 300
 
 
