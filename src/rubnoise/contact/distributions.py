@@ -4,6 +4,7 @@ A law has its moments, its density and its quantile function, which makes one va
 law, write its class here and its entry in `contact.laws`.
 """
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import erfc, exp, expm1, factorial, fsum, gamma, lgamma, log, log1p, pi, prod, sqrt
@@ -25,7 +26,7 @@ def special() -> Any:
     return scipy.special
 
 
-class Law(Protocol):
+class Law(Hashable, Protocol):
     """A law of a positive quantity x, in whatever unit its parameters have; equal laws hash alike."""
 
     @property
