@@ -1,4 +1,4 @@
-"""The pieces of two-way coupling: G in a cell, the balance of energy, sticks and slips."""
+"""The balance of energy of a two-way run, and its sticks and slips."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -8,29 +8,8 @@ import pytest
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.landmarks import StickSlip
-from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.model import Slider
 from rubnoise.record.rows import LandmarkKind
-from rubnoise.simulation.state import LiveRows
-
-PULSES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
-
-
-def rows(count: int = 60, first: float = -20.0, end: float = 12.0) -> LiveRows:
-    source = np.random.default_rng(7)
-    birth = np.sort(source.uniform(first, end, count))
-    return LiveRows(
-        junction=np.arange(count, dtype=np.int64),
-        birth=birth,
-        diameter=source.uniform(0.02, 8.0, count),
-        strength=source.uniform(100.0, 300.0, count),
-        departure=np.full(count, np.inf),
-    )
-
-
-def force(pulse: Pulse, some: LiveRows, place: float) -> float:
-    return float(np.sum(some.strength * pulse.area(place - some.birth, some.diameter)))
-
 
 # The balance of a two-way run: its laws in closed form, and the work of friction against quadrature.
 SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)

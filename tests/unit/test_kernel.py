@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from rubnoise.contact.pulses import PULSES
 from rubnoise.simulation.kernel import peak_areas, sum_at_places, sum_over_cells
 from rubnoise.simulation.state import LiveRows
-from tests.oracle.second.sums import off_centre_fraction
 
 Doubles = NDArray[np.float64]
 SHAPES = ["lens", "triangle", "parabola", "off-centre lens", "off-centre parabola"]
@@ -33,7 +32,8 @@ def lives(name: str, birth: Any, diameter: Any, departure: Any = np.inf, offset:
 def fraction(name: str, x: float, aside: float) -> float:
     """Return the area over d^2 at x d from mid-life, of a pass at aside d from the centre line."""
     if name == "off-centre lens":
-        return off_centre_fraction(x, aside)
+        r = min(np.hypot(x, aside), 1.0)
+        return 0.5 * (np.arccos(r) - r * np.sqrt((1.0 - r) * (1.0 + r)))
     if name == "off-centre parabola":
         return max(0.25 * np.pi * (1.0 - x * x - aside * aside), 0.0)
     return float(PULSES[name].area(1.0 - abs(x), 1.0))

@@ -10,7 +10,8 @@ from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.errors import Refused
-from rubnoise.storage.measured import Asked, Source, spelled
+from rubnoise.storage.measured import Asked, Source
+from rubnoise.unit_spelling import spelled
 from rubnoise.units import (
     AREA,
     FORCE,

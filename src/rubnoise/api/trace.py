@@ -23,7 +23,8 @@ from rubnoise.errors import Refused, refusing_files
 from rubnoise.inference.signal import clipped, digits
 from rubnoise.real_numbers import with_unit
 from rubnoise.storage.foreign import read_measured
-from rubnoise.storage.measured import NONE, OTHERS, Asked, Source, check_unit, measured
+from rubnoise.storage.measured import Asked, Source, measured
+from rubnoise.unit_spelling import NONE, OTHERS, check_unit
 from rubnoise.units import AREA, FORCE, FREQUENCY, KINDS, LENGTH, MASS, SPEED, STRESS, TIME, parse_unit
 
 CONVERTED: Final = (LENGTH, AREA, SPEED, FORCE, STRESS, MASS, TIME)

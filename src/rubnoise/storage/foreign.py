@@ -15,10 +15,11 @@ import numpy as np
 
 from rubnoise.errors import NoColumn, Refused
 from rubnoise.regular_file import open_stream, read_at_most
-from rubnoise.storage.measured import Asked, Head, Source, measured, spelled
+from rubnoise.storage.measured import Asked, Head, Source, measured
 from rubnoise.storage.objects import linked, opened_by_hdf5
 from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_table import read_table
+from rubnoise.unit_spelling import spelled
 
 MOST_UNPACKED: Final = 10_000_000
 """Values of a vector of MATLAB: a file says how many it has before they are unpacked."""

@@ -12,7 +12,8 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import NoColumn, Refused
-from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, QuantityError, parse_unit, unit_or_one
+from rubnoise.unit_spelling import check_unit, is_unit, spelled
+from rubnoise.units import FORCE, LENGTH, TIME, USUAL_UNITS, Quantity, unit_or_one
 
 LARGEST_VALUE: Final = 1e60
 """Size of a value at most: fourth powers of values are numbers."""
@@ -20,28 +21,8 @@ LARGEST_VALUE: Final = 1e60
 UNEVEN: Final = 0.01
 """How far one step between samples may be from the usual one, in parts of it, beyond the digits that are written."""
 
-NONE: Final = frozenset(["", "1", "-"])
-"""What stands in place of a unit if a column has none."""
-
-OTHERS: Final = frozenset(
-    [prefix + unit for unit in ("V", "A", "W", "Hz", "Ohm", "\u03a9", "\u2126") for prefix in ("", *"u\u00b5\u03bcmkM")]
-    + ["K", "C", "\u00b0C", "degC", "rpm", "1/min", "dB", "rad", "deg", "\u00b0", "%"]
-)
-"""Units of columns beside the friction: known, and kept as they are."""
-
 _BRACKETS: Final = re.compile(r"([^()\[\]]+)[(\[]([^()\[\]]*)[)\]]")
 _PARTING: Final = re.compile(r"/|\sin\s|,\s|_(?!per_)")
-_POWERS: Final = str.maketrans({"\u00b2": "^2", "\u00b3": "^3", "\u00b7": "*", "\u22c5": "*"})
-_SPELLINGS: Final = {
-    "kp": "kgf",
-    "msec": "ms",
-    "usec": "us",
-    "d": "day",
-    "days": "day",
-    "hours": "hour",
-    "minutes": "minute",
-    **dict.fromkeys(("sek", "sek.", "sekunde", "sekunden"), "s"),
-}
 _LETTER: Final = r"[^\W\d_]"
 _TRAVELLED: Final = re.compile(r"distance|dist|position|pos|[a-z]*weg|strecke|path|travel|track|s|x")
 _UNITS: Final = {"time": "s", "t": "s", "zeit": "s", "distance": "um", "position": "um", "weg": "mm"}
@@ -90,29 +71,6 @@ def head_of(cell: str) -> Head:
         if re.search(_LETTER, name) and (unit in (*USUAL_UNITS, "V", "mV") or (found[0] != "_" and is_unit(unit))):
             return Head(name, unit, text)
     return Head(text, "", text)
-
-
-def spelled(unit: str) -> str:
-    """Return a unit as the table of units spells it: newton for Newton, um^2 for um2, an empty text for `-`."""
-    text = unit.strip().translate(_POWERS).replace("_per_", "/")
-    lower = text.lower() if text[1:].islower() and len(text) > 2 else ""
-    powered = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])([23])(?=$|/)", r"^\1", text)
-    known = (way for way in (text, _SPELLINGS.get(text.lower(), ""), lower, powered) if is_unit(way))
-    return next(known, "" if text in NONE else text)
-
-
-def is_unit(text: str) -> bool:
-    """Whether a text is a known unit, as `spelled` returns it."""
-    return text in OTHERS or len(unit_or_one(text).dimension) > 0
-
-
-def check_unit(unit: str, what: str) -> None:
-    """Raise Refused, which names the unit, if it is unknown."""
-    try:
-        if unit not in NONE | OTHERS:
-            parse_unit(unit)
-    except QuantityError as problem:
-        raise Refused(f"{what}: {problem}{f' ({problem.hint})' if problem.hint else ''}") from None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,7 +166,9 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
         found = replace(found, notes=(*found.notes, *filter(None, [_outranked(found, n) for n in places[:1]])))
         used = [n for n in used if n == wanted or source.heads[n].along() != "time"] or used[-1:]
     elif chosen or not source.step:
-        at = next((n for n in places if chosen or source.heads[n].along() == "time" or _grows(found.arrays[n])), None)
+        times = [n for n in places if chosen or source.heads[n].along() == "time"]
+        growing = (n for n in places if np.mean(np.diff(found.arrays[n]) < 0.0) <= _BACKWARD)
+        at = next(iter(times), next(growing, None))
     used = [n for n in used if n != at]
     for number in used if at is None else [at, *used]:
         check_values(found, number)
@@ -281,11 +241,6 @@ def _part(source: Source, asked: Asked, places: Sequence[int]) -> Source:
     arrays = {number: values[first - 1 : last] for number, values in source.arrays.items()}
     cut = f"left out: all but samples {first:,} to {last:,} of {rows:,}"
     return replace(source, arrays=arrays, begin=first - 1, left_out=() if (first, last) == (1, rows) else (cut,))
-
-
-def _grows(places: Doubles) -> bool:
-    """Whether places go on, and not to and fro."""
-    return bool(np.mean(np.diff(places) < 0.0) <= _BACKWARD)
 
 
 def _outranked(source: Source, number: int) -> str:

@@ -8,7 +8,8 @@ from rubnoise.errors import NoColumn, Refused, refusing_files
 from rubnoise.regular_file import is_hdf5
 from rubnoise.scenario.fields import MOST
 from rubnoise.storage.foreign import opened
-from rubnoise.storage.measured import check_unit, check_values, column_of
+from rubnoise.storage.measured import check_values, column_of
+from rubnoise.unit_spelling import check_unit
 from rubnoise.units import LENGTH, unit_or_one
 
 SMALLEST: Final = 1e-12

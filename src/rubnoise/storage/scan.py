@@ -19,8 +19,9 @@ import numpy as np
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import size_of
-from rubnoise.storage.measured import head_of, is_unit, spelled
-from rubnoise.storage.text_table import ENCODINGS, begin_of
+from rubnoise.storage.measured import head_of
+from rubnoise.text_lines import ENCODINGS, begin_of
+from rubnoise.unit_spelling import is_unit, spelled
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 MOST_MISSING: Final = 0.1  # share of missing points that are filled
