@@ -18,7 +18,7 @@ import numpy as np
 
 from rubnoise.errors import Refused
 from rubnoise.storage.measured import Head, Source, head_of
-from rubnoise.text_lines import ENCODINGS, Line, begin_of, lines_of
+from rubnoise.storage.text_lines import ENCODINGS, Line, begin_of, lines_of
 from rubnoise.unit_spelling import is_unit, spelled
 
 MARKS: Final = ("#", "%")
