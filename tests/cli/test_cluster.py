@@ -109,7 +109,7 @@ def test_workers_of_another_version_get_no_work(file: Path, scheduler: tuple[Pat
         later.kill()
     assert (answer.code, answer.out) == (2, "")
     assert "this worker has rubnoise" in answer.err
-    assert "stream 2, format 2, and this process" in answer.err
+    assert "stream 3, format 2, and this process" in answer.err
     assert runs_of(Path("afar")) == {}
 
 

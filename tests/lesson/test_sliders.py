@@ -86,14 +86,14 @@ PATHS = {
 
 @pytest.mark.parametrize("name", PATHS)
 def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
-    """Errors grow by up to fifty from slip to slip, so that for ten landmarks the field is finer than on the page."""
+    """Errors grow by up to fifty from slip to slip, so that for eight landmarks the field is finer than on the page."""
     changes, distance = PATHS[name]
     world = world_with(**changes)
     model = scenario_of(world, distance=distance).model()
     run = coupled(model, 5, cells=1600)
     rows = lived(model, 5, -200.0, distance)
     fine = on_the_page(world, rows, start=run.start, end=distance, cells=1600)
-    late, off = apart(fine, run, 10)
+    late, off = apart(fine, run, 8)
     assert off < 2e-2
     assert late * world["speed"] < 2e-2
     page = on_the_page(world, rows, start=run.start, end=distance)

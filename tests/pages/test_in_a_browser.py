@@ -64,7 +64,7 @@ def test_a_click_on_a_bar_shows_what_the_command_says(browser: Any, address: str
             value = next(line for line in told.splitlines() if line.strip().startswith(label)).split()
             number = next(float(word) for word in value if word[0].isdigit())
             shown = [float(word) for word in re.findall(r"-?[0-9.]+(?:e[+-][0-9]+)?", text) if word != "."]
-            assert min(abs(each / number - 1.0) for each in shown if each) < 5e-6, label
+            assert min(abs(each / number - 1.0) for each in shown if each) < 1e-5, label
         assert "junction=230" in page.evaluate("location.hash")
         page.click("#others button >> nth=0")
         assert not page.inner_text("#life").startswith("Junction 230:")

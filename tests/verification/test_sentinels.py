@@ -12,6 +12,7 @@ from scipy.special import ndtri
 import rubnoise
 from rubnoise.api.running import Record
 from rubnoise.scenario import Scenario
+from rubnoise.simulation import draws
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.second_order import count_noise
 from tests.oracle.sliders import Oscillator, theta_motion
@@ -220,7 +221,9 @@ def run(law: str, engine: str) -> Record:
         run={"engine": engine},
         **({"output": {"tick": "0.1 um"}} | LAWS[law][1]),
     )
-    return rubnoise.simulate(given, SEED)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(draws, "BLOCK", BLOCK)
+        return rubnoise.simulate(given, SEED)
 
 
 SEED = seed_of("sentinels/rows")
@@ -229,7 +232,7 @@ SEED = seed_of("sentinels/rows")
 def numbers(stream: int, block: int, count: int) -> Doubles:
     """Return the uniform numbers of a stream in a block, by numpy alone."""
     key, counter = np.array([SEED, stream], dtype=np.uint64), np.array([0, 0, block, 0], dtype=np.uint64)
-    return np.random.Generator(np.random.Philox(key=key, counter=counter)).random(count)
+    return ((np.random.Philox(key=key, counter=counter).random_raw(count) >> np.uint64(12)) + 0.5) * 2.0**-52
 
 
 def newborn(record: Record, column: str) -> Doubles:

@@ -110,12 +110,11 @@ class FreeMotion:
     def next_state(self, state: State) -> State:
         """Play one block, write its rows, and return the state after it; raise RubnoiseError if it cannot go on."""
         rows = next(self._blocks)
-        begin = float(rows.block * self._run.surface.ticks) * self._model.tick
-        end = float((rows.block + 1) * self._run.surface.ticks) * self._model.tick
+        begin, end = self._origin(rows.block), self._origin(rows.block + 1)
         ticks = state.ticks + rows.ticks.size
         final = ticks > self._model.tick_count
         self._write_ticks(rows, state.ticks)
-        touches = self._touches(rows, begin, end)
+        touches = self._touches(rows)
         if self._play is not None:
             stop = self._model.distance if final else end
             order = np.lexsort((touches["number"], np.clip(touches["birth"], begin, stop)))
@@ -125,6 +124,10 @@ class FreeMotion:
         self._write_junctions(known, state.junctions)
         self._write_landmarks(rows, begin)
         return State(block=state.block + 1, next_birth=end, junctions=state.junctions + known.size, ticks=ticks)
+
+    def _origin(self, block: Any) -> Any:
+        """Return where blocks begin, in um."""
+        return np.float64(block * self._run.surface.ticks) * self._model.tick
 
     def _along(self, x: Doubles, u: Doubles) -> dict[str, Doubles]:
         """Return displacement (um) and velocity (um/s) along the surface; nothing without a slider."""
@@ -161,14 +164,15 @@ class FreeMotion:
         for group, columns in groups.items():
             self._sink.write(group, first, columns)
 
-    def _touches(self, rows: FreeRows, begin: float, end: float) -> NDArray[Any]:
+    def _touches(self, rows: FreeRows) -> NDArray[Any]:
         """Return the touches that ended in the block, and then those that have not ended."""
         ended, alive, unit = rows.touches, self._run.contacts, self._scales.length
         touches = np.empty(ended.size + alive.size, _TOUCH)
         for name, there in (("number", "number"), ("overlap", "largest"), ("share", "share")):
             touches[name] = np.concatenate([ended[there], alive[there]])
-        touches["birth"] = np.concatenate([begin + unit * ended["made"], end + unit * alive["made"]])
-        touches["death"] = np.concatenate([begin + unit * ended["lost"], np.full(alive.size, inf)])
+        block = np.concatenate([rows.block - ended["ago"], rows.block + 1 - alive["ago"]])
+        touches["birth"] = self._origin(block) + unit * np.concatenate([ended["made"], alive["made"]])
+        touches["death"] = np.concatenate([self._origin(rows.block) + unit * ended["lost"], np.full(alive.size, inf)])
         return touches
 
     def _known(self, touches: NDArray[Any], *, final: bool) -> NDArray[Any]:

@@ -52,12 +52,21 @@ class FrictionIntegral:
 
     def _so_far(self, half_lives: Doubles) -> Doubles:
         """Return the integral of the area over d^2 up to an age over d, over d."""
-        rising = self._pulse.area_so_far(np.clip(np.minimum(half_lives, 2.0 - half_lives), 0.0, 1.0))
+        rising = area_so_far(self._pulse, np.clip(np.minimum(half_lives, 2.0 - half_lives), 0.0, 1.0))
         return np.where(half_lives <= 1.0, rising, self._pulse.life_integral(1) - rising)
 
 
-FIELD: Final = 1e-11
-"""Relative: when a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
+def area_so_far(pulse: Pulse, u: Doubles) -> Doubles:
+    """Return the integral of the area over d^2 up to u = s/d <= 1; of a lens (y - x acos x - y^3/3)/2, x = 1 - u."""
+    x = 1.0 - u
+    y = np.sqrt((1.0 - x) * (1.0 + x))
+    lens = 0.5 * (y - x * np.arccos(x) - y**3 / 3.0)
+    forms = {"lens": lens, "triangle": 0.125 * np.pi * u * u, "parabola": 0.25 * np.pi * u * u * (1.0 - u / 3.0)}
+    return np.asarray(forms[pulse.shape], dtype=np.float64)
+
+
+FIELD: Final = 1e-9
+"""Relative: of a cell that a slider turns in, only a part counts, over which the force is a cubic."""
 
 _ROUNDING: Final = 2.0**-49
 _STEPS: Final = 100.0  # in a diameter, about

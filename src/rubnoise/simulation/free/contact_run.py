@@ -159,7 +159,7 @@ class FreeRun:
             elif state["count"][0] + 2 > contacts.size:
                 contacts = np.concatenate([contacts, np.zeros_like(contacts)])
         self.contacts["place"] -= self.surface.length
-        self.contacts["made"] -= self.surface.length
+        self.contacts["ago"] += 1
         state["s"] = 0.0
         self._block += 1
         return FreeRows(

@@ -13,10 +13,12 @@ Records = NDArray[Any]
 """An array of records, of CONTACT and of the kinds in `motion`; compiled code knows their fields."""
 
 CONTACT: Final = np.dtype(
-    [(name, np.float64) for name in ("place", "height", "weight", "share", "made", "largest")] + [("number", np.int64)]
+    [(name, np.float64) for name in ("place", "height", "weight", "share", "made", "largest")]
+    + [("number", np.int64), ("ago", np.int64)]
 )
 """An encounter in contact: x (c) from the origin of the block, h (s_0), k, strength over the mean; where contact was
-made (c, from the origin), and the largest overlap so far (s_0); its number."""
+made (c, from the origin of its own block), and the largest overlap so far (s_0); its number, and how many blocks ago
+that was."""
 
 
 class Law(NamedTuple):

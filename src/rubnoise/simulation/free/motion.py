@@ -51,7 +51,9 @@ SUMMIT: Final = np.dtype(
 TICK: Final = np.dtype([(name, np.float64) for name in ("z", "w", "load", "overlap", "shared", "live", "x", "u")])
 """The motion at a tick, P, sum of overlaps and of overlaps weighted by strength over N, and how many are in contact."""
 
-TOUCH: Final = np.dtype([(name, np.float64) for name in ("made", "lost", "largest", "share")] + [("number", np.int64)])
+TOUCH: Final = np.dtype(
+    [(name, np.float64) for name in ("made", "lost", "largest", "share")] + [("number", np.int64), ("ago", np.int64)]
+)
 """From contact made to contact lost."""
 
 MARK: Final = np.dtype([(name, np.float64) for name in ("place", "speed", "x", "u")] + [("kind", np.int64)])
@@ -119,7 +121,7 @@ def _touch(now: Any, contacts: Records, summit: Any) -> None:
     """Move an encounter of the pool, whose overlap is 0 and grows, into contact."""
     made = contacts[now.count]
     made.place, made.height, made.share, made.number = summit.place, summit.height, summit.share, summit.number
-    made.weight, made.made, made.largest = 1.0, now.s, 0.0
+    made.weight, made.made, made.largest, made.ago = 1.0, now.s, 0.0, 0
     summit.touching = 1
     now.count += 1
 
@@ -128,7 +130,8 @@ def _touch(now: Any, contacts: Records, summit: Any) -> None:
 def _break(now: Any, contacts: Records, which: int, surface: Surface, touches: Records) -> None:
     """Write the row of a touch that ends, and remove its encounter from those in contact."""
     row, lost = touches[now.touches], contacts[which]
-    row.number, row.made, row.lost, row.largest, row.share = lost.number, lost.made, now.s, lost.largest, lost.share
+    row.number, row.made, row.ago, row.lost = lost.number, lost.made, lost.ago, now.s
+    row.largest, row.share = lost.largest, lost.share
     for n in range(now.listed):
         if surface.pool[surface.listed[n]].number == lost.number:
             surface.pool[surface.listed[n]].touching = 0
