@@ -85,9 +85,8 @@ def test_runs_part_when_the_page_says() -> None:
     time, _ = tool.parted(10, tool.CHAOS[10], tool.SEEDS[2])
     assert f"{time:.3g}" == times["10"][2]
     assert set(times["50"]) == {"never"}
-    # What the page advises: a second at 1 mm/s, a tenth at 10 mm/s.
-    assert min(map(float, times["1"])) > 1.0
-    assert min(map(float, times["10"])) > 0.1
+    # What the page advises: a tenth of a second.
+    assert min(float(time) for speed in ("1", "3", "10") for time in times[speed]) > 0.1
 
 
 # The table of what sliding distance shows what follows from the theory, and is written if wrong runs bear it out.

@@ -55,7 +55,7 @@ def test_unequal_strengths_bring_their_own_moments() -> None:
     model = replace(paper_model(), strengths=Weibull(mean=3.0, std=3.0))
     area, force = area_cumulants(model), force_cumulants(model)
     expected = [k * factorial(n) * 3.0**n for n, k in enumerate(area.values, start=1)]
-    np.testing.assert_allclose(force.values, expected, rtol=1e-14)
+    np.testing.assert_allclose(force.values, expected, rtol=1e-13)
 
 
 Doubles = NDArray[np.float64]

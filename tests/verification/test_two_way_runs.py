@@ -61,7 +61,7 @@ def test_engines_give_equal_bits(changes: dict[str, Any]) -> None:
 
 def test_first_passages_are_those_of_the_rows() -> None:
     """A birth or death lies between the rows of /slider in which the farthest distance so far passes it."""
-    record = recorded(two_way(model(distance=1500.0, count=3.0)), 4)
+    record = recorded(two_way(model(distance=1500.0, count=3.0)), 14)
     junctions, slider = record["junctions"], record["slider"]
     farthest = np.maximum.accumulate(slider["distance"])
     assert (np.diff(slider["distance"]) < 0.0).any()
