@@ -51,7 +51,7 @@ def test_parabolas_are_read_and_told_from_lenses() -> None:
     assert (lens.pulse, lens.worse_by > BOUND * lens.error) == (LENS, True)
     assert abs(lens.diameter_off) > 0.03
     assert z(infer_signal(lives, zero="known", law="lognormal", tests=False), "junction_count", 20.0) > BOUND
-    # Lenses read as parabolas are worse by some 6.6 of their errors, which leaves 3 % of traces below 4; this one is none of them.
+    # Lenses read as parabolas are worse by some 6.6 of their errors. That leaves 3 % of traces below 4; not this one.
     lenses = signal(model, 5, noise=0.02)
     unlike = infer_signal(lenses, zero="known", law="lognormal", assumed=Assumed(pulse=PARABOLA)).other_shape
     assert unlike is not None
