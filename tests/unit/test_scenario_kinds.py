@@ -109,13 +109,13 @@ def test_two_way_has_cells_and_is_the_same_when_read_again() -> None:
 
 @pytest.mark.parametrize("law", BIRTHS)
 def test_a_law_of_births_takes_its_own_keys_and_no_others(law: str) -> None:
-    keys = {each.name: each.sample for each in BIRTHS[law].keys}
+    keys = {each.name: each.sample for each in BIRTHS[law].parameters}
     table = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
     text = f'{BARE}[birth]\nlaw = "{law}"\n'
     model = loads(text + table).model()
     assert type(model.births).__name__.lower().startswith(law)
     assert build(loads(text + table).resolved()).model() == model
-    for key, value in {each.name: each.sample for entry in BIRTHS.values() for each in entry.keys}.items():
+    for key, value in {each.name: each.sample for entry in BIRTHS.values() for each in entry.parameters}.items():
         if key in keys:
             assert f'birth.{key}: missing; the law "{law}" needs a {key}' in refusal(text)
         else:

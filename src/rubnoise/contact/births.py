@@ -1,21 +1,21 @@
 """The laws of births along the sliding distance, with the exact second moments of their number.
 
 S_N(k) is the spectral density of births per um, lam = 1/s_jm their rate; S_N = lam for births at random. A law draws
-the births after a place block by block, and those before the start in blocks of their own. To add one, write its class
-and name its entry in `BIRTHS`, from which scenario keys, schema and docs read.
+the births beyond a place block by block, those before the start in blocks of their own. To add one, write its class and
+its entry in `BIRTHS`, from which scenario keys, schema and docs read.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, floor, inf
-from typing import Any, Final
+from typing import ClassVar, Final
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.distributions import special
+from rubnoise.contact.laws import LawEntry, Parameter
 from rubnoise.streams import Stream, uniforms
 
 _FORGOTTEN: Final = 30.0  # e-folds after which nothing is remembered of a gap
@@ -32,6 +32,8 @@ class BirthLaw(ABC):
     """
 
     mean_spacing: float
+    has_lines: ClassVar[bool] = False
+    """Whether births keep to places at one spacing, so that their spectrum has lines."""
 
     @property
     def mean(self) -> float:
@@ -39,17 +41,17 @@ class BirthLaw(ABC):
         return self.mean_spacing
 
     @property
-    @abstractmethod
     def dispersion(self) -> float:
         """S_N(0)/lam: variance over mean of the number of births in a long distance."""
+        return 1.0 + float(self.excess(np.zeros(1))[0])
 
     def excess(self, wavenumber: Doubles) -> Doubles:
         """Return S_N(k)/lam - 1 between lines, for k >= 0 in rad/um."""
         return np.zeros_like(wavenumber)
 
     def line_share(self, wavenumber: Doubles) -> Doubles:
-        """Return the power of a line at k = 2 pi n lam as a part of that of regular births."""
-        return np.zeros_like(wavenumber)
+        """Return the power of a line at k = 2 pi n lam as a part of that of regular births: it is missing between."""
+        return -self.excess(wavenumber) if self.has_lines else np.zeros_like(wavenumber)
 
     @property
     def memory(self) -> float:
@@ -61,12 +63,11 @@ class BirthLaw(ABC):
         """Return the places (um) of the last birth before the start, below 0, and of the first one after it."""
 
     @abstractmethod
-    def following(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return the places (um) of a block's births after its first one, which is at ``place``, and the next first."""
+    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+        """Return the places (um) of the next births beyond a block's first one, and of the first of the next block.
 
-    @abstractmethod
-    def preceding(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return likewise the places before one that lies before the start, latest first."""
+        way: 1 to go forward; -1 backward, in the blocks before the start.
+        """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,15 +78,11 @@ class GapLaw(BirthLaw):
     def gaps(self, uniform: Doubles) -> Doubles:
         """Return one gap in um for each uniform on (0, 1)."""
 
-    def following(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return each as the one before plus its gap, as an event clock adds."""
-        gaps = self.gaps(uniforms(seed, Stream.GAPS, block, count))
-        return np.add.accumulate(np.concatenate([[place], gaps]))[1:]
-
-    def preceding(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return each as the one after it less its gap."""
-        gaps = self.gaps(uniforms(seed, Stream.PAST_GAPS, block, count))
-        return np.subtract.accumulate(np.concatenate([[place], gaps]))[1:]
+    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+        """Return each as the one before it plus its gap, as an event clock adds."""
+        stream = Stream.GAPS if way > 0 else Stream.PAST_GAPS
+        gaps = self.gaps(uniforms(seed, stream, block, count))
+        return np.add.accumulate(np.concatenate([[place], way * gaps]))[1:]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,11 +91,6 @@ class PoissonBirths(GapLaw):
 
     The number of births in a distance s is Poisson(s / s_jm).
     """
-
-    @property
-    def dispersion(self) -> float:
-        """1: the number of births is Poisson."""
-        return 1.0
 
     def gaps(self, uniform: Doubles) -> Doubles:
         """Return one gap in um for each uniform."""
@@ -118,18 +110,11 @@ class RegularBirths(BirthLaw):
     first: if spacings were added one by one, their rounding errors would add up.
     """
 
-    @property
-    def dispersion(self) -> float:
-        """0: the number of births in a distance is fixed to within one."""
-        return 0.0
+    has_lines: ClassVar[bool] = True
 
     def excess(self, wavenumber: Doubles) -> Doubles:
-        """Return -1: the spectrum of regular births is zero between its lines."""
+        """Return -1: all power lies in the lines."""
         return np.full_like(wavenumber, -1.0)
-
-    def line_share(self, wavenumber: Doubles) -> Doubles:
-        """Return 1: all power lies in the lines."""
-        return np.ones_like(wavenumber)
 
     @property
     def memory(self) -> float:
@@ -141,15 +126,11 @@ class RegularBirths(BirthLaw):
         after = self.mean_spacing * float(uniforms(seed, Stream.FIRST_BIRTH, 0, 1)[0])
         return after - self.mean_spacing, after
 
-    def following(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return places by their number."""
+    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+        """Return places by their number from the first birth on, which is one spacing after the last before it."""
         del place
-        return self.around(seed)[1] + (block * count + np.arange(1.0, count + 1.0)) * self.mean_spacing
-
-    def preceding(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return places by their number before the first one."""
-        del place
-        return self.around(seed)[1] - (block * count + np.arange(2.0, count + 2.0)) * self.mean_spacing
+        number = block * count + np.arange(1.0, count + 1.0) + (way < 0)
+        return self.around(seed)[1] + way * number * self.mean_spacing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,18 +142,13 @@ class GammaBirths(GapLaw):
 
     shape: float
 
-    @property
-    def dispersion(self) -> float:
-        """1/a."""
-        return 1.0 / self.shape
-
     def excess(self, wavenumber: Doubles) -> Doubles:
         """Return 2 Re[f/(1 - f)], 1/a - 1 at k = 0."""
         turns = wavenumber * self.mean_spacing
         x = np.maximum(turns, 1e-5) / self.shape
         power = self.shape * (0.5 * np.log1p(x * x) - 1j * np.arctan(x))  # ln(1 - i x), where x is small too
         found = 2.0 * (np.exp(-power) / -np.expm1(-power)).real
-        return np.where(turns < 1e-5, self.dispersion - 1.0, found)
+        return np.where(turns < 1e-5, 1.0 / self.shape - 1.0, found)
 
     @property
     def memory(self) -> float:
@@ -226,20 +202,11 @@ class ScatteredBirths(BirthLaw):
 
     def around(self, seed: int) -> tuple[float, float]:
         """Return the nearest births on either side of the start."""
-        return float(self._beyond(seed, 0.0, 1, -1)[0]), float(self._beyond(seed, 0.0, 1, 1)[0])
+        return float(self.beyond(seed, 0, 0.0, 1, -1)[0]), float(self.beyond(seed, 0, 0.0, 1, 1)[0])
 
-    def following(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return the next births after a place, whichever block it is."""
+    def beyond(self, seed: int, block: int, place: float, count: int, way: int) -> Doubles:
+        """Return the nearest births beyond a place, whichever block it is."""
         del block
-        return self._beyond(seed, place, count, 1)
-
-    def preceding(self, seed: int, block: int, place: float, count: int) -> Doubles:
-        """Return the births before a place, latest first."""
-        del block
-        return self._beyond(seed, place, count, -1)
-
-    def _beyond(self, seed: int, place: float, count: int, way: int) -> Doubles:
-        """Return the nearest births beyond a place: way 1 after it, -1 before it."""
         nearest, reach = float(np.nextafter(place, way * inf)), (count + 100) * self.mean_spacing
         while True:
             begin, end = sorted((nearest, place + way * reach))
@@ -277,11 +244,6 @@ class ClusteredBirths(ScatteredBirths):
         """Length in um of a cell: of some births, of a centre or more, and of four widths or more."""
         return max(_IN_A_CELL, self.cluster_size) * self.mean_spacing + 4.0 * self.cluster_width
 
-    @property
-    def dispersion(self) -> float:
-        """1 + mu: Poisson numbers of clusters, each of a Poisson number."""
-        return 1.0 + self.cluster_size
-
     def excess(self, wavenumber: Doubles) -> Doubles:
         """Return mu exp(-(k w)^2)."""
         return self.cluster_size * np.exp(-np.square(wavenumber * self.cluster_width))
@@ -309,6 +271,7 @@ class JitteredBirths(ScatteredBirths):
     Source: Daley and Vere-Jones, An Introduction to the Theory of Point Processes I (2003), section 8.2.
     """
 
+    has_lines: ClassVar[bool] = True
     jitter: float
 
     @property
@@ -321,18 +284,9 @@ class JitteredBirths(ScatteredBirths):
         """Length in um of a cell."""
         return max(_IN_A_CELL, ceil(4.0 * self.jitter)) * self.mean_spacing
 
-    @property
-    def dispersion(self) -> float:
-        """0: the number of births in a long distance varies only at its two ends."""
-        return 0.0
-
     def excess(self, wavenumber: Doubles) -> Doubles:
         """Return -exp(-(k j s_jm)^2)."""
         return -np.exp(-np.square(wavenumber * self.width))
-
-    def line_share(self, wavenumber: Doubles) -> Doubles:
-        """Return exp(-(k j s_jm)^2)."""
-        return np.exp(-np.square(wavenumber * self.width))
 
     def parents(self, seed: int, number: int) -> Doubles:
         """Return the places of a cell, with one birth each."""
@@ -341,56 +295,27 @@ class JitteredBirths(ScatteredBirths):
         return (number * count + np.arange(float(count)) + phase) * self.mean_spacing
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Key:
-    """A key of its own that a law of births takes beside `law`: what a page says of it, and an ordinary value."""
-
-    name: str
-    about: str
-    sample: str | float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BirthLawEntry:
-    """A law of births: its name in scenarios, what a page says of it, the keys it takes, and how it is made.
-
-    ``make`` takes mean_spacing (um) and the keys by name: lengths in um, ratios as parts of 1.
-    """
-
-    name: str
-    about: str
-    make: Callable[..., Any]
-    keys: tuple[Key, ...] = ()
-
-
-_CLUSTERS = (
-    Key(name="cluster_size", about="Mean number of births in a cluster", sample=3.0),
-    Key(name="cluster_width", about="Standard deviation of births about the centre of their cluster", sample="2 um"),
+_CLUSTERS: Final = (
+    Parameter(name="cluster_size", about="Mean number of births in a cluster", sample=3.0),
+    Parameter(
+        name="cluster_width", about="Standard deviation of births about the centre of their cluster", sample="2 um"
+    ),
 )
-_JITTER = "Standard deviation of a birth about its place, as a percentage of s_jm"
-_SHAPE = "Shape a of the gaps, whose variance is the squared mean over a"
-_ENTRIES = (
-    BirthLawEntry(name="poisson", about="independent exponential gaps of sliding distance", make=PoissonBirths),
-    BirthLawEntry(name="regular", about="equal gaps", make=RegularBirths),
-    BirthLawEntry(
-        name="gamma",
-        about="independent gamma gaps of a shape: 1 is poisson, large is regular, below 1 comes in bunches",
-        make=GammaBirths,
-        keys=(Key(name="shape", about=_SHAPE, sample=4.0),),
-    ),
-    BirthLawEntry(
-        name="clustered",
-        about="clusters about random places (Neyman and Scott)",
-        make=ClusteredBirths,
-        keys=_CLUSTERS,
-    ),
-    BirthLawEntry(
-        name="jittered",
-        about="equal gaps whose births are moved at random",
-        make=JitteredBirths,
-        keys=(Key(name="jitter", about=_JITTER, sample="30 %"),),
+_JITTER: Final = "Standard deviation of a birth about its place, as a percentage of s_jm"
+_SHAPE: Final = "Shape a of the gaps, whose variance is the squared mean over a"
+_GAMMA: Final = "independent gamma gaps of a shape: 1 is poisson, large is regular, below 1 comes in bunches"
+_ENTRIES: Final = (
+    LawEntry("poisson", "independent exponential gaps of sliding distance", PoissonBirths),
+    LawEntry("regular", "equal gaps", RegularBirths),
+    LawEntry("gamma", _GAMMA, GammaBirths, (Parameter(name="shape", about=_SHAPE, sample=4.0),)),
+    LawEntry("clustered", "clusters about random places (Neyman and Scott)", ClusteredBirths, _CLUSTERS),
+    LawEntry(
+        "jittered",
+        "equal gaps whose births are moved at random",
+        JitteredBirths,
+        (Parameter(name="jitter", about=_JITTER, sample="30 %"),),
     ),
 )
 
-BIRTHS: Final[dict[str, BirthLawEntry]] = {entry.name: entry for entry in _ENTRIES}
-"""Every law of births by its name in a scenario."""
+BIRTHS: Final[dict[str, LawEntry]] = {entry.name: entry for entry in _ENTRIES}
+"""Every law of births by its name in a scenario; ``make`` takes mean_spacing (um) and the law's own parameters."""

@@ -30,18 +30,18 @@ WIDEST: Final = 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """A parameter of a law, which has its own key beside `law`: its bounds and an ordinary value."""
+    """A parameter of a law, which has its own key beside `law`: its bounds, if here, and an ordinary value."""
 
     name: str
     about: str
-    low: float
-    high: float
-    sample: float
+    sample: Any
+    low: float = -inf
+    high: float = inf
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class LawEntry:
-    """A law of the registry: its name in scenarios, what a page says of it, the keys it takes, and how it is made.
+    """A law of a registry: its name in scenarios, what a page says of it, how it is made, and the keys it takes.
 
     ``make`` takes centre, standard deviation and the law's own parameters and returns the law. Parameters named in
     ``ascending`` have to grow in this order. ``with_spread`` names the law to advise if this one is given a spread. A
@@ -50,7 +50,7 @@ class LawEntry:
 
     name: str
     about: str
-    make: Callable[[float, float, dict[str, Any]], Law]
+    make: Callable[..., Any]
     parameters: tuple[Parameter, ...] = ()
     ascending: tuple[str, ...] = ()
     takes_spread: bool = True
@@ -80,49 +80,30 @@ def _empirical(centre: float, _std: float, own: dict[str, Any]) -> Mixture:
     return Mixture(weights=tuple(weights.tolist()), laws=tuple(Fixed(value=each) for each in values.tolist()))
 
 
-_ENTRIES = (
+_ENTRIES: Final = (
     LawEntry(
-        name="fixed",
-        about="one value",
-        make=lambda centre, _std, _own: Fixed(value=centre),
-        takes_spread=False,
-        with_spread="normal",
+        "fixed", "one value", lambda centre, _std, _own: Fixed(value=centre), takes_spread=False, with_spread="normal"
     ),
     LawEntry(
-        name="normal",
-        about="redrawn while not positive",
-        make=lambda centre, std, _own: Normal(centre=centre, std=std),
-        widest=inf,
+        "normal", "redrawn while not positive", lambda centre, std, _own: Normal(centre=centre, std=std), widest=inf
     ),
+    LawEntry("lognormal", "a normal logarithm", lambda centre, std, _own: Lognormal(mean=centre, std=std)),
     LawEntry(
-        name="lognormal",
-        about="a normal logarithm",
-        make=lambda centre, std, _own: Lognormal(mean=centre, std=std),
-    ),
-    LawEntry(
-        name="exponential",
-        about="a standard deviation equal to the mean",
-        make=lambda centre, _std, _own: Exponential(mean=centre),
+        "exponential",
+        "a standard deviation equal to the mean",
+        lambda centre, _std, _own: Exponential(mean=centre),
         takes_spread=False,
         with_spread="gamma",
     ),
+    LawEntry("gamma", "an exponential tail", lambda centre, std, _own: Gamma(mean=centre, std=std)),
+    LawEntry("weibull", "the weakest of many parts", lambda centre, std, _own: Weibull(mean=centre, std=std)),
     LawEntry(
-        name="gamma",
-        about="an exponential tail",
-        make=lambda centre, std, _own: Gamma(mean=centre, std=std),
-    ),
-    LawEntry(
-        name="weibull",
-        about="the weakest of many parts",
-        make=lambda centre, std, _own: Weibull(mean=centre, std=std),
-    ),
-    LawEntry(
-        name="power",
-        about="density ~ x^-exponent between smallest and largest",
-        make=lambda centre, _std, own: Power(
+        "power",
+        "density ~ x^-exponent between smallest and largest",
+        lambda centre, _std, own: Power(
             exponent=own["exponent"], smallest=own["smallest"] * centre, largest=own["largest"] * centre
         ),
-        parameters=(
+        (
             Parameter(name="exponent", about="Fall of the density ~ x^-exponent", low=-10.0, high=10.0, sample=2.5),
             Parameter(name="smallest", about="Smallest value over {centre}", low=1e-3, high=1e3, sample=0.5),
             Parameter(name="largest", about="Largest value over {centre}", low=1e-3, high=1e3, sample=4.0),
@@ -132,16 +113,16 @@ _ENTRIES = (
         with_spread="lognormal",
     ),
     LawEntry(
-        name="mixture",
-        about="one of several laws, each with its weight",
-        make=_mixture,
+        "mixture",
+        "one of several laws, each with its weight",
+        _mixture,
         takes_spread=False,
         own_keys=("weights", "parts"),
     ),
     LawEntry(
-        name="empirical",
-        about="measured values, each as likely",
-        make=_empirical,
+        "empirical",
+        "measured values, each as likely",
+        _empirical,
         takes_spread=False,
         own_keys=("values", "sampled", "file", "column", "hash"),
         optional=("sampled", "file", "column", "hash"),
@@ -178,4 +159,5 @@ class Spread:
 
 def law_for(centre: float, spread: Spread) -> Law:
     """Return the law of a quantity about a centre: a diameter's about d_m in um, a strength's about psi in MPa."""
-    return spread.entry.make(centre, spread.std(centre), dict(spread.parameters))
+    law: Law = spread.entry.make(centre, spread.std(centre), dict(spread.parameters))
+    return law

@@ -9,8 +9,8 @@ Two asperities of one diameter d pass each other; their centres are r d apart. T
 A pass through both centres has r = |d - s|/d at a sliding distance s after its birth, and a life of 2d. A pass at a
 lateral offset b has r = sqrt(x^2 + b^2)/d, x being the distance from the closest place: a life of 2 sqrt(d^2 - b^2).
 With b uniform on (-d, d), each place of one centre in the disc of radius d about the other is as likely as any, and
-averages over lives are integrals over that disc. To add a shape, give every table below its entry, and
-`simulation.kernel` its number; a test checks each.
+averages over lives are integrals over that disc. To add a shape, give its L, its pulse below, and its number in
+`simulation.kernel`; a test checks each.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,56 +40,23 @@ _OVERLAPS: Final[Mapping[Shape, Callable[[Doubles], Doubles]]] = {
 }
 """L(r) for 0 <= r <= 1."""
 
-_FALLS: Final[Mapping[Shape, Callable[[Doubles], Doubles]]] = {
-    "lens": lambda r: np.asarray(np.sqrt((1.0 - r) * (1.0 + r)), dtype=np.float64),
-    "triangle": lambda r: np.full_like(r, 0.25 * pi),
-    "parabola": lambda r: 0.5 * pi * r,
-}
-"""-dL/dr for 0 <= r <= 1."""
-
-_FORMULAS: Final[Mapping[tuple[Shape, Offset], str]] = {
-    ("lens", "none"): "d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2)",
-    ("triangle", "none"): "pi/4 d (d - x)",
-    ("parabola", "none"): "pi/4 (d^2 - x^2)",
-    ("lens", "uniform"): "d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2)",
-    ("parabola", "uniform"): "pi/4 (d^2 - r^2)",
-}
-
-_TAILS: Final[Mapping[tuple[Shape, Offset], tuple[float, int]]] = {
-    ("lens", "none"): (4.0, 4),  # the slope jumps by -2 at mid-life
-    ("triangle", "none"): (0.375 * pi**2, 4),  # by pi/4 at both ends and -pi/2 at mid-life; squares add up
-    ("parabola", "none"): (0.5 * pi**2, 4),  # by pi/2 at both ends
-    ("lens", "uniform"): (0.5625 * pi**2, 5),  # no pass but the centred one, which never comes, has a kink
-    ("parabola", "uniform"): (pi**2 / 3.0, 4),  # two thirds of the parabola's, E[1 - b^2]
-}
-
-_SQUARED_SLOPES: Final[Mapping[tuple[Shape, Offset], float]] = {
-    ("lens", "none"): 4.0 / 3.0,
-    ("triangle", "none"): 0.125 * pi**2,
-    ("parabola", "none"): pi**2 / 6.0,
-    ("lens", "uniform"): 0.125 * pi,
-    ("parabola", "uniform"): pi**3 / 32.0,
-}
-
-_MEANS: Final[Mapping[tuple[Shape, Offset], float]] = {
-    ("lens", "none"): 2.0 / 3.0,
-    ("triangle", "none"): 0.25 * pi,
-    ("parabola", "none"): pi / 3.0,
-    ("lens", "uniform"): pi**2 / 32.0,
-    ("parabola", "uniform"): pi**2 / 16.0,
-}
-"""c_1, rounded once."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pulse:
     """A shape of the area, for passes through both centres or at lateral offsets uniform on (-d, d).
 
     Averages are over offsets. The mean integral of A^n over a life is c_n d^(2n+1).
+    formula: the area as text, x = |d - s|, as result files have it; off the centre x = |s - life/2|, r^2 = x^2 + b^2.
+    mean_integral: c_1, rounded once. squared_slope: the mean integral of a'^2 over a life of unit diameter; that of
+    A'^2 is d^3 times it. tail: c and p of the level c / (k d)^p about which the mean |A^(k)|^2 over d^6 falls off.
     """
 
     shape: Shape
     offset: Offset = "none"
+    formula: str
+    mean_integral: float
+    squared_slope: float
+    tail: tuple[float, int]
 
     @property
     def name(self) -> str:
@@ -97,38 +64,23 @@ class Pulse:
         return self.shape if self.offset == "none" else f"off-centre {self.shape}"
 
     @property
-    def formula(self) -> str:
-        """The area as text, x = |d - s|, as result files have it; off the centre x = |s - life/2|, r^2 = x^2 + b^2."""
-        return _FORMULAS[self.shape, self.offset]
-
-    @property
     def mean_life(self) -> float:
         """The mean life of unit diameter: 2, or pi/2, the mean chord of a disc of radius 1."""
         return 2.0 if self.offset == "none" else 0.5 * pi
 
     @property
-    def tail(self) -> tuple[float, int]:
-        """The factor c and the power p of the level c / (k d)^p about which the mean |A^(k)|^2 over d^6 falls off."""
-        return _TAILS[self.shape, self.offset]
-
-    @property
-    def squared_slope(self) -> float:
-        """The mean integral of a'^2 over a life of unit diameter; that of A'^2 is d^3 times it."""
-        return _SQUARED_SLOPES[self.shape, self.offset]
-
-    @property
     def squared_integral(self) -> float:
         """The mean square of int A ds over a life of unit diameter: 4/9 of the lens."""
-        return _integral_moment(self.shape, self.offset, 2)
+        return _integral_moment(self, 2)
 
     @property
     def cubed_integral(self) -> float:
         """The mean cube of int A ds over a life of unit diameter: 8/27 of the lens."""
-        return _integral_moment(self.shape, self.offset, 3)
+        return _integral_moment(self, 3)
 
     def life_integral(self, power: int) -> float:
         """Return c_n: 2 int_0^1 L^n dr, or pi int_0^1 r L^n dr over offsets; of the lens 2/3, pi/3 - 32/45."""
-        return _MEANS[self.shape, self.offset] if power == 1 else _life_integral(self.shape, self.offset, power)
+        return self.mean_integral if power == 1 else _life_integral(self, power)
 
     def life_mean(self) -> float:
         """Return the mean area over lives in units of d^2, c_1 over the mean life: 1/3 of the lens."""
@@ -147,12 +99,6 @@ class Pulse:
         d, s = np.asarray(diameter, dtype=np.float64), np.asarray(distance_since_birth, dtype=np.float64)
         return np.asarray(d * d * self.overlap(np.abs(d - s) / d), dtype=np.float64)
 
-    def slope(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
-        """Return A'(s; d) = dA/ds of a pass through both centres in um; 0 where it jumps, and outside of the life."""
-        d, s = np.asarray(diameter, dtype=np.float64), np.asarray(distance_since_birth, dtype=np.float64)
-        r = np.minimum(np.abs(d - s) / d, 1.0)
-        return np.asarray(d * np.sign(d - s) * _FALLS[self.shape](r) * (r < 1.0), dtype=np.float64)
-
     def lives_left(self, lag: Doubles) -> Doubles:
         """Return E[(life - t)+] of unit diameter at lags t >= 0: (2 - t)+, or acos x - x sqrt(1 - x^2), x = t/2."""
         if self.offset == "none":
@@ -160,14 +106,47 @@ class Pulse:
         return 2.0 * _lens(np.minimum(0.5 * lag, 1.0))
 
 
-LENS = Pulse(shape="lens")
-TRIANGLE = Pulse(shape="triangle")
-PARABOLA = Pulse(shape="parabola")
+LENS: Final = Pulse(
+    shape="lens",
+    formula="d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2)",
+    mean_integral=2.0 / 3.0,
+    squared_slope=4.0 / 3.0,
+    tail=(4.0, 4),  # the slope jumps by -2 at mid-life
+)
+TRIANGLE: Final = Pulse(
+    shape="triangle",
+    formula="pi/4 d (d - x)",
+    mean_integral=0.25 * pi,
+    squared_slope=0.125 * pi**2,
+    tail=(0.375 * pi**2, 4),  # by pi/4 at both ends and -pi/2 at mid-life; squares add up
+)
+PARABOLA: Final = Pulse(
+    shape="parabola",
+    formula="pi/4 (d^2 - x^2)",
+    mean_integral=pi / 3.0,
+    squared_slope=pi**2 / 6.0,
+    tail=(0.5 * pi**2, 4),  # by pi/2 at both ends
+)
+OFF_CENTRE_LENS: Final = Pulse(
+    shape="lens",
+    offset="uniform",
+    formula="d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2)",
+    mean_integral=pi**2 / 32.0,
+    squared_slope=0.125 * pi,
+    tail=(0.5625 * pi**2, 5),  # no pass but the centred one, which never comes, has a kink
+)
+OFF_CENTRE_PARABOLA: Final = Pulse(
+    shape="parabola",
+    offset="uniform",
+    formula="pi/4 (d^2 - r^2)",
+    mean_integral=pi**2 / 16.0,
+    squared_slope=pi**3 / 32.0,
+    tail=(pi**2 / 3.0, 4),  # two thirds of the parabola's, E[1 - b^2]
+)
+
 PULSES: Final[Mapping[str, Pulse]] = {pulse.shape: pulse for pulse in (LENS, TRIANGLE, PARABOLA)}
 """Every pulse through both centres by the name of its shape in a scenario."""
 
-OFF_CENTRE_LENS = Pulse(shape="lens", offset="uniform")
-OFF_CENTRE_PARABOLA = Pulse(shape="parabola", offset="uniform")
 OFF_CENTRE: Final[Mapping[str, Pulse]] = {pulse.shape: pulse for pulse in (OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA)}
 """Every pulse with lateral offsets by the name of its shape."""
 
@@ -215,23 +194,23 @@ def lens_series(terms: int) -> tuple[float, ...]:
 
 
 @cache
-def _life_integral(shape: Shape, offset: Offset, power: int) -> float:
+def _life_integral(pulse: Pulse, power: int) -> float:
     """Return 2 int L^n dr or pi int r L^n dr with r = cos y, in which every L is smooth."""
     nodes, weights = np.polynomial.legendre.leggauss(64)
     y = 0.25 * pi * (nodes + 1.0)
-    r, powers = np.cos(y), np.sin(y) * _OVERLAPS[shape](np.cos(y)) ** power
-    return float(0.25 * pi * weights @ (2.0 * powers if offset == "none" else pi * r * powers))
+    r, powers = np.cos(y), np.sin(y) * pulse.overlap(np.cos(y)) ** power
+    return float(0.25 * pi * weights @ (2.0 * powers if pulse.offset == "none" else pi * r * powers))
 
 
 @cache
-def _integral_moment(shape: Shape, offset: Offset, power: int) -> float:
+def _integral_moment(pulse: Pulse, power: int) -> float:
     """Return the mean of (int A ds)^n over offsets of unit diameter; at b it is 2 int_0^sqrt(1 - b^2) L(r) dx."""
-    if offset == "none":
-        return _MEANS[shape, offset] ** power
+    if pulse.offset == "none":
+        return pulse.mean_integral**power
     from scipy.integrate import quad  # takes long to load, and few pulses need it
 
     def over_life(b: float) -> float:
-        whole = quad(lambda x: float(_OVERLAPS[shape](np.hypot(x, b))), 0.0, (1.0 - b * b) ** 0.5, epsabs=1e-13)
+        whole = quad(lambda x: float(pulse.overlap(np.hypot(x, b))), 0.0, (1.0 - b * b) ** 0.5, epsabs=1e-13)
         return float((2.0 * whole[0]) ** power)
 
     return float(quad(over_life, 0.0, 1.0, epsabs=1e-12, epsrel=1e-12)[0])

@@ -150,7 +150,7 @@ class Diameter(Section):
 
 
 def _of_births(key_name: str, kind: Any) -> Any:
-    law, own = next((law, each) for law, entry in BIRTHS.items() for each in entry.keys if each.name == key_name)
+    law, own = next((law, each) for law, entry in BIRTHS.items() for each in entry.parameters if each.name == key_name)
     return key(kind, f"{own.about}; for the law {law}.", sample=own.sample)
 
 

@@ -42,7 +42,7 @@ OWN_KEYS: Final[Mapping[tuple[str, str], Mapping[str, Collection[str]]]] = {
     ("strength", "law"): {
         ONE_STRENGTH if name == "fixed" else name: own for name, own in _LAWS.items() if not LAWS[name].own_keys
     },
-    ("birth", "law"): {name: [each.name for each in entry.keys] for name, entry in BIRTHS.items()},
+    ("birth", "law"): {name: [each.name for each in entry.parameters] for name, entry in BIRTHS.items()},
     ("slider", "excitation"): {
         "friction": (),
         "base": ("asperity_height", "heights"),

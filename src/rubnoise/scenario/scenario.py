@@ -239,7 +239,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
     area, count = area_and_count(document)
     free = document.load is not None and document.load.motion == "free"
     births = BIRTHS[document.birth.law]
-    own = {each.name: float(getattr(document.birth, each.name)) for each in births.keys}
+    own = {each.name: float(getattr(document.birth, each.name)) for each in births.parameters}
     return Model(
         mean_real_contact_area=area,
         mean_junction_count=count,

@@ -27,7 +27,7 @@ def births_per_block(model: Model) -> int:
 
 def birth_distances(model: Model, seed: int, block: int, begin: float) -> Doubles:
     """Return the births of a block, the first of which is at ``begin``, then that of the block after it (um)."""
-    following = model.births.following(seed, block, begin, births_per_block(model))
+    following = model.births.beyond(seed, block, begin, births_per_block(model), 1)
     return np.concatenate([[begin], following])
 
 
@@ -68,7 +68,7 @@ def past(model: Model, seed: int, begin: float) -> LiveRows:
     found, block, place = [LiveRows.none()], 0, model.births.around(seed)[0]
     count, oldest = births_per_block(model), begin - 2.0 * largest_of(model.sizes)
     while model.start == "stationary" and place >= oldest:
-        following = model.births.preceding(seed, block, place, count)
+        following = model.births.beyond(seed, block, place, count, -1)
         birth = np.concatenate([[place], following[:-1]])
         junction = -1 - block * count - np.arange(count, dtype=np.int64)
         rows = _rows(model, seed, _PAST, block, junction, birth)
