@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise.scenario import Scenario, build
-from rubnoise.simulation.block import junction_columns
-from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.state import LiveRows, junction_columns
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.objects import read_attributes
 from rubnoise.storage.reader import RunFile, open_run, read_provenance, read_summary

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import PULSES
-from rubnoise.simulation.kernel import peak_areas, sum_at_places, sum_over_cells
+from rubnoise.contact.pulses import PULSES, peak_areas
+from rubnoise.simulation.kernel import sum_at_places, sum_over_cells
 from rubnoise.simulation.state import LiveRows
 
 Doubles = NDArray[np.float64]

@@ -16,12 +16,12 @@ from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.record.sink import Extent
 from rubnoise.runs.making import KeptRun, describe, play
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.run import simulate as run_model
+from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.layout import this_command
 from rubnoise.storage.output import check_output

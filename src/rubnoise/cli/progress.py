@@ -10,7 +10,7 @@ from rubnoise.cli.signals import stoppable
 
 if TYPE_CHECKING:
     from rubnoise.runs.sweep import SweepProgress
-    from rubnoise.simulation.block import Watch
+    from rubnoise.simulation.state import Watch
     from rubnoise.storage.reader import RunFile
 
 

@@ -180,7 +180,7 @@ def area_of(pulse: Pulse, age: ArrayLike, diameter: ArrayLike, offset: ArrayLike
     return np.asarray(d * d * pulse.overlap(np.hypot(x, b) / d), dtype=np.float64)
 
 
-def lens_series(terms: int) -> tuple[float, ...]:
+def _lens_series(terms: int) -> tuple[float, ...]:
     """Return c_n of the lens at u = 1 - r <= 1, u^1.5 (c_0 + c_1 u + ...), right to 1e-15 of itself.
 
     Its slope sqrt(2u - u^2), integrated term by term, at Chebyshev points: there acos and sqrt would cancel.
@@ -191,6 +191,18 @@ def lens_series(terms: int) -> tuple[float, ...]:
     fitted = Chebyshev.interpolate(taylor, terms - 1, [0.0, 1.0])
     plain = fitted.convert(kind=Polynomial, domain=[-1.0, 1.0], window=[-1.0, 1.0])
     return tuple(float(each) for each in plain.coef)
+
+
+LENS_SERIES: Final = _lens_series(16)
+"""L of the lens over u^1.5, as powers of u = 1 - r."""
+
+
+def peak_areas(shape: Shape, diameter: Doubles, offset: Doubles) -> Doubles:
+    """Return the areas at mid-life in um^2 of passes off the centre line, of diameters and offsets in um."""
+    if shape == "parabola":
+        return max_area(half_life(diameter, offset))
+    u = 1.0 - np.abs(offset) / diameter
+    return diameter * diameter * (u * np.sqrt(u) * np.polynomial.polynomial.polyval(u, LENS_SERIES))
 
 
 @cache

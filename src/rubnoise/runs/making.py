@@ -16,12 +16,12 @@ from rubnoise.record.reader import Attributes
 from rubnoise.record.sink import Extent, Sink, Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.linear import named_constants
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate
+from rubnoise.simulation.state import Watch
 from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import Provenance, RunDescription, features_of, this_command
 from rubnoise.storage.output import check_output

@@ -20,9 +20,9 @@ from rubnoise.runs.making import describe, play
 from rubnoise.scenario.points import Point, name_of
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_keys import Keep
-from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
+from rubnoise.simulation.state import Watch
 from rubnoise.storage.output import whole_file
 from rubnoise.storage.reader import InUse, TooNew, open_run
 from rubnoise.storage.writer import RunWriter

@@ -27,8 +27,7 @@ from rubnoise.record.tally import Moments, Tally
 from rubnoise.runs.making import describe
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
-from rubnoise.simulation.batch import Ended
-from rubnoise.simulation.run import simulate
+from rubnoise.simulation.run import Ended, simulate
 from rubnoise.storage.format import seal_of
 from rubnoise.storage.inventory import OF_HDF5, expected_inventory
 from rubnoise.storage.layout import environment

@@ -1,7 +1,7 @@
 """The sum of the live junctions: real contact area, count and force at the ticks of a range, and over its cells."""
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,61 +14,52 @@ from rubnoise.simulation.kernel import count_live, sum_at_places, sum_over_cells
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import TickRange
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CellMoments:
-    """Area or force over the cells of a tick range: Legendre moments (3, cells), in units of ``unit``."""
-
-    moments: Doubles
-    unit: float
+Drive = Literal["area", "force"]
+"""What moves a slider or a load: the real contact area or the friction force."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sample:
-    """The columns of /trace for a range of ticks, and what drives a motion through the cells that end at them.
+def has_one_strength(model: Model) -> bool:
+    """Whether the friction force is the area times one strength, if there is a force."""
+    return model.strengths is None or isinstance(model.strengths, Fixed)
 
-    area, force: their moments (um^2 um, uN um), None if nothing moves. At the first tick of the run no cell ends.
+
+def sample(
+    model: Model, rows: LiveRows, tick_range: TickRange, cells_per_tick: int = 1, drives: Sequence[Drive] = ()
+) -> tuple[Columns, list[Doubles]]:
+    """Return the columns of /trace for a range of ticks, and the moments of what drives a motion through it.
+
+    rows: include every junction alive in the range; cells_per_tick: into how many cells the motion divides each tick, a
+    power of two. Moments (3, cells) are Legendre moments over the width of the cells that end at the ticks, in um^2 and
+    uN; of a force of one strength, over that too. At the first tick of the run no cell ends.
     """
-
-    columns: Columns
-    area: CellMoments | None = None
-    force: CellMoments | None = None
-
-
-def sample(model: Model, rows: LiveRows, tick_range: TickRange, cells_per_tick: int) -> Sample:
-    """Return the sample of a tick range, from rows that include every junction alive in it.
-
-    ``cells_per_tick``: into how many cells a motion divides each tick, a power of two; 0 if nothing moves.
-    """
-    first, end, tick = tick_range.first, tick_range.end, tick_range.tick
-    equal = model.strengths is None or isinstance(model.strengths, Fixed)
-    by_area = equal or model.separation is not None or model.base_per_area > 0.0
+    first, end, tick, equal = tick_range.first, tick_range.end, tick_range.tick, has_one_strength(model)
     square = rows.diameter * rows.diameter
-    area, areas = _summed(model, rows, square, tick_range, cells_per_tick if by_area else 0)
+    moves = "area" in drives or (equal and bool(drives))
+    area, moments = _summed(model, rows, square, tick_range, cells_per_tick if moves else 0)
     columns: dict[str, NDArray[Any]] = {
         "distance": np.arange(first, end) * tick,
         "real_contact_area": area,
         "junction_count": count_live(first, end, tick, rows.birth, rows.departure),
     }
-    forces = areas
+    driving = {"area": moments, "force": moments}
     if not equal:
-        force, forces = _summed(model, rows, rows.strength * square, tick_range, cells_per_tick)
-        columns["friction_force"] = force
+        moves = "force" in drives
+        columns["friction_force"], driving["force"] = _summed(
+            model, rows, rows.strength * square, tick_range, cells_per_tick if moves else 0
+        )
     elif model.strengths is not None:
         columns["friction_force"] = model.strengths.mean * area
-        if areas is not None:
-            forces = CellMoments(moments=areas.moments, unit=areas.unit * model.strengths.mean)
-    return Sample(columns=columns, area=areas, force=forces)
+    return columns, [driving[drive] for drive in drives]
 
 
 def _summed(
     model: Model, rows: LiveRows, weight: Doubles, tick_range: TickRange, cells_per_tick: int
-) -> tuple[Doubles, CellMoments | None]:
-    """Return the weighted sum of all lives at the ticks, and its moments over the cells that end at them."""
+) -> tuple[Doubles, Doubles]:
+    """Return the weighted sum of all lives at the ticks, and its moments over the cells that end at them, if any."""
     first, end, shape = tick_range.first, tick_range.end, model.pulse.shape
     if cells_per_tick == 0:
-        return sum_at_places(shape, rows, weight, first, end, tick_range.tick), None
-    width, before = tick_range.tick / cells_per_tick, max(first - 1, 0)
+        return sum_at_places(shape, rows, weight, first, end, tick_range.tick), np.empty((3, 0))
+    before = max(first - 1, 0)
     low, high = before * cells_per_tick, (end - 1) * cells_per_tick
-    total, moments = sum_over_cells(shape, rows, weight, low, high, width)
-    return total[(first - before) * cells_per_tick :: cells_per_tick], CellMoments(moments=moments, unit=width)
+    total, moments = sum_over_cells(shape, rows, weight, low, high, tick_range.tick / cells_per_tick)
+    return total[(first - before) * cells_per_tick :: cells_per_tick], moments

@@ -4,7 +4,6 @@ A block is a range of ticks. In it the motion decides where summits are touched 
 /junctions. Rows are written in order of birth, so a row waits until every older touch has ended.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, pi, sqrt
 from typing import Any, Final, Self
@@ -19,15 +18,12 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Appender, Columns, Sink
 from rubnoise.simulation.free.contact_run import FreeContact, FreeRows, FreeRun
 from rubnoise.simulation.free.encounters import RoughSurface
-from rubnoise.simulation.state import State
+from rubnoise.simulation.state import State, Watch
 
 _TOUCH: Final = np.dtype(
     [(name, np.float64) for name in ("birth", "death", "overlap", "share")] + [("number", np.int64)]
 )
 """A touch: its begin and end (um; infinite outside the run), largest overlap (s_0), share, and the summit's number."""
-
-PlayTouches = Callable[[float, float, Doubles, Doubles], None]
-"""Plays the touches of a block; called with its begin and end and those of each touch (um)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,22 +86,15 @@ class Scales:
 class FreeMotion:
     """A free slider from the start of a run to its end, and the touches that wait for older ones."""
 
-    def __init__(
-        self, model: Model, free: FreeSeparation, seed: int, sink: Sink, play: PlayTouches | None = None
-    ) -> None:
-        """Begin; ``play``: plays the touches as events, if given."""
-        self._model, self._sink, self._play = model, sink, play
+    def __init__(self, model: Model, free: FreeSeparation, seed: int, sink: Sink, watch: Watch | None = None) -> None:
+        """Begin; ``watch``: is called after each block."""
+        self._model, self._sink, self._watch = model, sink, watch
         self._scales = Scales.of(model, free)
         equal = model.strengths is None or isinstance(model.strengths, Fixed)
         self._run = FreeRun(self._scales.contact(model, free), seed, None if equal else model.strengths)
         self._blocks = self._run.through(model.tick_count)
         self._waiting = np.empty(0, _TOUCH)
         self._landmarks = Appender(sink, "landmarks", 0)
-
-    @property
-    def in_contact(self) -> int:
-        """Number of summits in contact now."""
-        return self._run.contacts.size
 
     def next_state(self, state: State) -> State:
         """Play one block, write its rows, and return the state after it; raise RubnoiseError if it cannot go on."""
@@ -114,16 +103,13 @@ class FreeMotion:
         ticks = state.ticks + rows.ticks.size
         final = ticks > self._model.tick_count
         self._write_ticks(rows, state.ticks)
-        touches = self._touches(rows)
-        if self._play is not None:
-            stop = self._model.distance if final else end
-            order = np.lexsort((touches["number"], np.clip(touches["birth"], begin, stop)))
-            made, lost = (np.clip(touches[name][order], begin, stop) for name in ("birth", "death"))
-            self._play(begin, stop, made, lost)
-        known = self._known(touches, final=final)
+        known = self._known(self._touches(rows), final=final)
         self._write_junctions(known, state.junctions)
         self._write_landmarks(rows, begin)
-        return State(block=state.block + 1, next_birth=end, junctions=state.junctions + known.size, ticks=ticks)
+        junctions = state.junctions + known.size
+        if self._watch is not None:
+            self._watch(float(ticks - 1) * self._model.tick, junctions, self._run.contacts.size)
+        return State(block=state.block + 1, next_birth=end, junctions=junctions, ticks=ticks)
 
     def _origin(self, block: Any) -> Any:
         """Return where blocks begin, in um."""

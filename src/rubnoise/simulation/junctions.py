@@ -1,25 +1,21 @@
 """The contact as SimPy processes: junctions are born, live for 2d of sliding, and die.
 
 Distance is the clock: ``env.now`` is the sliding distance in um, within its rounding. Only births, deaths and observed
-mid-lives are events. The aggregator wakes once per tick range, and computes it from exactly the junctions that have
+mid-lives are events. The clock stops once per tick range, whose ticks are computed from exactly the junctions that have
 joined and left by then. No row is computed from the clock, but for lives that an interrupt ends.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
-from simpy import Environment, Interrupt, Process
+from simpy import Environment, Interrupt
 from simpy.events import ProcessGenerator, Timeout
 
-from rubnoise.arrays import Doubles
 from rubnoise.model import Model
-from rubnoise.simulation.block import Block, Visit
-from rubnoise.simulation.intervention import Intervention, joined
-from rubnoise.simulation.live_set import LiveSet
+from rubnoise.simulation.intervention import Intervention, LiveSet, joined
 from rubnoise.simulation.observer import Notifier, OnLife
-from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import TickRange
+from rubnoise.simulation.state import Block, LiveRows
 
 Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
 """The process function of a junction: its number, where it is born, and the distance from birth to mid-life (um)."""
@@ -70,19 +66,6 @@ def births(
     yield until(env, end)
 
 
-def aggregate(
-    env: Environment, tick_ranges: Sequence[TickRange], block_end: Process, visit: Visit, live: LiveSet
-) -> ProcessGenerator:
-    """Wake once per tick range, after all events up to its last tick, and visit its ticks with the live set.
-
-    It wakes half a tick late, so that a birth or death at exactly that tick has happened, whatever the queue's order.
-    """
-    for tick_range in tick_ranges:
-        yield block_end if tick_range is tick_ranges[-1] else until(env, tick_range.wake)
-        visit(tick_range, live.rows())
-    yield block_end
-
-
 class Processes:
     """The engine of processes: one clock and one live set for all blocks of a run."""
 
@@ -94,19 +77,25 @@ class Processes:
         self._life: Life = junction if notifier is None else partial(observed_junction, notifier=notifier)
         self._start = None if intervene is None else lambda: joined(intervene, model.pulse, self._env, self._live)
 
-    def __call__(self, block: Block, visit: Visit) -> LiveRows:
-        """Play one block; return its rows at its end, carried ones first."""
+    def __call__(self, block: Block) -> Iterator[LiveRows]:
+        """Play one block; yield the rows of those who have joined by each tick range and by its end, carried first.
+
+        A range ends half a tick late: a birth or death at its last tick has happened, whatever the queue's order.
+        """
         env, live, notifier, state = self._env, self._live, self._notifier, block.state
         live.begin(state.live, block.born, state.begin)
         if state.block == 0:
             self._begin(state.live, state.begin)
         told = None if notifier is None else notifier.birth
         block_end = env.process(births(env, live, block.born, block.end, self._life, told))
-        env.run(until=env.process(aggregate(env, block.tick_ranges, block_end, visit, live)))
+        for tick_range in block.tick_ranges:
+            env.run(until=block_end if tick_range is block.tick_ranges[-1] else until(env, tick_range.wake))
+            yield live.rows()
+        env.run(until=block_end)
         rows = live.rows()
         if notifier is not None:
             notifier.end_block(rows, block.end)
-        return rows
+        yield rows
 
     def _begin(self, alive: LiveRows, distance: float) -> None:
         """Start the junctions that are alive when the run begins, and the process of the user."""
@@ -119,26 +108,3 @@ class Processes:
             live.processes[number] = env.process(self._life(env, live, number, birth, half_life))
         if self._start is not None:
             self._start()
-
-
-def touch(env: Environment, end: float) -> ProcessGenerator:
-    """Stay in contact with a free slider up to a distance (um)."""
-    yield until(env, end)
-
-
-def touches(env: Environment, made: list[float], lost: list[float]) -> ProcessGenerator:
-    """Wait until contact is made, start a touch, and repeat."""
-    for begin, end in zip(made, lost, strict=True):
-        yield until(env, begin)
-        env.process(touch(env, end))
-
-
-def play_touches(begin: float, end: float, made: Doubles, lost: Doubles) -> None:
-    """Play the touches of a block.
-
-    made, lost (um): where each touch begins, in increasing order, and where it ends. The motion has decided this
-    already, as with a two-way slider; no row is computed from the clock.
-    """
-    env = Environment(begin)
-    env.process(touches(env, made.tolist(), lost.tolist()))
-    env.run(until=until(env, end))

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, compiled_within
-from rubnoise.contact.pulses import Shape, half_life, lens_series, max_area
+from rubnoise.contact.pulses import LENS_SERIES, Shape
 from rubnoise.simulation.state import LiveRows
 
 LENS_SHAPE, TRIANGLE_SHAPE, PARABOLA_SHAPE, OFF_CENTRE_LENS = range(4)
@@ -60,9 +60,6 @@ Series = tuple[float, float, float]
 """c_0, c_1, c_2 of x^p (c_0 + c_1 x + c_2 x^2), x in cells; p is 3/2 or 1."""
 
 
-LENS: Final = lens_series(16)
-
-
 def _gauss(count: int) -> tuple[tuple[float, float], ...]:
     """Return Gauss-Legendre nodes on [0, 1] and their weights."""
     places, weights = np.polynomial.legendre.leggauss(count)
@@ -77,9 +74,9 @@ _OVER_WHOLE: Final = tuple(1.0 / (2.0 + n) for n in range(5))
 @compiled_within
 def lens_area(u: float) -> float:
     """Return the area over d^2 of a lens, at the distance u <= 1 from the nearer end of its life over d."""
-    value = LENS[-1]
-    for n in range(len(LENS) - 2, -1, -1):
-        value = value * u + LENS[n]
+    value = LENS_SERIES[-1]
+    for n in range(len(LENS_SERIES) - 2, -1, -1):
+        value = value * u + LENS_SERIES[n]
     return u * np.sqrt(u) * value
 
 
@@ -200,9 +197,11 @@ def _series_of(shape: int, width: float, rise: float, aside: float, weight: floa
     if shape == PARABOLA_SHAPE:
         return 2.0 * weight * width * QUARTER_TURN, -weight * width * width * QUARTER_TURN, 0.0
     q, scale = 0.5 * aside / rise, weight * (width * rise) * np.sqrt(width * rise)
-    second = LENS[1] * rise - 1.5 * q * LENS[0]
-    third = LENS[2] * rise * rise - 2.5 * LENS[1] * rise * q + LENS[0] * (0.375 * q * q - 0.75 * aside)
-    return scale * LENS[0], scale * width * second, scale * width * width * third
+    second = LENS_SERIES[1] * rise - 1.5 * q * LENS_SERIES[0]
+    third = (
+        LENS_SERIES[2] * rise * rise - 2.5 * LENS_SERIES[1] * rise * q + LENS_SERIES[0] * (0.375 * q * q - 0.75 * aside)
+    )
+    return scale * LENS_SERIES[0], scale * width * second, scale * width * width * third
 
 
 @compiled_within
@@ -352,25 +351,12 @@ def sum_over_cells(
     return total, moments
 
 
+@compiled
 def count_live(first: int, end: int, spacing: float, birth: Doubles, departure: Doubles) -> NDArray[np.uint32]:
     """Return how many junctions live at each place, birth <= s < departure (um); departure may be infinite."""
     change = np.zeros(end - first + 1, np.int32)
-    count_changes(first, spacing, birth, np.minimum(departure, end * spacing), change)
-    return np.cumsum(change[:-1]).astype(np.uint32)
-
-
-@compiled
-def count_changes(first: int, spacing: float, birth: Doubles, departure: Doubles, change: NDArray[np.int32]) -> None:
-    """Add to each place how many lives begin there, less those that end."""
-    last = len(change) - 1
     for row in range(len(birth)):
-        change[min(max(first_at_or_after(birth[row], spacing) - first, 0), last)] += 1
-        change[min(max(first_at_or_after(departure[row], spacing) - first, 0), last)] -= 1
-
-
-def peak_areas(shape: Shape, diameter: Doubles, offset: Doubles) -> Doubles:
-    """Return the areas at mid-life in um^2 of passes off the centre line, of diameters and offsets in um."""
-    if shape == "parabola":
-        return max_area(half_life(diameter, offset))
-    u = 1.0 - np.abs(offset) / diameter
-    return diameter * diameter * (u * np.sqrt(u) * np.polynomial.polynomial.polyval(u, LENS))
+        gone = min(departure[row], end * spacing)
+        change[min(max(first_at_or_after(birth[row], spacing) - first, 0), end - first)] += 1
+        change[min(max(first_at_or_after(gone, spacing) - first, 0), end - first)] -= 1
+    return np.cumsum(change[:-1]).astype(np.uint32)

@@ -4,10 +4,11 @@ From top to bottom: the equations, the exact step through a cell, whose constant
 motion through one tick range after another. What a cell does to it is three moments of the area or of the force.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import fsum
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -15,9 +16,9 @@ from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled
 from rubnoise.model import Model, Separation, Slider
 from rubnoise.record.sink import Columns
-from rubnoise.simulation.area import Sample
+from rubnoise.simulation.area import Drive, has_one_strength, sample
 from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import cells_per_tick
+from rubnoise.simulation.ticks import TickRange, cells_per_tick
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +31,7 @@ class LinearSystem:
 
     rates: Doubles
     inputs: Doubles
-    drives: tuple[Literal["area", "force"], ...]
+    drives: tuple[Drive, ...]
     means: tuple[float, ...]
 
 
@@ -196,13 +197,22 @@ class LinearMotion:
     def __init__(self, model: Model, constants: Propagator, live: LiveRows) -> None:
         """Begin among the junctions alive at the start."""
         self._model, self._constants = model, constants
-        self.cells_per_tick = constants.cells_per_tick
+        self.cells_per_tick, drives = constants.cells_per_tick, constants.system.drives
+        width, psi = model.tick / self.cells_per_tick, 1.0
+        if model.strengths is not None and has_one_strength(model):
+            psi = model.strengths.mean
+        units = np.repeat([width if drive == "area" else width * psi for drive in drives], 3)
         self.state: Doubles = begin(model, live)
+        self._gains = (constants.gains * units).reshape(self.state.size // 2, 2, len(drives), 3)
 
-    def through(self, sample: Sample) -> dict[str, Columns]:
-        """Move through the cells of a tick range; return the columns of /trace, /slider and /load at its ticks."""
-        every, trace = self._constants.cells_per_tick, dict(sample.columns)
-        states = np.ascontiguousarray(self._moved(sample)[:, ::every])
+    def through(self, rows: LiveRows, tick_range: TickRange) -> dict[str, Columns]:
+        """Move through the cells of a tick range; return the columns of /trace, /slider and /load at its ticks.
+
+        rows: include every junction alive in it.
+        """
+        every, drives = self.cells_per_tick, self._constants.system.drives
+        columns, moments = sample(self._model, rows, tick_range, every, drives)
+        trace, states = dict(columns), np.ascontiguousarray(self._moved(moments)[:, ::every])
         self.state = states[:, -1].copy()
         states = states[:, states.shape[1] - trace["distance"].size :]
         moved: dict[str, Columns] = {"trace": trace}
@@ -215,17 +225,13 @@ class LinearMotion:
             moved["slider"] = self._of_slider(trace, states[-2], states[-1])
         return moved
 
-    def _moved(self, sample: Sample) -> Doubles:
+    def _moved(self, moments: Sequence[Doubles]) -> Doubles:
         """Return the states before and after every cell; each body is moved by the contact and those before it."""
-        system = self._constants.system
-        driving = [sample.area if drive == "area" else sample.force for drive in system.drives]
-        moments = [each for each in driving if each is not None]
-        size, cells = len(self.state), moments[0].moments.shape[1]
+        size, cells = len(self.state), moments[0].shape[1]
         states = np.zeros((size, cells + 1))
         states[:, 0] = self.state
-        transition, units = self._constants.transition, np.repeat([each.unit for each in moments], 3)
-        gains = (self._constants.gains * units).reshape(size // 2, 2, len(moments), 3)
-        steady = np.add.accumulate(-gains[..., 0] * system.means, axis=2)[..., -1]
+        transition, gains = self._constants.transition, self._gains
+        steady = np.add.accumulate(-gains[..., 0] * self._constants.system.means, axis=2)[..., -1]
         coupling = np.zeros((2, 3))
         coupling[:, :2] = transition[2:, :2] if size > 2 else 0.0
         for first in range(0, cells, _AT_ONCE):
@@ -234,7 +240,7 @@ class LinearMotion:
                 push = np.repeat(steady[body], count).reshape(2, count)
                 for number, drive in enumerate(moments):
                     if gains[body, :, number].any():
-                        add_pushes(gains[body, :, number].copy(), drive.moments, first, push)
+                        add_pushes(gains[body, :, number].copy(), drive, first, push)
                 if body:
                     add_pushes(coupling, states, first, push)
                 advance(push, transition[pair, pair].copy(), first, states[pair])

@@ -1,28 +1,45 @@
-"""A run from its first block to its last, as a fold over blocks."""
+"""A run from its first block to its last, as a fold over blocks, each of which writes its rows.
+
+How a junction gets into a file: `draws` gives its birth, diameter and strength. An engine plays its life, `junctions`
+with events or `play_at_once` without. `area` sums the live junctions at the ticks, for /trace. `linear` or `two_way`
+computes the motion under their force, for /slider and /load. The sink takes all rows; if the run is written to a file,
+it is a `rubnoise.storage.writer.RunWriter`. In two-way and in free motion, `two_way` and `free_motion` write most rows.
+"""
 
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import Refused
-from rubnoise.model import FreeSeparation, Model
+from rubnoise.model import Model
 from rubnoise.record.sink import Sink
-from rubnoise.simulation.batch import Ended, play_at_once
-from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
-from rubnoise.simulation.draws import start
+from rubnoise.simulation.area import sample
+from rubnoise.simulation.draws import draw_block, start
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervention
-from rubnoise.simulation.junctions import Processes, play_touches
+from rubnoise.simulation.junctions import Processes
 from rubnoise.simulation.linear import LinearMotion, slider_constants
 from rubnoise.simulation.observer import Notifier, Observer
-from rubnoise.simulation.state import State
+from rubnoise.simulation.state import Block, LiveRows, State, Watch, junction_columns
+from rubnoise.simulation.ticks import TickRange, tick_ranges
 
+if TYPE_CHECKING:
+    from rubnoise.simulation.two_way import TwoWayMotion
 
-def finished(model: Model, state: State) -> bool:
-    """Return whether every tick is finished and every birth of the run has happened."""
-    return state.ticks > model.tick_count and (model.free is not None or state.next_birth > model.distance)
+Ended = Callable[[Integers], Doubles]
+"""Returns where each junction was ended early (um), given the junctions' numbers; infinite if it was not."""
+
+Play = Callable[[Block], Iterator[LiveRows]]
+"""An engine: yields for each tick range of a block all junctions alive in it, and then all rows, carried ones first.
+
+A row has its departure if its life has ended.
+"""
 
 
 def simulate(
@@ -44,39 +61,123 @@ def simulate(
     replay the run. Raises Refused as `check_guests` does.
     """
     check_guests(model, engine, observe, intervene)
-    notifier = None if observe is None else Notifier(observe, two_way=model.is_two_way)
-    if engine == "batch":
-        play: Play = partial(play_at_once, ended=ended)
-    else:
-        play = Processes(model, notifier if observe is not None and observe.of_lives else None, intervene)
-    run = RunSetup(model=model, seed=seed, sink=sink, play=play, watch=watch)
-    state = start(model, seed) if model.free is None else State()
-    if model.is_two_way:
-        from rubnoise.simulation.two_way import TwoWayMotion  # takes long to load, and few runs need it
+    if model.free is not None:
+        from rubnoise.simulation.free_motion import FreeMotion  # takes long to load, and few runs need it
 
-        run = replace(run, two_way=TwoWayMotion(model, seed, sink, state.live, notifier))
-    elif (constants := slider_constants(model)) is not None:
-        run = replace(run, linear=LinearMotion(model, constants, state.live))
-    step = partial(next_state, run) if model.free is None else _free_step(run, model.free, engine)
+        state, step = State(), FreeMotion(model, model.free, seed, sink, watch).next_state
+    else:
+        notifier = None if observe is None else Notifier(observe, two_way=model.is_two_way)
+        play: Play = partial(play_at_once, ended=ended)
+        if engine == "events":
+            play = Processes(model, notifier if observe is not None and observe.of_lives else None, intervene)
+        state = start(model, seed)
+        step = Contact(model, seed, sink, play, watch, state.live, notifier).next_state
     with _collecting_by_blocks() as collect:
-        while not finished(model, state):
+        while state.ticks <= model.tick_count or (model.free is None and state.next_birth <= model.distance):
             state = step(state)
             collect()
     return state
 
 
-def _free_step(run: RunSetup, free: FreeSeparation, engine: Engine) -> Callable[[State], State]:
-    from rubnoise.simulation.free_motion import FreeMotion  # takes long to load, and few runs need it
+class Contact:
+    """A contact that is played block by block, what moves through it, and its rows."""
 
-    motion = FreeMotion(run.model, free, run.seed, run.sink, play_touches if engine == "events" else None)
+    def __init__(
+        self,
+        model: Model,
+        seed: int,
+        sink: Sink,
+        play: Play,
+        watch: Watch | None,
+        live: LiveRows,
+        notifier: Notifier | None,
+    ) -> None:
+        """Begin among the junctions alive at the start."""
+        self._model, self._seed, self._sink, self._play, self._watch = model, seed, sink, play, watch
+        self._linear: LinearMotion | None = None
+        self._two_way: TwoWayMotion | None = None
+        if model.is_two_way:
+            from rubnoise.simulation import two_way  # takes long to load, and few runs need it
 
-    def step(state: State) -> State:
-        after = motion.next_state(state)
-        if run.watch is not None:
-            run.watch(float(after.ticks - 1) * run.model.tick, after.junctions, motion.in_contact)
-        return after
+            self._two_way = two_way.TwoWayMotion(model, seed, sink, live, notifier)
+        elif (constants := slider_constants(model)) is not None:
+            self._linear = LinearMotion(model, constants, live)
 
-    return step
+    def next_state(self, state: State) -> State:
+        """Play one block, write its rows and ticks, and return the state from which to continue."""
+        model, cells = self._model, 1 if self._linear is None else self._linear.cells_per_tick
+        born, next_birth = draw_block(model, self._seed, state.block, state.next_birth, state.junctions)
+        end = min(next_birth, model.distance)
+        ranges = list(tick_ranges(model, state.ticks, next_birth, cells))
+        playing = self._play(Block(state=state, born=born, end=end, tick_ranges=ranges))
+        for tick_range in ranges:
+            self._write_ticks(tick_range, next(playing))
+        rows = next(playing)
+        if self._two_way is None:
+            self._write_junctions(state, rows)
+        else:
+            self._two_way.through(rows, end)
+        ticks = ranges[-1].end if ranges else state.ticks
+        return State(
+            block=state.block + 1,
+            next_birth=next_birth,
+            junctions=state.junctions + len(born),
+            ticks=ticks,
+            live=_carried(rows, (ticks - 1) * model.tick),
+        )
+
+    def _write_ticks(self, tick_range: TickRange, rows: LiveRows) -> None:
+        """Sample a tick range, move what moves through it, and write its rows."""
+        if self._linear is None:
+            groups = {"trace": sample(self._model, rows, tick_range)[0]}
+        else:
+            groups = self._linear.through(rows, tick_range)
+        for group, columns in groups.items():
+            self._sink.write(group, tick_range.first, columns)
+        if self._watch is not None:
+            born = int(rows.junction[-1]) + 1 if len(rows) else 0
+            self._watch(tick_range.last_distance, born, int(groups["trace"]["junction_count"][-1]))
+        if self._two_way is not None:
+            self._two_way.through(rows, tick_range.last_distance)
+
+    def _write_junctions(self, state: State, rows: LiveRows) -> None:
+        """Write the new rows, and rewrite those whose junction has been ended early since they were written."""
+        carried = 0 if state.block == 0 else len(state.live)
+        if len(rows) > carried or state.block == 0:
+            first = 0 if state.block == 0 else state.junctions
+            self._sink.write("junctions", first, junction_columns(self._model, rows.at(slice(carried, None))))
+        since = np.isinf(state.live.departure[:carried]) & (rows.departure < rows.natural_death)[:carried]
+        for row in np.flatnonzero(since).tolist():
+            found = junction_columns(self._model, rows.at(slice(row, row + 1)))
+            self._sink.write("junctions", int(rows.junction[row]), found)
+
+
+def _carried(rows: LiveRows, last_tick: float) -> LiveRows:
+    """Return the rows that live beyond the last finished tick; a departure at the natural death becomes infinite."""
+    kept = rows.at(np.flatnonzero(rows.death > last_tick))
+    return replace(kept, departure=np.where(kept.departure < kept.natural_death, kept.departure, np.inf))
+
+
+def play_at_once(block: Block, ended: Ended | None = None) -> Iterator[LiveRows]:
+    """Play a block without events: births and diameters already say which junctions live where.
+
+    The rows are those of the processes, bit for bit, because those are also computed from draws and never from the
+    clock. ``ended``: says where an intervention ended lives, if the run had one and is replayed.
+    """
+    rows = block.state.live.then(block.born)
+    natural = rows.natural_death
+    departure = rows.departure if ended is None else np.minimum(rows.departure, ended(rows.junction))
+    rows = replace(rows, departure=np.minimum(departure, natural))
+    for tick_range in block.tick_ranges:
+        known = rows
+        if ended is not None:
+            # For lives that were ended early, kernels use another method. So the end is hidden until the tick range
+            # in which the processes would have it.
+            wake = block.end if tick_range is block.tick_ranges[-1] else tick_range.wake
+            known = replace(rows, departure=np.where(rows.departure > wake, natural, rows.departure))
+        # Many of the block's births may lie behind the last tick of the range; leaving them out saves time.
+        yield known.at(slice(0, int(np.searchsorted(rows.birth, tick_range.last_distance, side="right"))))
+    yield rows
 
 
 @contextmanager

@@ -1,6 +1,6 @@
-"""The state that one block of a run passes to the next: explicit and frozen."""
+"""The rows of junctions as a run holds them and as /junctions has them, and what one block passes to the next."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import half_life
+from rubnoise.contact.pulses import half_life, max_area, peak_areas
+from rubnoise.model import Model
+from rubnoise.record.rows import JunctionState
+from rubnoise.simulation.ticks import TickRange
+
+Watch = Callable[[float, int, int], None]
+"""Called after each tick range: distance reached (um), junctions born, live count. It may raise to stop the run."""
 
 _NOTHING = np.empty(0)
 
@@ -54,13 +60,9 @@ class LiveRows:
         """Where each life ends, in um: its departure if it was ended early, else its natural death."""
         return np.minimum(self.departure, self.natural_death)
 
-    def at(self, rows: NDArray[np.int64]) -> "LiveRows":
-        """Return the rows with these indices."""
+    def at(self, rows: NDArray[np.int64] | slice) -> "LiveRows":
+        """Return the rows with these indices, or those of a slice without a copy."""
         return LiveRows(**{name: values[rows] for name, values in self.columns()})
-
-    def part(self, first: int, end: int) -> "LiveRows":
-        """Return the rows from ``first`` to ``end`` - 1, without a copy."""
-        return LiveRows(**{name: values[first:end] for name, values in self.columns()})
 
     def then(self, other: "LiveRows") -> "LiveRows":
         """Return these rows followed by others that were born later; either all rows have offsets or none."""
@@ -96,3 +98,44 @@ class State:
     def begin(self) -> float:
         """Where the next block begins, in um."""
         return self.next_birth if self.block else 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """What an engine plays: the junctions that are born in a block, up to its ``end`` (um), and its tick ranges."""
+
+    state: State
+    born: LiveRows
+    end: float
+    tick_ranges: Sequence[TickRange]
+
+
+def junction_columns(model: Model, rows: LiveRows) -> dict[str, NDArray[Any]]:
+    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s).
+
+    A row that was ended early has its real death and life; every other row has death = birth + 2d, also beyond the run.
+    """
+    natural, death = rows.natural_death, rows.death
+    early = death < natural
+    columns: dict[str, NDArray[Any]] = {
+        "junction": rows.junction,
+        "birth_distance": rows.birth,
+        "death_distance": death,
+        "life_distance": np.where(early, death - rows.birth, 2.0 * rows.half_life),
+        "diameter": rows.diameter,
+    }
+    if rows.offset is None:
+        columns["max_area"] = max_area(rows.diameter)
+    else:
+        columns["lateral_offset"] = rows.offset
+        columns["max_area"] = peak_areas(model.pulse.shape, rows.diameter, rows.offset)
+    if model.strengths is not None:
+        columns["shear_strength"] = rows.strength
+    if model.sliding_speed is not None:
+        columns["birth_time"] = rows.birth / model.sliding_speed
+        columns["death_time"] = death / model.sliding_speed
+    # Only junctions alive at the start have a birth with a minus sign, even if it is -0.0.
+    at_start, at_end = np.signbit(rows.birth), death > model.distance
+    state = at_start * JunctionState.ALIVE_AT_START.value | at_end * JunctionState.ALIVE_AT_END.value
+    columns["state"] = (state | early * JunctionState.ENDED_EARLY.value).astype(np.uint8)
+    return columns

@@ -14,7 +14,6 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.sink import Appender, Sink
-from rubnoise.simulation.block import junction_columns
 from rubnoise.simulation.draws import past
 from rubnoise.simulation.force_cells import ForceCells, force_cells
 from rubnoise.simulation.observer import Notifier
@@ -33,7 +32,7 @@ from rubnoise.simulation.pushing import (
     advance,
     columns_of,
 )
-from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.state import LiveRows, junction_columns
 from rubnoise.simulation.ticks import coupled_spacing
 
 CELLS: Final = 131_072
@@ -194,7 +193,7 @@ class TwoWayMotion:
         missing = np.isnan(times) & np.array([~np.signbit(rows.birth), rows.natural_death <= self._model.distance])
         unknown = missing.any(axis=0)[waiting:]
         count = unknown.size if self._finished or not unknown.any() else int(np.argmax(unknown))
-        self._write_junctions(rows.part(waiting, waiting + count), times[:, waiting : waiting + count])
+        self._write_junctions(rows.at(slice(waiting, waiting + count)), times[:, waiting : waiting + count])
         self._written += count
         border = self.distance - self.reach
         old = (rows.junction < self._written) & (rows.natural_death < border)
