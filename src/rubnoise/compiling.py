@@ -20,6 +20,7 @@ SOURCES = (
     "simulation/kernel.py",
     "simulation/linear.py",
     "simulation/pushing.py",
+    "simulation/series.py",
     "surface/*.py",
 )
 """Files that are compiled into functions of other files."""

@@ -5,8 +5,7 @@ mid-lives are events. The clock stops once per tick range, whose ticks are compu
 joined and left by then. No row is computed from the clock, but for lives that an interrupt ends.
 """
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 
 import numpy as np
 from simpy import Environment, Interrupt
@@ -14,11 +13,8 @@ from simpy.events import ProcessGenerator, Timeout
 
 from rubnoise.model import Model
 from rubnoise.simulation.intervention import Intervention, LiveSet, joined
-from rubnoise.simulation.observer import Notifier, OnLife
+from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.state import Block, LiveRows
-
-Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
-"""The process function of a junction: its number, where it is born, and the distance from birth to mid-life (um)."""
 
 
 def until(env: Environment, place: float) -> Timeout:
@@ -26,43 +22,32 @@ def until(env: Environment, place: float) -> Timeout:
     return env.timeout(max(place - env.now, 0.0))
 
 
-def junction(env: Environment, live: LiveSet, number: int, birth: float, half_life: float) -> ProcessGenerator:
-    """Live through two half-lives of sliding and die, or die earlier at an interrupt."""
-    death = birth + 2.0 * half_life
-    try:
-        yield env.timeout(max(death - env.now, 0.0))
-    except Interrupt:
-        death = min(max(env.now, birth), death)
-    live.leave(number, death)
-
-
-def observed_junction(
-    env: Environment, live: LiveSet, number: int, birth: float, half_life: float, notifier: Notifier
+def junction(
+    env: Environment, live: LiveSet, notifier: Notifier | None, number: int, birth: float, half_life: float
 ) -> ProcessGenerator:
-    """Live as a junction does, and report mid-life and death to the observer."""
+    """Live through two half-lives of sliding and die, or die earlier at an interrupt; tell an observer of it."""
     middle, death = birth + half_life, birth + 2.0 * half_life
     try:
-        if notifier.is_rising(number) and middle > env.now:
+        if notifier is not None and notifier.is_rising(number) and middle > env.now:
             yield until(env, middle)
             notifier.mid_life(number, middle)
-        yield until(env, death)
+        yield env.timeout(max(death - env.now, 0.0))  # as `until` does, without the call
     except Interrupt:
         death = min(max(env.now, birth), death)
     live.leave(number, death)
-    notifier.death(number, death)
+    if notifier is not None:
+        notifier.death(number, death)
 
 
-def births(
-    env: Environment, live: LiveSet, born: LiveRows, end: float, life: Life, told: OnLife | None
-) -> ProcessGenerator:
+def births(env: Environment, live: LiveSet, notifier: Notifier | None, born: LiveRows, end: float) -> ProcessGenerator:
     """Wait for a birth, start a junction, and repeat until the end of the block (um)."""
     waits = np.maximum(np.diff(born.birth, prepend=env.now), 0.0)
     columns = (waits, born.junction, born.birth, born.half_life)
     for wait, number, birth, half_life in zip(*(each.tolist() for each in columns), strict=True):
         yield env.timeout(wait)
-        live.join(number, env.process(life(env, live, number, birth, half_life)))
-        if told is not None:
-            told(number, birth)
+        live.join(number, env.process(junction(env, live, notifier, number, birth, half_life)))
+        if notifier is not None:
+            notifier.birth(number, birth)
     yield until(env, end)
 
 
@@ -74,8 +59,7 @@ class Processes:
         self._env = Environment()
         self._live = LiveSet()
         self._notifier = notifier
-        self._life: Life = junction if notifier is None else partial(observed_junction, notifier=notifier)
-        self._start = None if intervene is None else lambda: joined(intervene, model.pulse, self._env, self._live)
+        self._pulse, self._intervene = model.pulse, intervene
 
     def __call__(self, block: Block) -> Iterator[LiveRows]:
         """Play one block; yield the rows of those who have joined by each tick range and by its end, carried first.
@@ -86,8 +70,7 @@ class Processes:
         live.begin(state.live, block.born, state.begin)
         if state.block == 0:
             self._begin(state.live, state.begin)
-        told = None if notifier is None else notifier.birth
-        block_end = env.process(births(env, live, block.born, block.end, self._life, told))
+        block_end = env.process(births(env, live, notifier, block.born, block.end))
         for tick_range in block.tick_ranges:
             env.run(until=block_end if tick_range is block.tick_ranges[-1] else until(env, tick_range.wake))
             yield live.rows()
@@ -105,6 +88,6 @@ class Processes:
         alive = alive.at(np.flatnonzero(alive.death > distance))
         columns = (alive.junction, alive.birth, alive.half_life)
         for number, birth, half_life in zip(*(each.tolist() for each in columns), strict=True):
-            live.processes[number] = env.process(self._life(env, live, number, birth, half_life))
-        if self._start is not None:
-            self._start()
+            live.processes[number] = env.process(junction(env, live, notifier, number, birth, half_life))
+        if self._intervene is not None:
+            joined(self._intervene, self._pulse, env, live)

@@ -90,14 +90,11 @@ class Notifier:
         self._of_motion = {kind.value: getattr(observer, name) for name, kind in _MOTION.items()}
         self._rising: set[int] = set()
         self._alive: set[int] = set()
-        self._begun = False
 
     def begin(self, carried: LiveRows, distance: float) -> None:
-        """Record the junctions alive when the first block begins, at ``distance`` um; do nothing for later blocks."""
-        if not self._begun:
-            self._begun = True
-            self._alive.update(carried.junction[carried.death > distance].tolist())
-            self._rising.update(carried.junction[_middle(carried) > distance].tolist())
+        """Record the junctions alive when the first block begins, at ``distance`` um."""
+        self._alive.update(carried.junction[carried.death > distance].tolist())
+        self._rising.update(carried.junction[_middle(carried) > distance].tolist())
 
     def is_rising(self, junction: int) -> bool:
         """Return whether the mid-life of a junction is still to be reported, and the observer asks for it."""

@@ -18,6 +18,7 @@ from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled, compiled_within
 from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.simulation.force_cells import ForceCells, expand, force_at, work_over
+from rubnoise.simulation.series import rate, rate_of_rate, value
 
 Records = NDArray[Any]
 """An array of records: STATE, ROW or MARK."""
@@ -133,38 +134,11 @@ def fill_series(drive: Drive, x: float, w: float, way: float, fresh: int, piece:
 
 
 @compiled_within
-def moved_at(series: Doubles, time: float) -> float:
-    """Return s - s_0."""
-    total = series[ORDER]
-    for n in range(ORDER - 1, -1, -1):
-        total = total * time + series[n]
-    return total
-
-
-@compiled_within
-def speed_at(series: Doubles, time: float) -> float:
-    """Return s' = w."""
-    total = ORDER * series[ORDER]
-    for n in range(ORDER - 1, 0, -1):
-        total = total * time + n * series[n]
-    return total
-
-
-@compiled_within
-def growth_at(series: Doubles, time: float) -> float:
-    """Return s'' = w'."""
-    total = ORDER * (ORDER - 1) * series[ORDER]
-    for n in range(ORDER - 1, 1, -1):
-        total = total * time + n * (n - 1) * series[n]
-    return total
-
-
-@compiled_within
 def time_to(series: Doubles, way: float, length: float, guess: float, limit: float) -> float:
     """Return when a length has been passed, by Newton's method between bounds; it is passed before ``limit``."""
     low, high, time = 0.0, limit, min(guess, limit)
     for _ in range(60):
-        beyond, slope = way * moved_at(series, time) - length, way * speed_at(series, time)
+        beyond, slope = way * value(series, ORDER, time) - length, way * rate(series, ORDER, time)
         if beyond > 0.0:
             high = time
         else:
@@ -188,39 +162,24 @@ def step_within(series: Doubles, way: float, length: float, tolerance: float) ->
         guess = 2.0 * length / (speed + np.sqrt(root))
     limit = 1.25 * guess
     right = guess < np.inf and (last * limit + before) * limit ** (ORDER - 1) <= tolerance
-    if not right or way * moved_at(series, limit) < length:
+    if not right or way * value(series, ORDER, limit) < length:
         limit = 1.0
         while (last * limit + before) * limit ** (ORDER - 1) <= tolerance and limit < 1e9:
             limit *= 2.0
         while (last * limit + before) * limit ** (ORDER - 1) > tolerance:
             limit *= 0.8
-        if way * moved_at(series, limit) < length:
+        if way * value(series, ORDER, limit) < length:
             return limit, False
     return time_to(series, way, length, guess, limit), True
 
 
 @compiled_within
-def standstill(series: Doubles, way: float, time: float, touch: float) -> float:
-    """Return when w first comes to 0 within a step, or has a least value below ``touch``; infinite if it does not."""
-    low, high = 0.0, time
-    if way * series[2] < 0.0 and way * growth_at(series, time) > 0.0:
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if way * growth_at(series, middle) < 0.0:
-                low = middle
-            else:
-                high = middle
-        least = way * speed_at(series, high)
-        if least > touch:
-            return np.inf
-        if least > -touch:
-            return high
-    elif way * speed_at(series, time) > 0.0:
-        return np.inf
+def change(series: Doubles, derivative: int, way: float, high: float) -> float:
+    """Return where way times w (derivative 1) or w' (2) is no longer positive, by bisection between 0 and ``high``."""
     low = 0.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if way * speed_at(series, middle) > 0.0:
+        if way * (rate(series, ORDER, middle) if derivative == 1 else rate_of_rate(series, ORDER, middle)) > 0.0:
             low = middle
         else:
             high = middle
@@ -228,39 +187,70 @@ def standstill(series: Doubles, way: float, time: float, touch: float) -> float:
 
 
 @compiled_within
-def write_slip(
+def standstill(series: Doubles, way: float, time: float, touch: float) -> float:
+    """Return when w first comes to 0 within a step, or has a least value below ``touch``; infinite if it does not."""
+    if way * series[2] < 0.0 and way * rate_of_rate(series, ORDER, time) > 0.0:
+        time = change(series, 2, -way, time)
+        least = way * rate(series, ORDER, time)
+        if least > touch:
+            return np.inf
+        if least > -touch:
+            return time
+    elif way * rate(series, ORDER, time) > 0.0:
+        return np.inf
+    return change(series, 1, way, time)
+
+
+@compiled_within
+def write_rows(
     now: Moving, drive: Drive, origin: float, end: float, out: Output, piece: Doubles, series: Doubles
 ) -> bool:
     """Write the rows of a step up to a time (s); return whether there was room."""
-    way = -1.0 if now.phase == REVERSED else 1.0
+    way, held = -1.0 if now.phase == REVERSED else 1.0, held_by(now, drive)
     while now.row * drive.row_time <= end:
         if now.row - out.first == len(out.rows):
             return False
         since = max(now.row * drive.row_time - now.time, 0.0)
-        moved, row = moved_at(series, since), out.rows[now.row - out.first]
+        moved, row = value(series, ORDER, since), out.rows[now.row - out.first]
         row.distance = origin + moved
         row.friction_force = way * max(force_at(piece, moved), 0.0)
+        if now.phase == STUCK:
+            row.friction_force = held + drive.stiffness * drive.speed * since
         row.displacement = now.displacement + drive.speed * since - moved
-        row.velocity = drive.speed - speed_at(series, since)
+        row.velocity = drive.speed - rate(series, ORDER, since)
         row.phase = now.phase
         now.row += 1
     return True
 
 
 @compiled_within
-def add_slip(now: Moving, drive: Drive, duration: float, piece: Doubles, series: Doubles) -> None:
-    """Add a step to the integrals."""
+def held_by(now: Moving, drive: Drive) -> float:
+    """Return the force of spring and dashpot at w = 0, k x + c V."""
+    return drive.stiffness * now.displacement + drive.damping * drive.speed
+
+
+@compiled_within
+def go_on(now: Moving, drive: Drive, duration: float, piece: Doubles, series: Doubles) -> None:
+    """Add a step to the integrals, and move to its end in time."""
     for node, share in _GAUSS:
         time = node * duration
-        x, v = now.displacement + drive.speed * time - moved_at(series, time), drive.speed - speed_at(series, time)
+        x, v = (
+            now.displacement + drive.speed * time - value(series, ORDER, time),
+            drive.speed - rate(series, ORDER, time),
+        )
         now.displacement_integral += share * duration * x
         now.displacement_squared_integral += share * duration * (x * x)
         now.velocity_squared_integral += share * duration * (v * v)
-    work = work_over(piece, moved_at(series, duration))  # a cubic may be a little below 0 where a life begins
+    moved = value(series, ORDER, duration)
+    work = work_over(piece, moved)  # a cubic may be a little below 0 where a life begins
     work = -work if now.phase == REVERSED else work
     now.friction_work += work
     if now.phase == REVERSED:
         now.reverse_work += work
+    if now.phase == STUCK:
+        now.time_stuck += duration
+    now.time += duration
+    now.displacement += drive.speed * duration - moved
 
 
 @compiled_within
@@ -288,7 +278,7 @@ def write_mark(now: Moving, drive: Drive, width: float, out: Output, kind: int, 
 def arrive(now: Moving, drive: Drive, width: float, force: float, out: Output) -> None:
     """Decide what follows at w = 0, where the contact can bear a force."""
     bears, before = max(force, 0.0), -force if now.phase == REVERSED else force
-    held, kind, phase, after = drive.stiffness * now.displacement + drive.damping * drive.speed, STICK, STUCK, 0.0
+    held, kind, phase, after = held_by(now, drive), STICK, STUCK, 0.0
     now.relative = 0.0
     if abs(held) <= bears * (1.0 + TOUCH):
         after = min(max(held, -bears), bears)
@@ -302,25 +292,14 @@ def arrive(now: Moving, drive: Drive, width: float, force: float, out: Output) -
 
 
 @compiled_within
-def ride(now: Moving, drive: Drive, width: float, force: float, out: Output) -> bool:
+def ride(now: Moving, drive: Drive, width: float, out: Output, piece: Doubles, series: Doubles) -> bool:
     """Write the rows of a stick and break away; return False if there was no room for all rows."""
-    held = drive.stiffness * now.displacement + drive.damping * drive.speed
-    wait = max((force - held) / (drive.stiffness * drive.speed), 0.0)
-    while now.row * drive.row_time <= now.time + wait:
-        if now.row - out.first == len(out.rows):
-            return False
-        since, row = max(now.row * drive.row_time - now.time, 0.0), out.rows[now.row - out.first]
-        row.distance, row.velocity = (now.cell + now.y) * width, drive.speed
-        row.friction_force = held + drive.stiffness * drive.speed * since
-        row.displacement = now.displacement + drive.speed * since
-        row.phase = STUCK
-        now.row += 1
-    begin, end = now.displacement, now.displacement + drive.speed * wait
-    now.time_stuck += wait
-    now.displacement_integral += 0.5 * wait * (begin + end)
-    now.displacement_squared_integral += wait * (begin * begin + begin * end + end * end) / 3.0
-    now.velocity_squared_integral += wait * drive.speed * drive.speed
-    now.time, now.displacement = now.time + wait, end
+    force = piece[0]
+    wait = max((force - held_by(now, drive)) / (drive.stiffness * drive.speed), 0.0)
+    series[:] = 0.0
+    if not write_rows(now, drive, (now.cell + now.y) * width, now.time + wait, out, piece, series):
+        return False
+    go_on(now, drive, wait, piece, series)
     write_mark(now, drive, width, out, BREAKAWAY, force, force)
     now.phase, now.relative, now.fresh = SLIP, 0.0, 1
     return True
@@ -331,23 +310,20 @@ def slip(
     now: Moving, drive: Drive, cells: ForceCells, border: float, out: Output, piece: Doubles, work: Doubles
 ) -> bool:
     """Take a step in slip, not beyond a border; return False, and change nothing but the next row, without room."""
-    way, series, width, origin = -1.0 if now.phase == REVERSED else 1.0, work[0], cells.width, 0.0
+    way, series, width = -1.0 if now.phase == REVERSED else 1.0, work[0], cells.width
     fill_series(drive, now.displacement, now.relative, way, now.fresh, piece, work)
     origin = (now.cell + now.y) * width
     duration, at_border = step_within(series, way, way * (border - now.y) * width, TOLERANCE * width)
     halt = standstill(series, way, duration, TOUCH * drive.speed)
     if halt <= duration:
         duration, at_border = halt, False
-    if not write_slip(now, drive, origin, now.time + duration, out, piece, series):
+    if not write_rows(now, drive, origin, now.time + duration, out, piece, series):
         return False
-    moved = moved_at(series, duration)
-    reached = (now.cell + border) * width if at_border else origin + moved
+    moved = value(series, ORDER, duration)
     if way > 0.0:
-        meet(now, out, origin, reached, duration, series)
-    add_slip(now, drive, duration, piece, series)
-    now.time += duration
-    now.displacement += drive.speed * duration - moved
-    now.relative, now.fresh = speed_at(series, duration), 0
+        meet(now, out, origin, (now.cell + border) * width if at_border else origin + moved, duration, series)
+    go_on(now, drive, duration, piece, series)
+    now.relative, now.fresh = rate(series, ORDER, duration), 0
     now.y = border if at_border else min(max(now.y + moved / width, 0.0), 1.0)
     if halt <= duration:
         arrive(now, drive, width, force_at(piece, moved), out)
@@ -355,14 +331,7 @@ def slip(
 
 
 @compiled
-def advance(
-    state: Records,
-    drive: Drive,
-    cells: ForceCells,
-    stop: Stop,
-    out: Output,
-    work: Doubles,
-) -> int:
+def advance(state: Records, drive: Drive, cells: ForceCells, stop: Stop, out: Output, work: Doubles) -> int:
     """Move through cells until something is missing or the end is reached; return REACHED, BACK or FULL.
 
     state (1,): changed in place; work (4, ORDER + 1): memory for powers of a step and of the force.
@@ -382,7 +351,7 @@ def advance(
         if way > 0.0 and now.cell == stop.cell:
             border = min(border, stop.y)
         if now.phase == STUCK:
-            room = ride(now, drive, cells.width, piece[0], out)
+            room = ride(now, drive, cells.width, out, piece, work[0])
         else:
             room = slip(now, drive, cells, border, out, piece, work)
         if not room:

@@ -19,16 +19,16 @@ from rubnoise.simulation.free.contacts import (
     turned,
 )
 from rubnoise.simulation.free.series import (
+    ORDER,
     TURN,
     bounds,
     motion_series,
     overlap_zero,
     pushed_series,
-    rate,
     rate_zero,
     shortened,
-    value,
 )
+from rubnoise.simulation.series import rate, value
 
 STATE: Final = np.dtype(
     [(name, np.float64) for name in ("s", "z", "w", "x", "u")]
@@ -292,12 +292,12 @@ def _note_largest(now: Any, law: Law, contacts: Records, third: float, series: D
     for n in range(now.count):
         ahead = contacts[n].place - now.s
         first = 2.0 * speed * ahead - now.w
-        last = 2.0 * speed * (ahead - speed * when) - rate(series, when)
+        last = 2.0 * speed * (ahead - speed * when) - rate(series, ORDER, when)
         time = when
         if first > 0.0 and last < 0.0:
             time = min(rate_zero(ahead, 0.0, speed, -1.0, third, 0.0, series, when), when)
         overlap = overlap_of(contacts[n], now.s, now.z) + speed * time * (2.0 * ahead - speed * time)
-        contacts[n].largest = max(contacts[n].largest, overlap - value(series, time))
+        contacts[n].largest = max(contacts[n].largest, overlap - value(series, ORDER, time))
 
 
 @compiled_within
@@ -339,8 +339,10 @@ def _write_ticks(
         at, x, u = now.tick * goal.tick, now.x, now.u
         time = min(max((at - now.s) / law.speed, 0.0), when)
         if law.own_spring > 0.0:
-            x, u = value(series.x, time), rate(series.x, time)
-        _sample(now, contacts, at, (now.z + value(series.z, time), rate(series.z, time), x, u), law, ticks)
+            x, u = value(series.x, ORDER, time), rate(series.x, ORDER, time)
+        _sample(
+            now, contacts, at, (now.z + value(series.z, ORDER, time), rate(series.z, ORDER, time), x, u), law, ticks
+        )
 
 
 @compiled_within
@@ -367,9 +369,9 @@ def _step(now: Any, law: Law, contacts: Records, surface: Surface, goal: Goal, o
     if event == _NOTHING and when == longest and goal.place - now.s <= REACH:
         place = goal.place
     _write_ticks(now, law, contacts, goal, place, when, out.ticks, series)
-    now.s, now.z, now.w = place, now.z + value(series.z, when), rate(series.z, when)
+    now.s, now.z, now.w = place, now.z + value(series.z, ORDER, when), rate(series.z, ORDER, when)
     if law.own_spring > 0.0:
-        now.x, now.u = value(series.x, when), rate(series.x, when)
+        now.x, now.u = value(series.x, ORDER, when), rate(series.x, ORDER, when)
     if now.sliding >= 0:
         now.w = 2.0 * law.speed * (contacts[now.sliding].place - place)
     _follow(now, law, contacts, surface, event, which, after, out)

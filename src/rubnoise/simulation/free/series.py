@@ -12,6 +12,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_within
+from rubnoise.simulation.series import rate, rate_of_rate, value
 
 ORDER: Final = 16
 """Degree of the series."""
@@ -95,33 +96,6 @@ def shortened(series: Doubles, step: float) -> float:
 
 
 @compiled_within
-def value(series: Doubles, time: float) -> float:
-    """Return the sum of the series at a time."""
-    total = series[ORDER]
-    for n in range(ORDER - 1, -1, -1):
-        total = total * time + series[n]
-    return total
-
-
-@compiled_within
-def rate(series: Doubles, time: float) -> float:
-    """Return the first derivative of the series at a time."""
-    total = float(ORDER) * series[ORDER]
-    for n in range(ORDER - 1, 0, -1):
-        total = total * time + float(n) * series[n]
-    return total
-
-
-@compiled_within
-def rate_of_rate(series: Doubles, time: float) -> float:
-    """Return the second derivative of the series at a time."""
-    total = float(ORDER * (ORDER - 1)) * series[ORDER]
-    for n in range(ORDER - 1, 1, -1):
-        total = total * time + float(n * (n - 1)) * series[n]
-    return total
-
-
-@compiled_within
 def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
     """Return bounds within a step: of z'' from below and above, of |z'''| and of |z''''|."""
     power, bend, third, fourth = 1.0, 0.0, 6.0 * abs(series[3]), 24.0 * abs(series[4])
@@ -162,8 +136,8 @@ def overlap_zero(
     """
     time = 0.0
     for _ in range(_MOST_TRIES):
-        f = way * (overlap + speed * time * (2.0 * ahead - speed * time) - value(series, time))
-        slope = way * (2.0 * speed * (ahead - speed * time) - rate(series, time))
+        f = way * (overlap + speed * time * (2.0 * ahead - speed * time) - value(series, ORDER, time))
+        slope = way * (2.0 * speed * (ahead - speed * time) - rate(series, ORDER, time))
         x = _ahead(f, slope, most)
         time += x
         if time >= step:
@@ -182,8 +156,8 @@ def rate_zero(
     if time >= step:
         return np.inf
     for _ in range(_MOST_TRIES):
-        f = way * (2.0 * speed * (ahead - speed * time) - rate(series, time) - level)
-        slope = -way * (2.0 * speed * speed + rate_of_rate(series, time))
+        f = way * (2.0 * speed * (ahead - speed * time) - rate(series, ORDER, time) - level)
+        slope = -way * (2.0 * speed * speed + rate_of_rate(series, ORDER, time))
         x = _ahead(f, slope, most)
         time += x
         if time >= step:
