@@ -21,9 +21,7 @@ from rubnoise.storage.schema import FORMAT
 from rubnoise.storage.text_table import read_table
 from rubnoise.unit_spelling import spelled
 
-MOST_UNPACKED: Final = 10_000_000
-"""Values of a vector of MATLAB: a file says how many it has before they are unpacked."""
-
+MOST_UNPACKED: Final = 10_000_000  # values of a vector of MATLAB: a file says how many before they are unpacked
 MOST_VALUES: Final = 100_000_000
 _MOST_LINKS: Final = 16
 _NUMBERS: Final = ("double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
@@ -88,8 +86,7 @@ def _of_matlab(path: Path, wanted: str) -> Columns:
             raise Refused(f"has vectors of {size:,} values; up to {MOST_UNPACKED:,} are read; save it as CSV or HDF5")
         stream.seek(0)
         found = loadmat(stream, squeeze_me=True, variable_names=[name for name in sizes if sizes[name] == size])
-    alike = {name: found[name] for name in sizes if name in found and found[name].shape == (size,)}
-    real = {name: values for name, values in alike.items() if values.dtype.kind in "fiu"}
+    real = {n: each for n, each in found.items() if n in sizes and each.shape == (size,) and each.dtype.kind in "fiu"}
     if not real:
         there = ", ".join(f"{name} {'x'.join(map(str, shape))}" for name, shape in shapes.items())
         raise Refused(f"has no vector of real numbers; it has {there or 'no numbers'}")

@@ -6,7 +6,7 @@ The part is cut first, and checked then. The caller must give a unit or rate tha
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, NoReturn, Self
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
@@ -34,15 +34,11 @@ _SHOWN: Final = 40
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The name of a column and its unit, empty if it has none, and the cell as ``written``.
-
-    Its cells are of a ``kind``, "number" or "time", empty for others; ``missing`` says what nan stands for.
-    """
+    """The name of a column, its unit or an empty text, the cell as ``written``, and what nan stands for."""
 
     name: str
     unit: str
     written: str
-    kind: str = "number"
     missing: str = ""
 
     @property
@@ -90,7 +86,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """Columns by number, in memory, or read when they are needed (`TextTable`).
+    """Columns: all heads, and the ``arrays`` of those that have numbers or times, nan where no number stands.
 
     ``step`` and what it is ``along`` say how samples lie, in s or, along a "distance", in um; 0 if unknown. Of a trace,
     see `measured`, ``used`` are its columns, ``placed`` is that of its places, ``begin`` the first row of its part.
@@ -115,11 +111,6 @@ class Source:
         return f"{self.path}: line {self.head_line}" if self.head_line else str(self.path)
 
     @property
-    def usable(self) -> Sequence[int]:
-        """The columns that have numbers or times."""
-        return [number for number, head in enumerate(self.heads) if head.kind]
-
-    @property
     def head(self) -> Head:
         """Name and unit of the first column of a trace."""
         return self.heads[self.used[0]]
@@ -128,10 +119,6 @@ class Source:
     def values(self) -> Doubles:
         """The first column of a trace."""
         return self.arrays[self.used[0]]
-
-    def with_columns(self, numbers: Sequence[int]) -> Self:
-        """Return a source that has some columns in memory, nan where no number stands."""
-        return replace(self, arrays={number: self.arrays[number] for number in numbers})
 
     def place(self, row: int) -> str:
         """Return the words for a row."""
@@ -161,7 +148,7 @@ def measured(source: Source, asked: Asked, *, every: bool = False) -> Source:
     wanted = None if asked.column is None else column_of(source, asked.column, "column")
     places, chosen = _places(source, asked, wanted, every=every), (asked.place, asked.time) != (None, None)
     used = [wanted] if wanted is not None else _used(source, places, every=every)
-    found, at = _part(source.with_columns(sorted({*used, *places})), asked, places), None
+    found, at = _part(source, asked, places), None
     if asked.rate is not None:
         found = replace(found, notes=(*found.notes, *filter(None, [_outranked(found, n) for n in places[:1]])))
         used = [n for n in used if n == wanted or source.heads[n].along() != "time"] or used[-1:]
@@ -192,7 +179,7 @@ def _places(source: Source, asked: Asked, wanted: int | None, *, every: bool) ->
             has = f"{source.where}: {keyword}=: {head.name} has {head.unit or 'no unit'}"
             raise Refused(f"{has}; a unit {'of time' if keyword == 'time' else 'of length or time'} is needed")
         return [number]
-    others = [n for n in source.usable if n != wanted]
+    others = [n for n in source.arrays if n != wanted]
     natural = [n for kind in ("time", "distance") for n in others if source.heads[n].along() == kind]
     for head in source.heads if not natural and not source.step else ():
         if (right := _UNITS.get(head.name.lower())) is not None:
@@ -204,12 +191,12 @@ def _places(source: Source, asked: Asked, wanted: int | None, *, every: bool) ->
 
 def _used(source: Source, places: Sequence[int], *, every: bool) -> Sequence[int]:
     """Return the columns of a trace without a chosen one: the only one or the only force, or every one."""
-    if not any(head.written for head in source.heads) and len(source.usable) > 1:
+    if not any(head.written for head in source.heads) and len(source.arrays) > 1:
         what = 'has no line of names above its numbers; column=2, rate="10 kHz" and unit="N" say what is in it'
         raise Refused(f"{source.path}: {source.place(0)}: {what}")
     if every:
-        return source.usable
-    others = [n for n in source.usable if n not in places] or list(places[1:])
+        return list(source.arrays)
+    others = [n for n in source.arrays if n not in places] or list(places[1:])
     forces = [n for n in others if unit_or_one(source.heads[n].unit).dimension == FORCE.dimension]
     others = forces if len(forces) == 1 else others
     if len(others) != 1:
@@ -234,10 +221,9 @@ def _part(source: Source, asked: Asked, places: Sequence[int]) -> Source:
         if given is not None:
             ends[end] = round(given / step) + 1 if isinstance(given, Quantity) else given
     first, last = ends
-    if not 1 <= first < last:
-        raise Refused(f"from_=: samples {first:,} to {last:,} are no part of the trace, which has {rows:,}")
-    if last > rows:
-        raise Refused(f"to=: sample {last:,} is beyond the last of the trace, which has {rows:,}")
+    if not 1 <= first < last <= rows:
+        beyond = "to" if last > rows else "from_"
+        raise Refused(f"{beyond}=: samples {first:,} to {last:,} are no part of the trace, which has {rows:,}")
     arrays = {number: values[first - 1 : last] for number, values in source.arrays.items()}
     cut = f"left out: all but samples {first:,} to {last:,} of {rows:,}"
     return replace(source, arrays=arrays, begin=first - 1, left_out=() if (first, last) == (1, rows) else (cut,))
@@ -303,10 +289,12 @@ def _check_reach(source: Source, number: int) -> None:
 def column_of(source: Source, wanted: str, keyword: str) -> int:
     """Return the number of a column by its name, its name as written, or its number from 1 on; raises NoColumn."""
     names = [head.name for head in source.heads]
-    for each in (names, [head.written for head in source.heads]):
-        if each.count(wanted) == 1:
-            return each.index(wanted)
-    if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
-        return int(wanted) - 1
-    what = "the name of several" if wanted in names else "none"
+    numbers = [
+        each.index(wanted) for each in (names, [head.written for head in source.heads]) if each.count(wanted) == 1
+    ]
+    if not numbers and re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
+        numbers = [int(wanted) - 1]
+    if numbers and numbers[0] in source.arrays:
+        return numbers[0]
+    what = "a column without numbers, one" if numbers else "the name of several" if wanted in names else "none"
     raise NoColumn(f"{source.path}: {keyword}=: {wanted} is {what} of the columns {', '.join(names)}")

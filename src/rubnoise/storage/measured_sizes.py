@@ -34,7 +34,6 @@ def read_sizes(path: str, column: str | None) -> tuple[float, ...]:
         if head.unit and unit_or_one(head.unit).dimension != LENGTH.dimension:
             raise Refused(f"{source.where}: {head.name}: has the unit {head.unit}; diameters are lengths")
         size = float(unit_or_one(head.unit).size)
-        source = source.with_columns([number])
         values = source.arrays[number]
     if values.size > MOST:
         raise Refused(f"{path}: has more than {MOST:,} values, which a result keeps at most; take fewer of it")

@@ -6,7 +6,7 @@ Numbers are demanded of the columns that are used, and of no other.
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -85,63 +85,55 @@ def moment(cell: str) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TextTable(Source):
-    """A table of text, whose columns are read when they are needed; ``first`` is the line where its rows begin.
-
-    ``worth`` is how well its form fits: whether each column has a name, the share of numbers, the rows, the cells.
-    """
+    """A table of text: its rows begin in line ``first``; ``kinds`` are those of the columns of numbers and of times."""
 
     encoding: str
     form: Form
     first: int
-    worth: tuple[bool, float, int, int]
+    kinds: Mapping[int, str]
 
-    def _rows(self) -> Iterator[Line]:
-        """Yield the lines that are rows: neither empty nor comments."""
+    def rows(self, begin: int = 0) -> Iterator[Line]:
+        """Yield the lines that are rows, from one on: neither empty nor comments."""
         lines = lines_of(self.path, self.encoding)
-        return (line for line in lines if line[0] >= self.first and line[1].strip() and line[1][0] not in MARKS)
+        rows = (line for line in lines if line[0] >= self.first and line[1].strip() and line[1][0] not in MARKS)
+        return islice(rows, begin, None)
 
-    def with_columns(self, numbers: Sequence[int]) -> Self:
-        """Return the table with some columns in memory, nan where no number stands; clocks go on after midnight."""
-        clocks = [number for number in numbers if self.heads[number].kind == "time"]
+    def read(self) -> Self:
+        """Return the table with its columns of numbers and times; clocks go on after midnight."""
         mark = None if self.form.separator == " " else self.form.separator
-        read = partial(np.loadtxt, delimiter=mark, usecols=numbers, quotechar='"', comments=None, ndmin=2)
+        read = partial(np.loadtxt, delimiter=mark, usecols=list(self.kinds), quotechar='"', comments=None, ndmin=2)
         try:  # as numpy reads numbers, in a third of the time
             values = read(self._texts())
         except ValueError:
-            each = {number: moment if number in clocks else self.form.number for number in numbers}
+            each = {number: moment if kind == "time" else self.form.number for number, kind in self.kinds.items()}
             values = read(self._texts(), converters=each)
-        arrays = dict(zip(numbers, values.T, strict=True))
-        for number in clocks:
-            back = np.diff(arrays[number], prepend=arrays[number][:1]) < -43200.0
-            arrays[number] = arrays[number] + 86400.0 * np.cumsum(back)
+        columns = zip(self.kinds.items(), values.T, strict=True)
+        arrays = {n: np.unwrap(each, period=86400.0) if kind == "time" else each for (n, kind), each in columns}
         return replace(self, arrays=arrays)
 
     def _texts(self) -> Iterator[str]:
         """Yield the rows, those that have other cells without a number."""
         blank = self.form.separator.join(["-"] * len(self.heads))
-        return (text if self._has_cells(text) else blank for _, text in self._rows())
+        return (text if self._has_cells(text) else blank for _, text in self.rows())
 
     def _has_cells(self, text: str) -> bool:
         """Whether a row has a cell for each name; behind the last number cells may be missing, empty ones added.
 
         The rows of LabVIEW begin with an empty cell if it says their step alone; heads of its segments do not.
         """
-        unplaced = self.heads[0].name == "X_Value" and not self.heads[0].kind
+        unplaced = self.heads[0].name == "X_Value" and 0 not in self.kinds
         if not unplaced and text.count(self.form.separator) == len(self.heads) - 1 and '"' not in text:
             return True
         cells = self.form.cells(text)
-        return max(self.usable) < len(cells) and not any([*cells[len(self.heads) :], *cells[:unplaced]])
-
-    def _row(self, row: int) -> Line:
-        return next(islice(self._rows(), self.begin + row, None))
+        return max(self.kinds) < len(cells) and not any([*cells[len(self.heads) :], *cells[:unplaced]])
 
     def place(self, row: int) -> str:
         """Return the line of a row, which is looked for again."""
-        return f"line {self._row(row)[0]}"
+        return f"line {next(self.rows(self.begin + row))[0]}"
 
     def wrong(self, row: int, number: int) -> str:
         """Say why the cell of a row is no number."""
-        _, text = self._row(row)
+        _, text = next(self.rows(self.begin + row))
         cells = self.form.cells(text)
         if not self._has_cells(text):
             what = "names" if self.head_line else "cells in other rows"
@@ -166,11 +158,16 @@ def read_table(path: Path) -> TextTable:
             f"{path}: line {number}: {text.strip()[:_SHOWN]!r}: no row of numbers in {len(lines)} lines; a CSV in UTF-8"
             ' with a line of names such as "time (s),force (mN)" and a row for each sample is needed'
         )
-    return max(tables, key=lambda table: table.worth)
+    return max(tables, key=lambda found: found[0])[1].read()
 
 
-def _table(path: Path, encoding: str, form: Form, lines: Sequence[Line]) -> TextTable | None:
-    """Return the table that the first lines of a text have in one form, None if none has a number in it."""
+def _table(
+    path: Path, encoding: str, form: Form, lines: Sequence[Line]
+) -> tuple[tuple[bool, float, int, int], TextTable] | None:
+    """Return the table that the first lines of a text have in one form, None if none has a number in it.
+
+    Before it is how well the form fits: whether each column has a name, the share of numbers, the rows, the cells.
+    """
     rows = [form.cells(text) if text[0] not in MARKS else [] for _, text in lines]
     shapes = [tuple(map(form.kind, cells)) for cells in rows]
     usual = Counter(shape for shape in shapes if any(shape)).most_common(1)
@@ -186,14 +183,12 @@ def _table(path: Path, encoding: str, form: Form, lines: Sequence[Line]) -> Text
         heads = _with_units(heads, ["s", *said.get("Y_Unit_Label", [])])
     heads += [Head("", "", "")] * (width - len(heads))
     for n, head in enumerate(heads):
-        kind = shape[n] if n < width else ""
-        unit = "s" if kind == "time" else head.unit
-        heads[n] = replace(head, name=head.name or f"column {n + 1}", unit=unit, kind=kind)
+        unit = "s" if shape[n : n + 1] == ("time",) else head.unit
+        heads[n] = replace(head, name=head.name or f"column {n + 1}", unit=unit)
     alone = width == 1 and at >= 0 and any(mark in lines[at][1].strip() for mark in "\t;,")
     share = sum(map(bool, shape)) / sum(map(bool, rows[begin]))
     first = next(n for n, each in enumerate(shapes) if len(each) == width and any(each)) if at < 0 else at + 1
-    return TextTable(
-        worth=(named and not alone, share, count, width),
+    return (named and not alone, share, count, width), TextTable(
         path=path,
         heads=heads,
         step=0.0 if shape[0] else step,
@@ -203,6 +198,7 @@ def _table(path: Path, encoding: str, form: Form, lines: Sequence[Line]) -> Text
         encoding=encoding,
         form=form,
         first=lines[first][0],
+        kinds={number: kind for number, kind in enumerate(shape) if kind},
     )
 
 
