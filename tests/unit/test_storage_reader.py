@@ -149,8 +149,8 @@ def test_a_changed_bit_in_a_text_shows_however_long_it_is(tmp_path: Path, size: 
     content = bytearray((tmp_path / "run.h5").read_bytes())
     content[content.index(b"x" * size) + size // 2] ^= 1
     (tmp_path / "run.h5").write_bytes(content)
-    with open_run(tmp_path / "run.h5") as run, pytest.raises(RunFileRefused, match=r"run\.h5: damaged: .*checksum"):
-        str(run.provenance["scenario_toml"])
+    with pytest.raises(RunFileRefused, match=r"run\.h5: damaged: .*checksum"):
+        open_run(tmp_path / "run.h5")
 
 
 def test_damaged_chunks_are_reported_when_read(tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ class HashedReader(Reader, Protocol):
     """A run that stores hashes of its columns and attributes."""
 
     @property
-    def seal(self) -> str | None:
+    def seal(self) -> str:
         """The hash of the attributes; None if there is none."""
         ...
 

@@ -5,7 +5,7 @@ So a file leads to no other file, and nothing in it is counted or read that no f
 
 import os
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
@@ -30,9 +30,6 @@ MOST_LINKS = 256
 
 DEFLATE_RATIO = 1032
 """The most that deflate can expand: more rows than that were never in the file."""
-
-Answer = Any
-"""What was read at one place, or the RunFileRefused that says why not: one damaged attribute must not hide the rows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,15 +67,6 @@ def naming_damage() -> Iterator[None]:
         text = " ".join(str(problem).split())
         reason = "cut short" if "truncated file" in text else f"damaged: {text}"
         raise RunFileRefused(f"{reason}; {REMEDY}") from problem
-
-
-def or_refusal(read: Callable[..., Answer], *given: Any) -> Answer:
-    """Return what is read, or the refusal that says why not."""
-    try:
-        with naming_damage():
-            return read(*given)
-    except RunFileRefused as refusal:
-        return refusal
 
 
 def linked(owner: h5py.HLObject, path: str, *, soft: int = 0) -> h5py.HLObject | None:

@@ -27,12 +27,10 @@ from rubnoise.storage.layout import Name, row_count, stored_extent, stored_group
 from rubnoise.storage.objects import (
     MOST_ATTRIBUTES,
     REMEDY,
-    Answer,
     Place,
     linked,
     naming_damage,
     opened_by_hdf5,
-    or_refusal,
     read_attribute,
     read_attributes,
     rows_of_chunks,
@@ -74,10 +72,12 @@ class InUse(RunFileRefused):
 
 
 class RunFile:
-    """An open run file. Opening reads its structure only; each column is read when it is needed.
+    """An open run file. Opening reads its structure and its attributes; each column is read when it is needed.
 
-    Use it as a context manager, or close it. ``watch``, if it is set, is called at each read. Copies, also in other
-    processes, open the file again.
+    ``attributes`` are format, title, source and the formula of a junction's area, ``summary`` measured and exact
+    figures by name, ``provenance`` scenario, software, seed, command and times, ``seal`` is the stored hash of all of
+    these, empty without one. Use it as a context manager, or close it. ``watch``, if it is set, is called at each read.
+    Copies, also in other processes, open the file again.
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, file: h5py.File) -> None:
@@ -91,21 +91,20 @@ class RunFile:
         self._unpacking: h5py.File | None = None
         self._datasets: dict[Name, h5py.Dataset] = {}
         _check_version(file)
-        self._provenance: Answer = or_refusal(read_provenance, file)
-        if isinstance(self._provenance, dict) and not self._provenance["finished"]:
+        self.provenance = read_provenance(file)
+        if not self.provenance["finished"]:
             raise RunFileRefused(UNFINISHED)
+        self.attributes, self.summary = read_attributes(file, ROOT), read_summary(file)
+        self.seal = _hash_in(file["provenance"])
         self.features = _features(file)
         self._columns: dict[str, dict[str, Place]] = {}
-        self._digests: dict[Name, Answer] = {}
+        self._digests: dict[Name, str] = {}
         size = os.fstat(descriptor).st_size
         for group in stored_groups(self.features):
             owner, self._columns[group.name] = sound_group(file, group.name), {}
             for column in group.columns:
                 dataset, self._columns[group.name][column.name] = sound_dataset(owner, column, size)
-                self._digests[group.name, column.name] = or_refusal(read_attribute, dataset, HASH, str)
-        self._attributes: Answer = or_refusal(read_attributes, file, ROOT)
-        self._summary: Answer = or_refusal(read_summary, file)
-        self._seal: Answer = or_refusal(_read_seal, file)
+                self._digests[group.name, column.name] = _hash_in(dataset)
         self.extent = stored_extent({group: self.rows(group) for group in self._columns}, self.features)
         for group in GROUPS:
             for name, place in self._columns.get(group.name, {}).items():
@@ -183,26 +182,6 @@ class RunFile:
                 self._datasets[name] = self._unpacking["/".join(name)]
             return rows_of_chunks(self._datasets[name], first, last)
 
-    @property
-    def attributes(self) -> dict[str, Scalar]:
-        """Format, title, source and the formula of a junction's area."""
-        return dict(self._value(self._attributes))
-
-    @property
-    def summary(self) -> dict[str, Scalar]:
-        """Measured and exact figures by name."""
-        return dict(self._value(self._summary))
-
-    @property
-    def provenance(self) -> dict[str, Scalar]:
-        """Scenario, software, seed, command and times."""
-        return dict(self._value(self._provenance))
-
-    @property
-    def seal(self) -> str | None:
-        """The stored hash of the file's attributes; None if it has none."""
-        return self._value(self._seal)
-
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that cannot be read or differ from their stored hash; reads the whole file."""
         return tuple("/" + "/".join(name) for name in self._digests if not self._is_intact(name))
@@ -219,16 +198,9 @@ class RunFile:
         try:
             for values in column_chunks(self, *name):
                 digest.update(values.data)
-            return bool(digest.hexdigest() == self._value(self._digests[name]))
+            return digest.hexdigest() == self._digests[name]
         except RunFileRefused:
             return False
-
-    def _value(self, answer: Answer) -> Any:
-        """Return what was read at one place; raises RunFileRefused if it could not be read."""
-        with self._reading():
-            if isinstance(answer, RunFileRefused):
-                raise RunFileRefused(str(answer))
-            return answer
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
@@ -257,7 +229,7 @@ def open_run(path: str | os.PathLike[str]) -> RunFile:
             raise
 
 
-def _reopened(path: Path, seal: str | None) -> RunFile:
+def _reopened(path: Path, seal: str) -> RunFile:
     """Open again a file that was open elsewhere; raises RunFileRefused if its seal shows that it was replaced."""
     file = open_run(path)
     if file.seal == seal:
@@ -357,6 +329,6 @@ def read_provenance(file: h5py.File) -> dict[str, Scalar]:
     return read_attributes(group, {**PROVENANCE, **more})
 
 
-def _read_seal(file: h5py.File) -> str | None:
-    group = sound_group(file, "provenance")
-    return str(read_attribute(group, HASH, str)) if HASH in group.attrs else None
+def _hash_in(owner: h5py.HLObject) -> str:
+    """Return a stored hash, which is part of no other attributes; empty if there is none."""
+    return str(read_attribute(owner, HASH, str)) if HASH in owner.attrs else ""
