@@ -144,11 +144,6 @@ class Client:
         raise AssertionError
 
 
-def test_a_worker_of_a_cluster_that_dies_when_it_is_asked_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(executors, "_BETWEEN", 0.0)
-    assert given(Client(OSError("closed"), KeyError("tcp"), executors.versions()), None).elsewhere
-
-
 @pytest.mark.parametrize(
     ("answer", "said"),
     [

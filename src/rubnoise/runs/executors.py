@@ -55,9 +55,8 @@ def versions() -> Mapping[str, object]:
 
 def in_words(found: object) -> str:
     """Return versions as a text, also for a worker that sends none."""
-    if not isinstance(found, Mapping):
-        return "no version that it says"
-    return ", ".join(f"{name} {each}" for name, each in found.items())
+    known = found.items() if isinstance(found, Mapping) else ()
+    return ", ".join(f"{name} {each}" for name, each in known) or "no version that it says"
 
 
 # This process and others on this machine.
@@ -127,11 +126,6 @@ PATIENCE: Final = 30.0
 
 SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
 
-_ASKED: Final = 5
-_BETWEEN: Final = 0.5
-"""How often the versions of workers are read if one dies meanwhile, and seconds between."""
-
-_COUNTED_EVERY: Final = 1.0
 _LAST_PORT: Final = 65_535
 
 
@@ -172,40 +166,27 @@ def of_client(client: Any) -> Workers:
     One thread for each worker process suits the work.
     """
     _check_versions(client)
-    counted, lanes = -_COUNTED_EVERY, 1
 
-    def count() -> int:
-        nonlocal counted, lanes
-        if time.monotonic() - counted >= _COUNTED_EVERY:
-            try:
-                counted, lanes = time.monotonic(), max(1, sum(client.nthreads().values()))
-            except OSError as problem:
-                raise WorkLost(SCHEDULER_GONE) from problem
-        return lanes
+    @contextmanager
+    def start() -> Iterator[Any]:
+        executor = client.get_executor(pure=False)
+        try:
+            yield executor
+        finally:
+            executor.shutdown(wait=False)
 
-    return Workers(partial(_of_client, client), count, elsewhere=True)
+    def lanes() -> int:
+        try:
+            return max(1, sum(client.nthreads().values()))
+        except OSError as problem:
+            raise WorkLost(SCHEDULER_GONE) from problem
 
-
-@contextmanager
-def _of_client(client: Any) -> Iterator[Any]:
-    executor = client.get_executor(pure=False)
-    try:
-        yield executor
-    finally:
-        executor.shutdown(wait=False)
+    return Workers(start, lanes, elsewhere=True)
 
 
 def _check_versions(client: Any) -> None:
-    """Raise Refused if a worker has other versions than this process; one that dies meanwhile is asked again."""
-    for _ in range(_ASKED):
-        try:
-            answers = client.run(versions, on_error="return")
-        except Exception as problem:  # noqa: BLE001  (whatever it says, a worker has not answered)
-            answers = {"a worker": problem}
-        if not any(isinstance(each, Exception) and not isinstance(each, ImportError) for each in answers.values()):
-            break
-        time.sleep(_BETWEEN)
-    for worker, theirs in answers.items():
+    """Raise Refused if a worker has other versions than this process."""
+    for worker, theirs in client.run(versions, on_error="return").items():
         if theirs != versions():
             raise Refused(
                 f"{worker}: this worker has {in_words(theirs)}, and this process {in_words(versions())}; all runs of a"

@@ -19,8 +19,8 @@ from rubnoise.storage.forecast import check_sweep_space, expected, together
 
 _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 _RUN: Final = re.compile(r"[0-9a-f]{16}(?:\.h5|\.npz)")
-_FREE: Final = ("title", "run.engine", "run.seed")
-"""Keys that the names of points do not depend on."""
+_FREE: Final = ("title", "run.engine", "run.seed", "output.tick")
+"""Keys that the names of points do not depend on, and the tick, whose default follows from the others."""
 
 
 def check_folder(root: Path) -> None:
@@ -73,23 +73,16 @@ def _stranger(path: Path, reason: str) -> OutputRefused:
 
 
 def _difference(resolved: Mapping[str, Any], sweep: Sweep) -> str:
-    """Return in what a run differs from the most similar point of a sweep."""
+    """Return in what a run differs from all points of a sweep, which differ among themselves in the swept keys."""
     if not resolved:
         return "this version makes other bits of its scenario"
     there = flattened(resolved)
-    found: dict[str, str] = {}
-    for number, case in enumerate(sweep.cases):
-        here = flattened(json.loads(json.dumps(case.scenario.resolved())))
-        # The tick comes last, since without one in the file it follows from the others.
-        keys = sorted((here.keys() | there.keys()) - {*_FREE}, key=lambda key: (key == "output.tick", key))
-        pairs = {key: (there.get(key, "not given"), here.get(key, "not given")) for key in keys}
-        differs = {key: f"{one} there, and {other} here" for key, (one, other) in pairs.items() if one != other}
-        if not number or len(differs) < len(found):
-            found = differs
-    if found.keys() <= {*sweep.keys, "output.tick"}:
-        values = {key: there.get(key) for key in sweep.keys}
-        return f"it is of a point that this sweep lacks: {in_words(values)}"
-    return next(f"{key} is {pair}" for key, pair in found.items() if key not in sweep.keys)
+    here = flattened(json.loads(json.dumps(sweep.cases[0].scenario.resolved())))
+    for key in sorted((here.keys() | there.keys()) - {*_FREE, *sweep.keys}):
+        one, other = there.get(key, "not given"), here.get(key, "not given")
+        if one != other:
+            return f"{key} is {one} there, and {other} here"
+    return f"it is of a point that this sweep lacks: {in_words({key: there.get(key) for key in sweep.keys})}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -152,7 +152,7 @@ def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, 
         index = read_index(root / INDEX)
     except (OSError, RunFileRefused):
         return {}, {}, 0
-    for run_id, figures in _figures_in(index, sweep.keep):
+    for run_id, figures in figures_in(index, sweep.keep):
         with suppress(OSError):
             about = file_of(root, run_id, sweep.keep).stat()
             if max(about.st_mtime_ns, about.st_ctime_ns) <= written:
@@ -162,7 +162,7 @@ def known_runs(root: Path, sweep: Sweep) -> tuple[dict[str, Figures], dict[str, 
     return found, failed, 1 + int(index.runs["replicate"].values.max(initial=-1))
 
 
-def _figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
+def figures_in(index: Index, keep: Keep) -> Iterator[tuple[str, Figures]]:
     """Yield the names of runs that an index calls done, with their figures, and curves of runs that keep no more."""
     names = [name for name in index.runs if name not in {*ABOUT, *keys_in(index)}]
     figures = np.array([index.runs[name].values for name in names]).T.tolist()

@@ -96,22 +96,23 @@ class Check:
         """Count rows of a column and the wrong ones; ``expected`` returns what a row should be, as text."""
         self.values += found.size
         if not right.all():
-            self.different += int(right.size - np.count_nonzero(right))
             row = int(np.argmin(right))
-            self._keep(Difference(place, repr(found[row].item()), expected(row), first_row + row))
+            wrong = int(right.size - np.count_nonzero(right))
+            self.differ(Difference(place, repr(found[row].item()), expected(row), first_row + row), wrong)
 
     def say(self, place: str, *, found: object, expected: object) -> None:
         """Compare one value without a row; long texts are shown from a little before the place where they differ."""
         self.values += 1
         if found != expected:
-            self.different += 1
             one, other = str(found), str(expected)
             shared = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), 0)
             begin = max(shared - LONGEST // 2, 0)
             shown = slice(begin, begin + LONGEST)
-            self._keep(Difference(place, one[shown], other[shown]))
+            self.differ(Difference(place, one[shown], other[shown]))
 
-    def _keep(self, difference: Difference) -> None:
+    def differ(self, difference: Difference, count: int = 1) -> None:
+        """Count differences, and keep the first one: one without a row, or that of the lowest row."""
+        self.different += count
         kept, row = self.first, difference.row
         if kept is None or (kept.row is not None and (row is None or row < kept.row)):
             self.first = difference
