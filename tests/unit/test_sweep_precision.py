@@ -13,13 +13,12 @@ from rubnoise.runs.measuring import Measurement, measured
 from rubnoise.runs.stopping_rule import AdaptiveReplicates
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS
-from rubnoise.scenario.sweep_table import Precision
+from rubnoise.scenario.sweep_keys import FEWEST, SWEEP_RUNS, Sweeping
 from tests.unit.scenarios import GRID, sweep_of, sweep_refusal
 from tests.verification.scores import seed_of
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.
-PRECISE = Precision(relative=0.01, quantity="real_contact_area_std", most_replicates=1000)
+PRECISE = Sweeping(precision=0.01, quantity="real_contact_area_std", most_replicates=1000)
 POINTS = GRID.replace("replicates = 2\n", "")
 
 
@@ -46,7 +45,7 @@ def test_what_is_reached_is_the_relative_standard_error_of_the_mean() -> None:
     assert PRECISE.reached([-1.0, 1.0]) == inf
 
 
-def _carried_out(values: np.ndarray, precision: Precision) -> int:
+def _carried_out(values: np.ndarray, precision: Sweeping) -> int:
     count, wanted = 0, FEWEST
     while wanted > count:
         count = wanted
@@ -57,7 +56,7 @@ def _carried_out(values: np.ndarray, precision: Precision) -> int:
 def test_stopping_early_costs_little_of_the_precision() -> None:
     """Of unit normals about 20 to a relative error of 0.01 one needs 25; what is got is as good as was asked for."""
     rng = np.random.Generator(np.random.PCG64(seed_of("precision/stopping")))
-    precision = Precision(relative=0.01, quantity="real_contact_area_std", most_replicates=1000)
+    precision = Sweeping(precision=0.01, quantity="real_contact_area_std", most_replicates=1000)
     counts, means = [], []
     for _ in range(400):
         values = rng.normal(20.0, 1.0, 1000)

@@ -42,9 +42,9 @@ def sweep(
     (1 by default) make many runs of; a key of only one table needs no dots. Further keywords change keys of that
     scenario, as in `Scenario.replace`; several values, ``speed=["0.5 mm/s", "1 mm/s"]``, belong to the grid. Without a
     folder its runs lie in a temporary one, which goes with this process. ``jobs`` processes share the work, by default
-    one for each processor. Or an ``executor`` makes the runs: the client of a Dask cluster, or anything with
-    ``submit(function, *arguments)`` that returns a Future, which gets ``jobs`` calls at a time. ``shard`` "2/8" makes
-    the second eighth.
+    one for each processor. Or an ``executor`` makes the runs: the address or the client of a Dask scheduler, or
+    anything with ``submit(function, *arguments)`` that returns a Future, which gets ``jobs`` calls at a time.
+    ``shard`` "2/8" makes the second eighth.
     After a failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder
     of something else, or that holds the runs of another scenario, which ``force`` leaves there, or that has no room on
     its disk. Raises Refused if memory is too small for so many runs at once.
@@ -55,28 +55,21 @@ def sweep(
     (('interface.mean_junction_count',), 5)
     """
     made = _sweep_of(scenario, grid, replicates, over)
-    return _into(made, folder, jobs=jobs, executor=executor, shard=shard, force=force)
+    place = Path(mkdtemp(dir=_temporary().name)) if folder is None else Path(folder)
+    carry_out(made, place, jobs=jobs, executor=executor, shard=shard, force=force)
+    return open_sweep(place)
 
 
 def run_sweep(
     file: Source, folder: str | os.PathLike[str] | None = None, *, cluster: str | None = None, **options: Any
 ) -> SweepResult:
-    """Do what `sweep` does, under its old name for one version; ``cluster`` is the address of a Dask scheduler.
+    """Do what `sweep` does, under its old name for one version; ``cluster`` is now one of its executors.
 
     >>> import rubnoise
     >>> rubnoise.run_sweep("paper/fig9", "fig9", jobs=1).count("done")
     5
     """
-    if cluster is None:
-        return sweep(file, folder, **options)
-    made = _sweep_of(file, options.pop("grid", None), options.pop("replicates", None), {})
-    return _into(made, folder, cluster=cluster, **options)
-
-
-def _into(sweep: Sweep, folder: str | os.PathLike[str] | None, **options: Any) -> SweepResult:
-    place = Path(mkdtemp(dir=_temporary().name)) if folder is None else Path(folder)
-    carry_out(sweep, place, **options)
-    return open_sweep(place)
+    return sweep(file, folder, executor=options.pop("executor", cluster), **options)
 
 
 @cache

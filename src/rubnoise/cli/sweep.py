@@ -82,7 +82,7 @@ def command(
             sweep,
             place,
             jobs=jobs,
-            cluster=cluster,
+            executor=cluster,
             shard=shard,
             force=force,
             command=["rubnoise", *sys.argv[1:]],

@@ -129,6 +129,13 @@ SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the swe
 _LAST_PORT: Final = 65_535
 
 
+def opened(executor: Any, jobs: int | None, runs: int | None) -> AbstractContextManager[Workers]:
+    """Return the workers of this machine, of an executor, or of a Dask scheduler by its address; see those below."""
+    if isinstance(executor, str):
+        return cluster(executor)
+    return nullcontext(local(jobs, runs) if executor is None else given(executor, jobs))
+
+
 def given(executor: Any, jobs: int | None) -> Workers:
     """Return an executor of the caller's as workers, or the client of a Dask cluster; raises Refused for neither.
 

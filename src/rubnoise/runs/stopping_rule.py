@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import nan
+from math import inf, nan
 from typing import Any, Final
 
 from rubnoise.scenario.points import Case, Point, points_of
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.scenario.sweep_table import Precision
+from rubnoise.scenario.sweep_keys import Sweeping
 
 Ended = Mapping[str, Mapping[str, float]]
 """Figures of the runs that have ended, by run id; a failed run has none."""
@@ -31,7 +31,7 @@ class AdaptiveReplicates:
 
     def __init__(self, sweep: Sweep) -> None:
         """Start before the first round."""
-        self.precision: Final = sweep.precision
+        self.settings: Final = sweep.precision
         self._replicates = sweep.replicates
         self._known = [(case, list(points_of([case], sweep.replicates))) for case in sweep.cases]
 
@@ -50,18 +50,18 @@ class AdaptiveReplicates:
         found = []
         for case, known in self._known:
             batch = self._batch(case, known, ended)
-            if self.precision is None or not _complete(batch, ended):
+            if self.settings is None or not _complete(batch, ended):
                 continue
-            reached = self.precision.reached(_values(self.precision, batch, ended))
-            if reached > self.precision.relative:
+            reached = self.settings.reached(_values(self.settings, batch, ended))
+            if reached > (self.settings.precision or inf):
                 found.append(Unmet(values=case.values, replicates=len(batch), reached=reached))
         return found
 
     def _batch(self, case: Case, known: list[Point], ended: Ended) -> list[Point]:
         """Return all runs of a point up to the end of the first batch that is not complete, or of the last."""
         batch = known[: self._replicates]
-        while self.precision and _complete(batch, ended):
-            wanted = self.precision.wanted(_values(self.precision, batch, ended))
+        while self.settings and _complete(batch, ended):
+            wanted = self.settings.wanted(_values(self.settings, batch, ended))
             if wanted == len(batch):
                 break
             known += points_of([case], wanted, len(known))
@@ -73,5 +73,5 @@ def _complete(batch: list[Point], ended: Ended) -> bool:
     return all(point.run_id in ended for point in batch)
 
 
-def _values(precision: Precision, batch: list[Point], ended: Ended) -> list[float]:
-    return [ended[point.run_id].get(precision.quantity, nan) for point in batch]
+def _values(settings: Sweeping, batch: list[Point], ended: Ended) -> list[float]:
+    return [ended[point.run_id].get(settings.quantity, nan) for point in batch]

@@ -6,7 +6,7 @@ A run that another process is making is left to it. Who makes runs is an executo
 import os
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, closing, nullcontext, suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from functools import partial
 from math import inf
@@ -18,7 +18,6 @@ from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefuse
 from rubnoise.regular_file import INDEX
 from rubnoise.runs import executors
 from rubnoise.runs.attempts import Attempts, Outcome
-from rubnoise.runs.executors import Workers
 from rubnoise.runs.folder import Shard, check_folder, check_room, check_strangers
 from rubnoise.runs.index import index_of, known_runs
 from rubnoise.runs.point_file import RUNS, Figures, file_of, found, made
@@ -64,7 +63,6 @@ def carry_out(
     folder: str | os.PathLike[str],
     *,
     jobs: int | None = None,
-    cluster: str | None = None,
     executor: Any = None,
     shard: str | None = None,
     force: bool = False,
@@ -73,28 +71,20 @@ def carry_out(
 ) -> list[Unmet]:
     """Make the missing runs of a sweep in its folder, write its index, and return the points without their precision.
 
-    ``jobs``, ``executor``, ``shard`` and ``force`` are those of `rubnoise.sweep`, ``cluster`` is the address of a Dask
-    scheduler, ``command`` the command line in the results. ``watch`` is called with the progress several times a
-    second, and may raise RunStopped. Raises Refused, OutputRefused, SweepStopped after a signal, WorkLost if a cluster
-    is gone.
+    ``jobs``, ``executor``, ``shard`` and ``force`` are those of `rubnoise.sweep`, ``command`` is the command line in
+    the results. ``watch`` is called with the progress several times a second, and may raise RunStopped. Raises Refused,
+    OutputRefused, SweepStopped after a signal, WorkLost if a cluster is gone.
     """
     root, part = Path(folder).absolute(), None if shard is None else Shard.of(shard)
-    if cluster is not None and (jobs is not None or executor is not None):
-        raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")
+    if isinstance(executor, str) and jobs is not None:
+        raise Refused("jobs=: the workers of a cluster are its own; leave jobs= out")
     executors.local(jobs)  # which refuses what is no number
     check_folder(root)
     making = _Making(sweep, root, part, tuple(command or this_command()), watch)
     if not force:
         making.check_strangers()
-
-    def workers(runs: int | None) -> AbstractContextManager[Workers]:
-        if cluster is not None:
-            return executors.cluster(cluster)
-        return nullcontext(executors.local(jobs, runs) if executor is None else executors.given(executor, jobs))
-
-    here = 0 if cluster is not None or executor is not None else jobs or executors.processors()
     try:
-        making.make_all(workers, here)
+        making.make_all(jobs, executor)
     except RunStopped as stopped:
         making.end()
         raise SweepStopped(stopped.exit_code - 128) from stopped
@@ -128,13 +118,13 @@ class _Making:
         planned = points_of(self.sweep.cases, max(self.sweep.replicates, self._replicates))
         check_strangers(self.root, self.sweep, {point.run_id for point in planned})
 
-    def make_all(self, workers: Callable[[int | None], AbstractContextManager[Workers]], here: int) -> None:
-        """Take up the runs that are there, then make the missing ones until none is left, ``here`` at a time."""
+    def make_all(self, jobs: int | None, executor: Any) -> None:
+        """Take up the runs that are there, then make the missing ones until none is left."""
         if not (missing := self._missing()):
             return
-        check_room(self.sweep, self.root, here, missing)
+        check_room(self.sweep, self.root, (jobs or executors.processors()) if executor is None else 0, missing)
         self._already = self._runs - len(missing)
-        with workers(len(missing) if self.sweep.precision is None else None) as opened:
+        with executors.opened(executor, jobs, len(missing) if self.sweep.precision is None else None) as opened:
             (self.root / RUNS).mkdir(parents=True, exist_ok=True)
             work = partial(
                 made,
@@ -173,17 +163,11 @@ class _Making:
         """Take the figures of a run from its file, if it is there; whether it is known now."""
         path = file_of(self.root, point.run_id, self.sweep.keep)
         if point.run_id not in self.found:
-            with suppress(OutputRefused, InUse):  # which is said of the run when it is to be made
+            with suppress(OutputRefused, RunFileRefused):  # which is said of the run when it is to be made
                 if (there := found(point, path)) is not None:
                     self.found[point.run_id] = there
                     self._unsynced.append(path)
         return point.run_id in self.found
-
-    def _is_known(self, point: Point) -> bool:
-        """Take the figures of a run as `_take_up` does; a file of others that cannot be read is left to them."""
-        with suppress(RunFileRefused):
-            return self._take_up(point)
-        return False
 
     def _record(self, outcome: Outcome[Figures]) -> None:
         run_id, problem = outcome.point.run_id, outcome.problem
@@ -233,7 +217,7 @@ class _Making:
         whole = AdaptiveReplicates(self.sweep)
         looked_for: set[str] = set()
         while more := [point for point in whole(self._ended()) if point.run_id not in looked_for]:
-            looked_for |= {point.run_id for point in more if not self._is_known(point)}
+            looked_for |= {point.run_id for point in more if not self._take_up(point)}
         return whole.points
 
     def _sync(self) -> None:

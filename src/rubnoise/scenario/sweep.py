@@ -17,7 +17,7 @@ from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.reading import ReadSizes, examined, load
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_keys import SWEEP, Keep, Sweeping
-from rubnoise.scenario.sweep_table import Precision, Table, read_table
+from rubnoise.scenario.sweep_table import Table, read_table
 from rubnoise.scenario.text import Source
 from rubnoise.tables import fields_as_text
 
@@ -64,8 +64,8 @@ class Sweep:
     """A file with a `[sweep]` table: its points, each a complete scenario, and the number of runs of each.
 
     ``keys`` are the swept keys with dots, ``side_by_side`` those of them in `[sweep.zip]`, ``warnings`` are texts about
-    doubtful values. ``keep`` says what is kept of a run; with a ``precision`` each point gets as many more replicates
-    as it needs.
+    doubtful values. ``keep`` says what is kept of a run; with settings of a ``precision`` each point gets as many more
+    replicates as it needs.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Sweep:
     replicates: int
     warnings: tuple[str, ...]
     keep: Keep = "runs"
-    precision: Precision | None = None
+    precision: Sweeping | None = None
 
     def __repr__(self) -> str:
         return fields_as_text(self)
@@ -161,11 +161,6 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         problems += [*_repeated(given, cases), *_without_quantity(given, settings, cases)]
     if any(problem.severity == "error" for problem in problems):
         raise ScenarioRefused(report(problems))
-    precision = None
-    if settings.precision is not None:
-        precision = Precision(
-            relative=settings.precision, quantity=settings.quantity, most_replicates=settings.most_replicates
-        )
     return Sweep(
         name=given.main.name,
         text=given.main.text,
@@ -175,7 +170,7 @@ def _checked(given: Layers, read: ReadSizes | None) -> Sweep:
         cases=tuple(cases),
         replicates=settings.replicates,
         keep=settings.keep,
-        precision=precision,
+        precision=None if settings.precision is None else settings,
         warnings=tuple(map(str, in_order(problems))),
     )
 

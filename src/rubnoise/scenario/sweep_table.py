@@ -1,9 +1,9 @@
 """The `[sweep]` table: the swept keys and their values, the number of runs of each point, and their precision."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import ceil, fsum, inf, isfinite, prod, sqrt
+from math import prod
 from typing import Any, Final
 
 from rubnoise.scenario import keys
@@ -16,44 +16,6 @@ from rubnoise.scenario.sweep_keys import FEWEST, SWEEP, SWEEP_RUNS, Sweeping
 
 SWEEP_POINTS: Final = 10_000
 """A point takes a millisecond to check, and all are checked before the first runs."""
-
-_SPARE: Final = 1.1
-_AT_LEAST: Final = 0.125
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Precision:
-    """The relative standard error to which the mean of a quantity over replicates shall be known, and the most runs."""
-
-    relative: float
-    quantity: str
-    most_replicates: int
-
-    def reached(self, values: Sequence[float]) -> float:
-        """Return s / (sqrt(n) |mean|) of replicates without nan, s being their standard deviation.
-
-        It is inf for fewer than two, and 0 for equal values.
-        """
-        finite = [value for value in values if isfinite(value)]
-        if len(finite) < 2:
-            return inf
-        mean = fsum(finite) / len(finite)
-        error = sqrt(fsum((value - mean) ** 2 for value in finite) / (len(finite) * (len(finite) - 1)))
-        if error == 0.0:
-            return 0.0
-        return error / abs(mean) if mean else inf
-
-    def wanted(self, values: Sequence[float]) -> int:
-        """Return how many replicates a point should have, from its present ones; not more if it has its precision.
-
-        At most twice as many at a time, since the scatter of few replicates is uncertain.
-        """
-        have, reached = len(values), self.reached(values)
-        if reached <= self.relative or have >= self.most_replicates:
-            return have
-        needed = min(2.0, _SPARE * (reached / self.relative) ** 2)
-        return min(self.most_replicates, ceil(have * max(needed, 1.0 + _AT_LEAST)))
-
 
 _ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
 
